@@ -6,8 +6,8 @@
 //! 1. `OIDN_DIR` of the user (any other folder than the default of `.cargo/config.toml`, which is `target/oidn`);
 //! 2. `target/oidn`, brought by an earlier build;
 //! 3. a system install of major version 2 (pkg-config, or the usual library folders);
-//! 4. Intel's own release binaries out of the Python wheel `pyoidn`, put into `target/oidn` once: only the parts for the
-//!    CPU, after a check of the wheel's SHA-256.
+//! 4. Intel's own release binaries out of the Python wheel `pyoidn`, put into `target/oidn` once: only the parts for
+//!    the CPU, after a check of the wheel's SHA-256.
 //!
 //! Nothing but the standard library is used here: pip needs a Python, and that Python can hash and unzip as well, so
 //! crates for either would only make every build longer.

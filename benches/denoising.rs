@@ -1,8 +1,10 @@
-//! The error of denoised pictures: with and without the features, beside the picture as sampled and beside one of four times the samples.
+//! The error of denoised pictures: with and without the features, beside the picture as sampled and beside one of four
+//! times the samples.
 //!
-//! `cargo bench --bench denoising -- SCENE [REFERENCE.exr] ...` prints a row of docs/measurements.md for each scene: the mean squared error, each error
-//! relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", 2011). Without
-//! the EXR file of a reference the scene is rendered with many samples of another seed. `SUNROOM_SCALE` scales the pictures' sides.
+//! `cargo bench --bench denoising -- SCENE [REFERENCE.exr] ...` prints a row of docs/measurements.md for each scene:
+//! the mean squared error, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and
+//! Reconstruction using Greedy Error Minimization", 2011). Without the EXR file of a reference the scene is rendered
+//! with many samples of another seed. `SUNROOM_SCALE` scales the pictures' sides.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -86,7 +88,8 @@ fn rendered(scene: &str, samples: u32, seed: u32) -> Result<Film, Box<dyn Error>
     Ok(app.world().resource::<RenderFilm>().film.clone())
 }
 
-/// The picture without noise, and the seconds that it took. In `Fast` quality the features are taken as they are, as the window does.
+/// The picture without noise, and the seconds that it took. In `Fast` quality the features are taken as they are, as
+/// the window does.
 fn denoised(film: &Film, by_features: bool, quality: DenoiseQuality) -> Result<(Vec<Rgb>, f32), Box<dyn Error>> {
     let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
     let input = DenoiseInput {

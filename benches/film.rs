@@ -1,4 +1,5 @@
-//! What one thread of the window does for each pixel of new samples: it adds them to the film, estimates the noise anew and makes colours for the screen.
+//! What one thread of the window does for each pixel of new samples: it adds them to the film, estimates the noise anew
+//! and makes colours for the screen.
 //!
 //! `cargo bench --bench film` prints nanoseconds per pixel, the least of several rounds, over a film of 800 x 600.
 

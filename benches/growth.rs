@@ -1,8 +1,9 @@
 //! What a sample costs, and how much memory a scene takes, as the scene grows.
 //!
-//! `cargo bench --bench growth -- [TABLE...]` prints tables of triangles, instances, lights, volumes, pixels and threads; named ones alone if any are
-//! named. Times per sample are of one thread, shortest of a few, on small pictures of paths of three segments. "held" is what the process
-//! holds more than before the scene was built, "peak" the most it held meanwhile.
+//! `cargo bench --bench growth -- [TABLE...]` prints tables of triangles, instances, lights, volumes, pixels and
+//! threads; named ones alone if any are named. Times per sample are of one thread, shortest of a few, on small pictures
+//! of paths of three segments. "held" is what the process holds more than before the scene was built, "peak" the most
+//! it held meanwhile.
 
 extern crate sunroom_core as sunroom;
 
@@ -138,7 +139,8 @@ fn of_lights() {
     }
 }
 
-/// A cloud of more and more voxels, then of more and more density. The density is the optical depth along an edge where the cloud is thickest.
+/// A cloud of more and more voxels, then of more and more density. The density is the optical depth along an edge where
+/// the cloud is thickest.
 fn of_volumes() {
     headings("volumes");
     for edge in [64, 128, 256, 512] {
@@ -351,8 +353,8 @@ fn mesh(rings: u32) -> Primitive {
     Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
 }
 
-/// Where the `index`-th of `count` balls of radius 1 lies in a flat square of side 2 at `height`, turned any way. However many there are, seen from above they
-/// cover the same part of it, so that as many rays meet them.
+/// Where the `index`-th of `count` balls of radius 1 lies in a flat square of side 2 at `height`, turned any way.
+/// However many there are, seen from above they cover the same part of it, so that as many rays meet them.
 fn spread(index: u32, count: u32, height: f32) -> Affine3A {
     let side = (count as f32).sqrt().ceil();
     let [x, z, ..] = random(index, 2).map(|at| 0.3 * at);

@@ -1,7 +1,8 @@
 //! Noise at equal time with many lights against the same room with few.
 //!
-//! `cargo bench --bench lights`: for every kind of light and every number of them, the time of a small picture, the mean relative variance
-//! of its pixels, and the root of their product, against that of ten lights. The lights' total power is the same.
+//! `cargo bench --bench lights`: for every kind of light and every number of them, the time of a small picture, the
+//! mean relative variance of its pixels, and the root of their product, against that of ten lights. The lights' total
+//! power is the same.
 
 extern crate sunroom_core as sunroom;
 

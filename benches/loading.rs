@@ -1,7 +1,8 @@
 //! Time to read mesh files, beside the crate tobj for OBJ, and beside merely reading the bytes for PLY.
 //!
-//! `cargo bench --bench loading -- [--rounds N] [--triangles N] [FILE...]` takes OBJ and PLY files; without any, generated ones of about so many
-//! triangles and the shared models. Files lie in memory before the clock starts. Shortest times over rounds in which all take turns.
+//! `cargo bench --bench loading -- [--rounds N] [--triangles N] [FILE...]` takes OBJ and PLY files; without any,
+//! generated ones of about so many triangles and the shared models. Files lie in memory before the clock starts.
+//! Shortest times over rounds in which all take turns.
 
 extern crate sunroom_core as sunroom;
 

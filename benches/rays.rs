@@ -1,10 +1,12 @@
-//! One thread's ray queries, and builds, beside the best that the crate obvhs does with the same rays in the same process.
+//! One thread's ray queries, and builds, beside the best that the crate obvhs does with the same rays in the same
+//! process.
 //!
-//! `cargo bench --bench rays -- [--rounds N] [--mine] [MESH [RAYS...]]` takes a mesh and files of rays (see `sunroom bench rays`). Without
-//! files the rays are made here: those of a pinhole camera, and cosine-distributed ones that leave random hits of those. Without a mesh
-//! it takes a generated one and the shared models. `--mine` leaves obvhs out. Rates are in 10^6 rays per second of the thread's own time,
-//! medians over rounds in which all take turns, every second time backwards. Ratios are medians of those within a round, to the fastest layout.
-//! Rays that go together are in lanes beforehand, where those of renders are; each one of obvhs is made of ours when its turn comes.
+//! `cargo bench --bench rays -- [--rounds N] [--mine] [MESH [RAYS...]]` takes a mesh and files of rays (see `sunroom
+//! bench rays`). Without files the rays are made here: those of a pinhole camera, and cosine-distributed ones that
+//! leave random hits of those. Without a mesh it takes a generated one and the shared models. `--mine` leaves obvhs
+//! out. Rates are in 10^6 rays per second of the thread's own time, medians over rounds in which all take turns, every
+//! second time backwards. Ratios are medians of those within a round, to the fastest layout. Rays that go together are
+//! in lanes beforehand, where those of renders are; each one of obvhs is made of ours when its turn comes.
 
 extern crate sunroom_core as sunroom;
 

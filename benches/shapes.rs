@@ -1,8 +1,9 @@
 //! The memory and the time that a scene file takes per shape, from its text to the first sample.
 //!
-//! `cargo bench --bench shapes -- [TABLE...]` writes generated scenes, renders each with one sample per pixel in a process of its own, and
-//! prints a line for each; named tables alone if any are named. "peak" is the most memory that the process held, "each" its growth over a
-//! scene of one shape, divided by the number of shapes. "load" is the time until everything is read.
+//! `cargo bench --bench shapes -- [TABLE...]` writes generated scenes, renders each with one sample per pixel in a
+//! process of its own, and prints a line for each; named tables alone if any are named. "peak" is the most memory that
+//! the process held, "each" its growth over a scene of one shape, divided by the number of shapes. "load" is the time
+//! until everything is read.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -134,7 +135,8 @@ fn instances(count: u32) -> String {
     group.to_owned() + &instances
 }
 
-/// Each shape has four numbers in [-1, 1] of its own, and all have a size with which they fill a part of the cube [-1, 1]^3.
+/// Each shape has four numbers in [-1, 1] of its own, and all have a size with which they fill a part of the cube [-1,
+/// 1]^3.
 fn written(count: u32, shape: impl Fn(&mut String, [f32; 4], f32) -> std::fmt::Result) -> String {
     let size = 0.5 / (count as f32).cbrt();
     let mut text = String::new();

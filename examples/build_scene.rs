@@ -1,4 +1,5 @@
-//! Builds a scene in code and renders it with the kernel alone, without Bevy: `cargo run --release -p sunroom-core --example build_scene`
+//! Builds a scene in code and renders it with the kernel alone, without Bevy: `cargo run --release -p sunroom-core
+//! --example build_scene`
 
 use std::{error::Error, f32::consts::PI, sync::Arc, sync::atomic::AtomicBool};
 

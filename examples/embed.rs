@@ -19,8 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = build_scene(app.world_mut());
     save(&mut app, "embed-before.png")?;
 
-    // An app with a loop of its own only changes components: the engine's systems notice it, rebuild the table of materials, and start
-    // the picture again. `RenderStatus` says how far it is, `RenderFilm` holds it.
+    // An app with a loop of its own only changes components: the engine's systems notice it, rebuild the table of
+    // materials, and start the picture again. `RenderStatus` says how far it is, `RenderFilm` holds it.
     let plastic = Material::of_plugin("principled").ok_or("a plugin of this name")?;
     app.world_mut().entity_mut(ball).insert(plastic);
     save(&mut app, "embed-after.png")

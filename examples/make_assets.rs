@@ -3,7 +3,8 @@
 //! * `cargo run --release --example make_assets -- balls` makes the balls of the library of materials.
 //! * `cargo run --release --example make_assets -- environments` makes the environment pictures.
 //!
-//! Each takes minutes. The environments are so bright that a white surface which lies flat under them reflects a radiance of 1.
+//! Each takes minutes. The environments are so bright that a white surface which lies flat under them reflects a
+//! radiance of 1.
 
 use std::error::Error;
 use std::f32::consts::{PI, TAU};
@@ -59,7 +60,8 @@ const SIZE: [u32; 2] = [768, 384];
 /// The directions along each side of a pixel that are averaged, also for the sun, which is as large as a pixel.
 const FINE: u32 = 16;
 
-/// All directions as the program reads them: +y is up, the middle of the picture lies towards +z, and columns go on towards -x.
+/// All directions as the program reads them: +y is up, the middle of the picture lies towards +z, and columns go on
+/// towards -x.
 fn picture(radiance: &(dyn Fn(Vec3) -> Rgb + Sync)) -> ImageRgb {
     let [width, height] = SIZE;
     let at = |x: f32, y: f32| {
@@ -105,7 +107,8 @@ fn above_ground(sky: impl Fn(Vec3) -> Rgb, albedo: Rgb) -> impl Fn(Vec3) -> Rgb 
     }
 }
 
-/// The overcast sky of the CIE: three times as bright at the zenith as at the horizon. Moon and Spencer, "Illumination from a Non-Uniform Sky", 1942.
+/// The overcast sky of the CIE: three times as bright at the zenith as at the horizon. Moon and Spencer, "Illumination
+/// from a Non-Uniform Sky", 1942.
 fn overcast(direction: Vec3) -> Rgb {
     Rgb::new(0.95, 1.0, 1.07) * ((1.0 + 2.0 * direction.y) / 3.0)
 }
@@ -138,7 +141,8 @@ fn clear_sky(height: f32, turbidity: f32) -> impl Fn(Vec3) -> Rgb {
     )
 }
 
-/// Three soft boxes and a strip in a dark grey room: a large one at the left, a weaker one at the right, a narrow one behind, and one overhead.
+/// Three soft boxes and a strip in a dark grey room: a large one at the left, a weaker one at the right, a narrow one
+/// behind, and one overhead.
 fn studio(direction: Vec3) -> Rgb {
     let walls = Rgb::splat(0.12 + 0.06 * direction.y);
     let boxes = [
@@ -188,7 +192,8 @@ struct Panorama {
 
 /// The pixels along each side of a picture of one side of the cube.
 const SIDE: u32 = 320;
-/// The field of view in degrees. It is somewhat more than a right angle: the denoiser does not know what is beyond the border.
+/// The field of view in degrees. It is somewhat more than a right angle: the denoiser does not know what is beyond the
+/// border.
 const FIELD: f32 = 94.0;
 const SAMPLES: u32 = 64;
 

@@ -1,7 +1,7 @@
 //! Renders a scene file to a picture: `cargo run --release --example render_file -- scenes/materials.xml out.png 64`
 //!
-//! The file may be anything that the program opens: Mitsuba's XML, the course project's XML, glTF. The picture is EXR, HDR or PNG, by its
-//! name. Without arguments it renders the Cornell box.
+//! The file may be anything that the program opens: Mitsuba's XML, the course project's XML, glTF. The picture is EXR,
+//! HDR or PNG, by its name. Without arguments it renders the Cornell box.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 /// Reads bytes as one kind of file.
 type Entry = fn(&[u8]);
 
-/// The program's memory budget in bytes, as `--memory` sets it: so small that inputs which promise too much meet it, and that what stays
-/// within it is quick.
+/// The program's memory budget in bytes, as `--memory` sets it: so small that inputs which promise too much meet it,
+/// and that what stays within it is quick.
 const BUDGET: u64 = 32 << 20;
 
 /// Bytes that a parser may hold at once. What is beyond the budget was not reserved before it was allocated.

@@ -73,8 +73,8 @@ fn scene_of(text: &str, path: &Path) -> (SceneDescription, Diagnostics) {
     (scene, document.diagnostics)
 }
 
-/// Lines of a script, done one after the other, but for those about files. All edits can be taken back and done again, and the scene can
-/// be saved at the end.
+/// Lines of a script, done one after the other, but for those about files. All edits can be taken back and done again,
+/// and the scene can be saved at the end.
 pub fn scripts(bytes: &[u8]) {
     static SCENE: LazyLock<Arc<SceneDescription>> = LazyLock::new(|| {
         let (scene, diagnostics) = scene_of(BEGINNING, Path::new(NOWHERE));
@@ -122,8 +122,8 @@ fn is_of_the_scene(command: &Command) -> bool {
     (selects || command.effect() != Effect::None) && !matches!(command, Command::Import(_))
 }
 
-/// A scene file that is opened, written aside as for recovery, saved over itself, edited and saved again: what is read again is what was
-/// written, and unedited parts stay the same to the byte.
+/// A scene file that is opened, written aside as for recovery, saved over itself, edited and saved again: what is read
+/// again is what was written, and unedited parts stay the same to the byte.
 pub fn scenes(bytes: &[u8]) {
     let folder = tempdir().expect("a temporary folder");
     let path = folder.path().join("main.xml");
@@ -219,7 +219,8 @@ fn folder_with(name: &str, bytes: &[u8]) -> TempDir {
     folder
 }
 
-/// The file of preferences: understood and then within the ranges of its controls, or else set aside as it is. What is stored comes back.
+/// The file of preferences: understood and then within the ranges of its controls, or else set aside as it is. What is
+/// stored comes back.
 pub fn preferences(bytes: &[u8]) {
     const FILE: &str = "preferences.json";
     let folder = folder_with(FILE, bytes);
@@ -306,7 +307,8 @@ impl TabViewer for Titles {
     fn ui(&mut self, _: &mut egui::Ui, _: &mut Panel) {}
 }
 
-/// The note beside a scene that was written aside: it is offered, opened under the name that the note says, and can be thrown away.
+/// The note beside a scene that was written aside: it is offered, opened under the name that the note says, and can be
+/// thrown away.
 pub fn recovery_notes(bytes: &[u8]) {
     let home = tempdir().expect("a temporary folder");
     let folder = home.path().join("recovery/one");
@@ -341,7 +343,8 @@ pub fn recovery_notes(bytes: &[u8]) {
     assert!(!folder.exists());
 }
 
-/// The file of stored views: they come back when their scene is opened, can be gone to, and come back once more after another was stored.
+/// The file of stored views: they come back when their scene is opened, can be gone to, and come back once more after
+/// another was stored.
 pub fn views(bytes: &[u8]) {
     let folder = folder_with("views.json", bytes);
     let known = views_after(folder.path(), |_| {});
@@ -379,7 +382,8 @@ fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::edito
     world.resource::<ViewSettings>().bookmarks
 }
 
-/// How the window showed a scene whose picture is kept: what cannot be shown is left out, and what is left can be written and read again.
+/// How the window showed a scene whose picture is kept: what cannot be shown is left out, and what is left can be
+/// written and read again.
 pub fn shown(bytes: &[u8]) {
     let Some(shown) = Shown::read(&String::from_utf8_lossy(bytes)) else {
         return;

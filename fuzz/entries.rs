@@ -1,7 +1,8 @@
 //! Every parser that reads foreign bytes, as a plain function of these bytes.
 //!
-//! The fuzz target and the test that replays the corpus share this file and those in `entries`, so that both do the same. An entry panics where the program
-//! breaks a promise: a panic of the parser itself, a mesh that contradicts its documentation, a document that changes when it is written.
+//! The fuzz target and the test that replays the corpus share this file and those in `entries`, so that both do the
+//! same. An entry panics where the program breaks a promise: a panic of the parser itself, a mesh that contradicts its
+//! documentation, a document that changes when it is written.
 
 #[path = "entries/beside.rs"]
 mod beside;

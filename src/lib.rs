@@ -1,8 +1,8 @@
 //! Sunroom: a small level editor whose viewport is a path tracer.
 //!
-//! The package `sunroom-core` (the folder `core`) has everything without Bevy and is exported here again: the kernel, `document` and `gltf`.
-//! `scene` holds the authoring state as entities and assets; `engine` is the only place that knows both sides; `app` drives it with or
-//! without a window.
+//! The package `sunroom-core` (the folder `core`) has everything without Bevy and is exported here again: the kernel,
+//! `document` and `gltf`. `scene` holds the authoring state as entities and assets; `engine` is the only place that
+//! knows both sides; `app` drives it with or without a window.
 
 // The scene and the engine have much that only the window uses.
 #![cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]

@@ -1,10 +1,10 @@
 //! Every scene of other people that comes with a reference picture, rendered here and compared with it.
 //!
-//! A reference is a mean over many seeds with its standard error, per pixel and per block of 8 x 8 pixels. Our own noise is estimated from
-//! independent seeds, as if pixels were independent of each other; in truth samples of neighbours complete each other, and blocks have
-//! less noise than that, as a rule. A picture agrees if
-//! - the mean of each channel is off by no more than half a percent and three standard errors (a channel below a fiftieth of the
-//!   brightest is judged by that),
+//! A reference is a mean over many seeds with its standard error, per pixel and per block of 8 x 8 pixels. Our own
+//! noise is estimated from independent seeds, as if pixels were independent of each other; in truth samples of
+//! neighbours complete each other, and blocks have less noise than that, as a rule. A picture agrees if
+//! - the mean of each channel is off by no more than half a percent and three standard errors (a channel below a
+//!   fiftieth of the brightest is judged by that),
 //! - not more than one block, or one in two hundred, is further off than [`Z_LIMIT`] allows for so many blocks,
 //! - the blocks' errors are as wide as their noise says: many small ones that cancel in the mean are an error, too.
 
@@ -17,13 +17,14 @@ const SEEDS: usize = 4;
 const SAMPLES: &str = "64";
 const BLOCK: u32 = 8;
 
-/// Standard errors that a block may be off: among the 1,700 channels of blocks of the largest picture chance alone exceeds this once in
-/// 87 pictures. Heavy tails of the noise do so more often, hence a few may.
+/// Standard errors that a block may be off: among the 1,700 channels of blocks of the largest picture chance alone
+/// exceeds this once in 87 pictures. Heavy tails of the noise do so more often, hence a few may.
 const Z_LIMIT: f64 = 4.5;
 const MOST_OUT: f64 = 0.005;
 /// Robust standard deviation of the blocks' errors in units of their noise.
 const WIDEST: f64 = 1.6;
-/// What is too small to be seen and may differ for reasons of rounding: this share of a block, and this share of the picture's mean.
+/// What is too small to be seen and may differ for reasons of rounding: this share of a block, and this share of the
+/// picture's mean.
 const FLOOR: [f64; 2] = [0.005, 0.001];
 
 /// Where the reference is not what we are held to, and why. A scene that agrees has no place here.

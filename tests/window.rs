@@ -1,5 +1,5 @@
-//! Starts the real window in a virtual display with a software graphics driver, and looks at the picture it takes of itself.
-//! Skipped, with a word, where Xvfb or Mesa's software Vulkan is not installed.
+//! Starts the real window in a virtual display with a software graphics driver, and looks at the picture it takes of
+//! itself. Skipped, with a word, where Xvfb or Mesa's software Vulkan is not installed.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
 mod window_support;
@@ -75,8 +75,8 @@ fn the_window_shows_the_scene_between_its_panels() {
     check(&shot);
 }
 
-/// Thirty edits from an empty scene on, undone and redone: the file is the same to the byte, the picture to the bit, and the command line
-/// renders the same room.
+/// Thirty edits from an empty scene on, undone and redone: the file is the same to the byte, the picture to the bit,
+/// and the command line renders the same room.
 #[test]
 fn a_room_is_built_undone_and_redone() {
     let Some(display) = Display::open() else { return };

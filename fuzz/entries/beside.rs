@@ -1,4 +1,5 @@
-//! Entries for what is read beside other files: material libraries, files of wavelengths, and the noise that a checkpoint keeps.
+//! Entries for what is read beside other files: material libraries, files of wavelengths, and the noise that a
+//! checkpoint keeps.
 
 use std::fs;
 use std::io;
@@ -13,7 +14,8 @@ use sunroom_core::render::bytes::{Reader, Writer};
 use sunroom_core::render::replicas::Replicas;
 use sunroom_core::render::tile::tiles;
 
-/// An OBJ file and, each behind a zero byte, material libraries with the names `0.mtl`, `1.mtl` and so on. Each is read once.
+/// An OBJ file and, each behind a zero byte, material libraries with the names `0.mtl`, `1.mtl` and so on. Each is read
+/// once.
 pub fn libraries(bytes: &[u8]) {
     let mut parts = bytes.split(|&byte| byte == 0);
     let mesh = parts.next().unwrap_or_default();
@@ -72,7 +74,8 @@ fn values(scene: &Document) -> Vec<Value> {
     properties.map(|property| property.value.clone()).collect()
 }
 
-/// What a checkpoint has of the noise of a picture, and of its replicas. It is the same when it is written again, and samples can be shared out by it.
+/// What a checkpoint has of the noise of a picture, and of its replicas. It is the same when it is written again, and
+/// samples can be shared out by it.
 pub fn noise(bytes: &[u8]) {
     const SIDE: u32 = 40;
     let tiles = tiles(SIDE, SIDE);

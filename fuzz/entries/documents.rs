@@ -16,8 +16,8 @@ use sunroom_core::document::{
 
 use super::NOWHERE;
 
-/// A scene file, native or of the imported dialect. What is read without an error is the same after it was written and read again,
-/// and writing it over its own text changes nothing.
+/// A scene file, native or of the imported dialect. What is read without an error is the same after it was written and
+/// read again, and writing it over its own text changes nothing.
 pub fn xml(bytes: &[u8]) {
     let path = Path::new(NOWHERE);
     let text = match decode(bytes.to_vec(), path) {
@@ -85,8 +85,8 @@ pub fn without_spans(object: &Object) -> Object {
     }
 }
 
-/// A native scene with key frames: it survives being written at any moment, and then has the values of that moment. Returns whether it
-/// is one that could be written.
+/// A native scene with key frames: it survives being written at any moment, and then has the values of that moment.
+/// Returns whether it is one that could be written.
 pub fn animation(bytes: &[u8]) -> bool {
     let path = Path::new(NOWHERE);
     let Ok(text) = decode(bytes.to_vec(), path) else {
@@ -111,15 +111,16 @@ pub fn animation(bytes: &[u8]) -> bool {
         };
         let again = parse_str(text.as_str(), path, &[]);
         assert!(!again.diagnostics.has_errors(), "{}\n{text}", again.diagnostics);
-        // As text, in which a number that is none is the same as another: huge keys have such numbers between them, which the reader of scenes refuses.
+        // As text, in which a number that is none is the same as another: huge keys have such numbers between them,
+        // which the reader of scenes refuses.
         let [found, expected] = [&again.at(time), &moment].map(|moment| format!("{:?}", without_spans(&moment.root)));
         assert_eq!(found, expected, "at {time}: {text}");
     }
     true
 }
 
-/// A list of wavelengths with values, and a file of them. What is read is what a plain reading of the text finds, and its colours are those of the same
-/// spectrum given in another way.
+/// A list of wavelengths with values, and a file of them. What is read is what a plain reading of the text finds, and
+/// its colours are those of the same spectrum given in another way.
 pub fn spectra(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let is_blank = |c: char| matches!(c, ' ' | ',' | '\t' | '\n' | '\r');
@@ -163,8 +164,8 @@ fn assert_is_spectrum(spectrum: &Result<SampledSpectrum, SpectrumError>, pairs: 
     }
 }
 
-/// The text of an attribute as each type of value, and the bytes as numbers to be printed. What is read is finite, and a number that
-/// is printed reads back exactly.
+/// The text of an attribute as each type of value, and the bytes as numbers to be printed. What is read is finite, and
+/// a number that is printed reads back exactly.
 pub fn numbers(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     if let Ok(number) = parse_float(&text) {
@@ -187,7 +188,8 @@ fn assert_reads_back(number: f32) {
     assert_eq!(parse_float(&text).map(f32::to_bits), Ok(number.to_bits()), "{text}");
 }
 
-/// Steps of a transform made of the bytes: they survive writing, and the map is finite where the steps are of moderate size.
+/// Steps of a transform made of the bytes: they survive writing, and the map is finite where the steps are of moderate
+/// size.
 pub fn transforms(bytes: &[u8]) {
     let mut numbers = bytes[bytes.len().min(8)..]
         .as_chunks::<4>()

@@ -1,4 +1,5 @@
-//! Entries for what lies together in a folder: files that are replaced together, levels of a bake, and scenes with the files that they include.
+//! Entries for what lies together in a folder: files that are replaced together, levels of a bake, and scenes with the
+//! files that they include.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -26,8 +27,9 @@ fn folder_with(name: &str, files: &[(&str, &[u8])]) -> TempDir {
     home
 }
 
-/// The note beside a file of a set that is to be replaced. All files are of the second 1000000000. Whatever the note says, nothing outside of its folder changes,
-/// and where the set is finished, the note is gone. Returns whether it is finished.
+/// The note beside a file of a set that is to be replaced. All files are of the second 1000000000. Whatever the note
+/// says, nothing outside of its folder changes, and where the set is finished, the note is gone. Returns whether it is
+/// finished.
 pub fn set(bytes: &[u8]) -> bool {
     let note = format!(".sunroom-{}.set", checksum(b"scene.gltf"));
     let files: [(&str, &[u8]); 6] = [
@@ -61,7 +63,8 @@ pub fn set(bytes: &[u8]) -> bool {
     outcome.is_ok()
 }
 
-/// The manifest of a level that a bake has left. Only its files are looked at, and none is changed. Returns whether there is a level.
+/// The manifest of a level that a bake has left. Only its files are looked at, and none is changed. Returns whether
+/// there is a level.
 pub fn manifest(bytes: &[u8]) -> bool {
     let files: [(&str, &[u8]); 3] = [
         ("lightmaps.json", bytes),
@@ -82,8 +85,9 @@ pub fn manifest(bytes: &[u8]) -> bool {
     content.is_some()
 }
 
-/// A scene and, each behind a zero byte, files with the names `0.xml`, `1.xml` and so on that it may include. Only files of its folder are read, and what is read
-/// without an error is the same after it was written as one file. Returns whether files were included without an error.
+/// A scene and, each behind a zero byte, files with the names `0.xml`, `1.xml` and so on that it may include. Only
+/// files of its folder are read, and what is read without an error is the same after it was written as one file.
+/// Returns whether files were included without an error.
 pub fn includes(bytes: &[u8]) -> bool {
     let mut parts = bytes.split(|&byte| byte == 0);
     let text = parts.next().unwrap_or_default().to_vec();

@@ -118,8 +118,8 @@ fn assert_comes_back(mesh: &MeshData) {
     assert!(normals.all(|(one, other)| one.distance(*other) < 1e-5));
 }
 
-/// A glTF file of either kind; what follows the first zero byte of a JSON one is every file that it names. Its meshes are sound, the
-/// meshes and pictures that are written for other programs can be read, and its scene survives writing.
+/// A glTF file of either kind; what follows the first zero byte of a JSON one is every file that it names. Its meshes
+/// are sound, the meshes and pictures that are written for other programs can be read, and its scene survives writing.
 pub fn gltf(bytes: &[u8]) {
     let (file, other) = match bytes.starts_with(b"glTF") {
         true => (bytes, &b""[..]),

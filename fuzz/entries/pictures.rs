@@ -50,8 +50,8 @@ pub fn exr(bytes: &[u8]) {
     picture(&beginning_with(&EXR, bytes));
 }
 
-/// An EXR file with all channels that it has, of all parts. Those of each layer have a sample for each pixel, and are there again after they were written. Returns
-/// whether they were.
+/// An EXR file with all channels that it has, of all parts. Those of each layer have a sample for each pixel, and are
+/// there again after they were written. Returns whether they were.
 pub fn layered(bytes: &[u8]) -> bool {
     let picture = match load_picture(&beginning_with(&EXR, bytes)) {
         Ok(picture) => picture,

@@ -13,8 +13,9 @@ use sunroom_core::render::tile::Tile;
 
 use super::{beginning_with, crc};
 
-/// A checkpoint or share of a bake, with the checksum that it should have: hardly any mutation would get past it. What is read is the same after it was written and
-/// read again, and pictures without a number that is not finite are made of it. Returns whether they were.
+/// A checkpoint or share of a bake, with the checksum that it should have: hardly any mutation would get past it. What
+/// is read is the same after it was written and read again, and pictures without a number that is not finite are made
+/// of it. Returns whether they were.
 pub fn bake(bytes: &[u8]) -> bool {
     static POOL: LazyLock<ThreadPool> =
         LazyLock::new(|| ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
@@ -49,8 +50,8 @@ pub fn bake(bytes: &[u8]) -> bool {
     true
 }
 
-/// A checkpoint or share of a picture, without the picture in front, and with the checksum and the length that it should have. What is read is the same after it
-/// was written and read again. Returns whether it was written.
+/// A checkpoint or share of a picture, without the picture in front, and with the checksum and the length that it
+/// should have. What is read is the same after it was written and read again. Returns whether it was written.
 pub fn part(bytes: &[u8]) -> bool {
     const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
     let mut state = Writer(EXR.to_vec());

@@ -39,8 +39,9 @@ pub fn vol(bytes: &[u8]) {
     }
 }
 
-/// A medium of a grid: the first bytes choose how dense it is, where it lies and by which ways light goes through it, and the rest is a `.vol` file. Light
-/// comes to an end, and what is left of it is no more than there was. Returns whether it is a medium.
+/// A medium of a grid: the first bytes choose how dense it is, where it lies and by which ways light goes through it,
+/// and the rest is a `.vol` file. Light comes to an end, and what is left of it is no more than there was. Returns
+/// whether it is a medium.
 pub fn media(bytes: &[u8]) -> bool {
     let Some((chosen, file)) = bytes.split_first_chunk::<8>() else {
         return false;

@@ -3,23 +3,23 @@
 
 /// Larger pieces of memory go back to the system when they are freed, in bytes.
 ///
-/// Left to itself glibc raises this bound to the largest piece that was ever freed, at most 32 MB. Films, textures and hierarchies of the
-/// sizes that follow then come from the heaps of single threads, and what lies behind them keeps these heaps from shrinking: in a long session the
-/// program grew though nothing more was in use. The pieces above the bound are few, so that asking the system for each costs nothing that could
-/// be measured.
+/// Left to itself glibc raises this bound to the largest piece that was ever freed, at most 32 MB. Films, textures and
+/// hierarchies of the sizes that follow then come from the heaps of single threads, and what lies behind them keeps
+/// these heaps from shrinking: in a long session the program grew though nothing more was in use. The pieces above the
+/// bound are few, so that asking the system for each costs nothing that could be measured.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const GIVEN_BACK_ABOVE: libc::c_int = 1 << 20;
 
 /// Keeps the memory of long runs low. To be called before other threads are started.
 pub fn keep_memory_low() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: `mallopt` changes a parameter of the allocator, which glibc guards by a lock of its own; it touches no memory of ours. Where it
-    // fails, everything stays as it was.
+    // SAFETY: `mallopt` changes a parameter of the allocator, which glibc guards by a lock of its own; it touches no
+    // memory of ours. Where it fails, everything stays as it was.
     let _ = unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, GIVEN_BACK_ABOVE) };
 }
 
-/// Gives the pages of freed pieces back to the system, of all threads' heaps. It takes milliseconds for each 100 MB: for after something large
-/// that lay there in small pieces.
+/// Gives the pages of freed pieces back to the system, of all threads' heaps. It takes milliseconds for each 100 MB:
+/// for after something large that lay there in small pieces.
 pub fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: `malloc_trim` moves nothing that is in use, and glibc guards it by the locks of its heaps.

@@ -25,8 +25,8 @@ pub struct BakedLevel {
     pub messages: Vec<String>,
 }
 
-/// Makes the level that will be written to `output`, a folder or the file of a share. It may not replace files that the scene is made of. `hidden` is left out; meshes and pictures are read as far
-/// as `access` permits.
+/// Makes the level that will be written to `output`, a folder or the file of a share. It may not replace files that the
+/// scene is made of. `hidden` is left out; meshes and pictures are read as far as `access` permits.
 pub fn baked_level(
     scene: &SceneDescription,
     hidden: &Hidden,
@@ -70,7 +70,8 @@ fn asked_probe(name: &str, emitter: &Emitter, to_world: &Affine3A) -> Option<Ask
     })
 }
 
-/// What is wrong with the probes of a scene that is open, as far as it can be told without tracing rays: a sentence for each.
+/// What is wrong with the probes of a scene that is open, as far as it can be told without tracing rays: a sentence for
+/// each.
 pub fn probe_faults(world: &mut World) -> Vec<String> {
     let scene = world.resource::<PackedScene>().scene.as_ref();
     let bounds = scene

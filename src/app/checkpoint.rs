@@ -27,8 +27,9 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error is a sentence that says why the picture is another one, or why
-    /// the file cannot be read; it does not name the file. Returns the number of samples that every pixel of the piece has.
+    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error is a sentence
+    /// that says why the picture is another one, or why the file cannot be read; it does not name the file. Returns
+    /// the number of samples that every pixel of the piece has.
     pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<u32, String> {
         let header = file.header();
         let view = world.resource::<PackedScene>().view.as_ref();

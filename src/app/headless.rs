@@ -8,7 +8,8 @@ use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::assets::SceneAsset;
 use crate::scene::{FileSourcePlugin, KeepSource, OpenScene, ScenePlugin, SceneSystems, asset_plugin};
 
-/// An app that will load `scene` and render it; see [`crate::engine::render_to_completion`]. `threads` as in [`worker_count`].
+/// An app that will load `scene` and render it; see [`crate::engine::render_to_completion`]. `threads` as in
+/// [`worker_count`].
 pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin()))
@@ -22,8 +23,8 @@ pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
     app
 }
 
-/// An app like that of [`headless`], for a scene that is rendered and neither edited nor written. It does not keep what editing and writing need
-/// of the file, and it does not follow changes of the file.
+/// An app like that of [`headless`], for a scene that is rendered and neither edited nor written. It does not keep what
+/// editing and writing need of the file, and it does not follow changes of the file.
 pub fn render_only(scene: OpenScene, threads: Option<i32>) -> App {
     keep_memory_low();
     let mut app = headless(scene, threads);

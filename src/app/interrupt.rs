@@ -1,7 +1,8 @@
-//! Signals that ask the program to end in order: SIGINT, SIGTERM and SIGHUP (on other systems what corresponds to Ctrl+C).
+//! Signals that ask the program to end in order: SIGINT, SIGTERM and SIGHUP (on other systems what corresponds to
+//! Ctrl+C).
 
-/// Calls `handler` on a thread of its own for each such signal. SIGHUP stays ignored if it was, so that `nohup` keeps a render alive when its
-/// terminal is closed.
+/// Calls `handler` on a thread of its own for each such signal. SIGHUP stays ignored if it was, so that `nohup` keeps a
+/// render alive when its terminal is closed.
 pub fn on_interrupt(handler: impl FnMut() + Send + 'static) -> Result<(), ctrlc::Error> {
     #[cfg(unix)]
     let hang_up_was_ignored = hang_up::ignore();
@@ -20,8 +21,8 @@ mod hang_up {
 
     /// Ignores SIGHUP; returns whether it was ignored before.
     pub fn ignore() -> bool {
-        // SAFETY: `signal` is unsafe for handlers that are functions, which may be called at any moment. `SIG_IGN` calls nothing, and the
-        // old disposition is only compared.
+        // SAFETY: `signal` is unsafe for handlers that are functions, which may be called at any moment. `SIG_IGN`
+        // calls nothing, and the old disposition is only compared.
         let before = unsafe { signal(Signal::SIGHUP, SigHandler::SigIgn) };
         matches!(before, Ok(SigHandler::SigIgn))
     }

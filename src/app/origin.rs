@@ -16,14 +16,15 @@ use crate::render::part::{FileDigest, Origin};
 use crate::scene::assets::parts_cache::is_cached_part;
 use crate::scene::{IntegratorSettings, SceneWatch};
 
-/// Digests of the files that were read so far: each file is hashed once, however many frames are rendered. None stands for a file whose content follows
-/// from that of others.
+/// Digests of the files that were read so far: each file is hashed once, however many frames are rendered. None stands
+/// for a file whose content follows from that of others.
 #[derive(Resource, Default)]
 struct Digests(BTreeMap<PathBuf, Option<FileDigest>>);
 
-/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads); paths are relative to the folder of `scene`.
-/// Parts of glTF files in the user's cache are left out: they follow from the glTF files, and lie elsewhere on another machine.
-/// `others` are further settings by name. An error names a file that cannot be read any more.
+/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads);
+/// paths are relative to the folder of `scene`. Parts of glTF files in the user's cache are left out: they follow from
+/// the glTF files, and lie elsewhere on another machine. `others` are further settings by name. An error names a file
+/// that cannot be read any more.
 pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
     let folder = folder_of(scene);
     let mut known = world.get_resource_or_init::<Digests>();
@@ -50,7 +51,8 @@ const CHOICE: &str = "the choice of the integrator auto";
 /// What it says of guided paths.
 const GUIDED: &str = "guided path";
 
-/// Has `auto` stand for what it has stood for in a picture of this origin, so that the picture can go on. Returns false where `auto` is not asked for.
+/// Has `auto` stand for what it has stood for in a picture of this origin, so that the picture can go on. Returns false
+/// where `auto` is not asked for.
 pub fn take_choice(world: &mut World, then: &Origin) -> bool {
     if world.resource::<RenderStatus>().auto.is_none() {
         return false;

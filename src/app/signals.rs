@@ -1,4 +1,5 @@
-//! Signals that a farm sends to a render: SIGTERM, which asks for a checkpoint, and SIGUSR1, which asks for the picture so far.
+//! Signals that a farm sends to a render: SIGTERM, which asks for a checkpoint, and SIGUSR1, which asks for the picture
+//! so far.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -13,7 +14,8 @@ pub fn note_show() {
     handlers::note_show();
 }
 
-/// Has SIGTERM set this flag from now on, and be noted for [`is_terminated`]. On other systems, and after the first call, this does nothing.
+/// Has SIGTERM set this flag from now on, and be noted for [`is_terminated`]. On other systems, and after the first
+/// call, this does nothing.
 pub fn note_termination(cancel: Arc<AtomicBool>) {
     if CANCEL.set(cancel).is_ok() {
         #[cfg(unix)]

@@ -1,4 +1,5 @@
-//! Lines on standard error. Unlike `eprintln!` they do not end the program when standard error is closed, such as with its terminal.
+//! Lines on standard error. Unlike `eprintln!` they do not end the program when standard error is closed, such as with
+//! its terminal.
 
 use std::fmt::Display;
 use std::io::Write;

@@ -1,29 +1,31 @@
-//! Decides how many threads trace rays, and how many cores are left to others. No other place decides it: neither Bevy's task pools nor rayon's
-//! global pool trace rays.
+//! Decides how many threads trace rays, and how many cores are left to others. No other place decides it: neither
+//! Bevy's task pools nor rayon's global pool trace rays.
 
 use std::num::NonZeroUsize;
 
 use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-/// The most threads that are started, more than the largest machines have cores. Each costs memory, and the system refuses to start many more.
+/// The most threads that are started, more than the largest machines have cores. Each costs memory, and the system
+/// refuses to start many more.
 pub const MOST_WORKERS: usize = 1024;
 
 /// The number of workers.
 ///
-/// `requested`: None leaves it to us; a positive number is taken as it is, also beyond the number of cores, up to 1024; zero or a negative number
-/// leaves that many cores free (at least one worker remains).
+/// `requested`: None leaves it to us; a positive number is taken as it is, also beyond the number of cores, up to 1024;
+/// zero or a negative number leaves that many cores free (at least one worker remains).
 ///
-/// Without a window all cores work. With one, a core stays with the window, but never fewer than two workers where there are two
-/// cores: the window's thread sleeps most of the time and the scheduler of the operating system lets a thread that wakes up go before
-/// one that has been computing all along, while a second worker halves the time until a moved camera shows its first picture.
+/// Without a window all cores work. With one, a core stays with the window, but never fewer than two workers where
+/// there are two cores: the window's thread sleeps most of the time and the scheduler of the operating system lets a
+/// thread that wakes up go before one that has been computing all along, while a second worker halves the time until a
+/// moved camera shows its first picture.
 pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     of_cores(cores, requested, windowed)
 }
 
-/// Lets the systems of a frame run one after the other on the thread that drives the app: most take microseconds, which is less than
-/// to wake another thread for them, and the other threads' cores trace rays.
+/// Lets the systems of a frame run one after the other on the thread that drives the app: most take microseconds, which
+/// is less than to wake another thread for them, and the other threads' cores trace rays.
 pub(crate) fn run_systems_in_turn(app: &mut App) {
     let mut schedules = app.world_mut().resource_mut::<Schedules>();
     for (_, schedule) in schedules.iter_mut() {

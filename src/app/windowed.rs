@@ -79,8 +79,8 @@ pub fn windowed(options: WindowOptions) -> App {
         })
         .set(asset_plugin())
         .set(LogPlugin {
-            // Only errors of libraries are logged. A software driver and a window manager without sizes are none. The scene reports files that
-            // cannot be read, without the backtraces of the asset server.
+            // Only errors of libraries are logged. A software driver and a window manager without sizes are none. The
+            // scene reports files that cannot be read, without the backtraces of the asset server.
             filter: "error,sunroom=info,bevy_asset::server=off".to_owned(),
             fmt_layer: |_| Some(log_layer()),
             ..default()
@@ -109,8 +109,8 @@ pub fn windowed(options: WindowOptions) -> App {
     app
 }
 
-/// Writes the log to standard error, with colours only on a terminal. A closed standard error is ignored: the default would report it
-/// there, which fails again and ends the program.
+/// Writes the log to standard error, with colours only on a terminal. A closed standard error is ignored: the default
+/// would report it there, which fails again and ends the program.
 fn log_layer() -> BoxedFmtLayer {
     let layer = tracing_subscriber::fmt::Layer::default().with_writer(std::io::stderr);
     let layer = match std::io::stderr().is_terminal() {
@@ -120,8 +120,8 @@ fn log_layer() -> BoxedFmtLayer {
     Box::new(layer.log_internal_errors(false))
 }
 
-/// Keeps the graphics driver loaded until the process ends, because drivers leave functions to be called then. One that is unloaded before, with
-/// the last of what it has made, would be called where nothing is any more: it stays.
+/// Keeps the graphics driver loaded until the process ends, because drivers leave functions to be called then. One that
+/// is unloaded before, with the last of what it has made, would be called where nothing is any more: it stays.
 fn keep_driver(adapter: Option<Res<RenderAdapter>>) {
     std::mem::forget(adapter.map(|adapter| adapter.clone()));
 }
@@ -135,7 +135,8 @@ fn has_display() -> bool {
         || is_set("WAYLAND_SOCKET")
 }
 
-/// Explains the panics of Bevy, on threads of its own, when it finds no graphics driver or no display, and ends the program.
+/// Explains the panics of Bevy, on threads of its own, when it finds no graphics driver or no display, and ends the
+/// program.
 fn explain_startup_panics() {
     let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

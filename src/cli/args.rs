@@ -32,8 +32,8 @@ pub struct TrustArgs {
 }
 
 impl TrustArgs {
-    /// The permission to read that the scene in this file has. An error if the file itself is a link that leads out of its folder: messages quote
-    /// the lines of a scene, which would be those of a file that it may not read.
+    /// The permission to read that the scene in this file has. An error if the file itself is a link that leads out of
+    /// its folder: messages quote the lines of a scene, which would be those of a file that it may not read.
     pub fn trust(&self, scene: &Path) -> Result<Trust, String> {
         if !self.untrusted {
             return Ok(Trust::Everything);
@@ -96,7 +96,8 @@ impl ThreadArgs {
 
 #[derive(Args)]
 pub struct MemoryArgs {
-    /// Memory for pictures, meshes and the film, such as 8GB [default: $SUNROOM_MEMORY, or three quarters of the machine's]
+    /// Memory for pictures, meshes and the film, such as 8GB [default: $SUNROOM_MEMORY, or three quarters of the
+    /// machine's]
     #[arg(long, value_name = "SIZE", value_parser = memory::parse_size)]
     pub memory: Option<u64>,
 }
@@ -140,12 +141,14 @@ pub struct EditArgs {
     /// Quit after the screenshot (or the measurement, or else the samples)
     #[arg(long)]
     pub exit: bool,
-    /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
+    /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to
+    /// follow
     #[arg(long, value_name = "N", group = "unattended")]
     pub measure_latency: Option<u32>,
     #[command(flatten)]
     pub settling: SettlingArgs,
-    /// With --measure-latency, --measure-settling or --monkey: do not draw the window, so that what a software graphics driver takes is not in the figures
+    /// With --measure-latency, --measure-settling or --monkey: do not draw the window, so that what a software
+    /// graphics driver takes is not in the figures
     #[arg(long, requires = "unattended", conflicts_with = "screenshot")]
     pub undrawn: bool,
     #[command(flatten)]

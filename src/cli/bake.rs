@@ -119,7 +119,8 @@ struct Begun<'a> {
     cancel: Arc<AtomicBool>,
 }
 
-/// Prepares the bake of so many samples of each texel, and lets it go on with a checkpoint; None if the scene is refused, which has been reported.
+/// Prepares the bake of so many samples of each texel, and lets it go on with a checkpoint; None if the scene is
+/// refused, which has been reported.
 fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<Option<Begun<'a>>, Failure> {
     let cancel = cancel_on_interrupt()?;
     if args.checkpoints.checkpoint.is_some() {
@@ -402,8 +403,8 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Fail
     Ok(Some(app))
 }
 
-/// The level and the probes as they are in the file of the scene; None if it is refused, which has been reported. Messages about the scene itself have been printed when
-/// it was loaded.
+/// The level and the probes as they are in the file of the scene; None if it is refused, which has been reported.
+/// Messages about the scene itself have been printed when it was loaded.
 fn level(args: &BakeArgs) -> Result<Option<BakedLevel>, Failure> {
     let path = settle(&args.scene.scene);
     let access = args.trust.trust(&args.scene.scene)?.access(&path);

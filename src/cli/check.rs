@@ -97,7 +97,8 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     true
 }
 
-/// The numbers of errors and warnings, those of the engine and the faults of probes among them, such as "2 errors, 1 warning".
+/// The numbers of errors and warnings, those of the engine and the faults of probes among them, such as "2 errors, 1
+/// warning".
 fn summary(status: &SceneStatus, engine: &RenderStatus, faults: usize) -> String {
     let all = status.all_diagnostics();
     let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));

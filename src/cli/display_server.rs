@@ -1,4 +1,5 @@
-//! Sends the picture to a viewer while it is rendered. A viewer that is not there, or goes away, is reported once and never holds the render up.
+//! Sends the picture to a viewer while it is rendered. A viewer that is not there, or goes away, is reported once and
+//! never holds the render up.
 
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};

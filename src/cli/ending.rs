@@ -16,7 +16,8 @@ pub const TERMINATED: u8 = 143;
 
 /// The end of a render whose film has at least some samples.
 pub struct Ending {
-    /// The reason why the render was broken off. None if the picture is complete, or if the time that the user gave it is over.
+    /// The reason why the render was broken off. None if the picture is complete, or if the time that the user gave it
+    /// is over.
     broken_off_by: Option<Reason>,
     pixels: usize,
     pixels_without_samples: usize,
@@ -31,7 +32,8 @@ enum Reason {
 }
 
 impl Ending {
-    /// The end of a picture of so many pixels, of which so many have no sample. An error if there is nothing to write: without any sample the picture would be black, and replace an earlier one.
+    /// The end of a picture of so many pixels, of which so many have no sample. An error if there is nothing to write:
+    /// without any sample the picture would be black, and replace an earlier one.
     pub fn new(rendered: Result<Outcome, RenderError>, [pixels, missing]: [usize; 2]) -> Result<Self, String> {
         let mut ending = Self {
             broken_off_by: None,
@@ -58,13 +60,14 @@ impl Ending {
         self.pixels > 0 && self.pixels_without_samples == 0
     }
 
-    /// Whether the render ended before one of its limits was reached in every pixel: by the user, by the time, or by a fault.
+    /// Whether the render ended before one of its limits was reached in every pixel: by the user, by the time, or by a
+    /// fault.
     pub fn is_broken_off(&self) -> bool {
         self.broken_off_by.is_some()
     }
 
-    /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
-    /// without noise; `written`: the outputs that have the picture.
+    /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`:
+    /// the user asked for a picture without noise; `written`: the outputs that have the picture.
     pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {
         let Some(reason) = &self.broken_off_by else {
             if !quiet {

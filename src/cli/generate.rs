@@ -1,4 +1,5 @@
-//! `sunroom completions` and `sunroom man`: what shells and readers of manuals need, generated from the definitions of the command line.
+//! `sunroom completions` and `sunroom man`: what shells and readers of manuals need, generated from the definitions of
+//! the command line.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

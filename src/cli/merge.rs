@@ -1,4 +1,5 @@
-//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once, and from shares of a bake to its level.
+//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once, and from
+//! shares of a bake to its level.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,8 +1,9 @@
 //! The command line: what it accepts, and which part of the program answers.
 //!
-//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene or a file was
-//! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an unreadable file; 130 interrupted, and the picture with the samples so far is
-//! written; 143 terminated, and a checkpoint is written.
+//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene
+//! or a file was at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an
+//! unreadable file; 130 interrupted, and the picture with the samples so far is written; 143 terminated, and a
+//! checkpoint is written.
 
 mod args;
 mod bake;
@@ -117,7 +118,8 @@ pub fn run() -> ExitCode {
     code
 }
 
-/// Says so if the first argument is a plain word, but neither a command nor the name of a file, which would be a scene to edit.
+/// Says so if the first argument is a plain word, but neither a command nor the name of a file, which would be a scene
+/// to edit.
 fn no_command() -> Option<String> {
     let first = PathBuf::from(std::env::args_os().nth(1)?);
     let word = first.to_str()?;

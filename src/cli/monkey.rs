@@ -38,7 +38,8 @@ pub struct Limit(Option<Duration>);
 
 #[derive(Args)]
 pub struct MonkeyArgs {
-    /// Let a monkey use the editor: random commands on copies of the scenes for a time (1h, 2m), or so many of them (5000); print a report
+    /// Let a monkey use the editor: random commands on copies of the scenes for a time (1h, 2m), or so many of them
+    /// (5000); print a report
     #[arg(long, value_name = "TIME|N", value_parser = length, group = "unattended",
           conflicts_with_all = ["script", "screenshot", "measure_latency", "exit"])]
     pub monkey: Option<MonkeyLength>,
@@ -48,7 +49,8 @@ pub struct MonkeyArgs {
     /// Write every act of the monkey, one a line, as in a script
     #[arg(long, value_name = "FILE", requires = "monkey")]
     pub monkey_log: Option<PathBuf>,
-    /// The monkey fails if a frame of the window's own systems takes longer, waiting for a core not counted; none: frames are not judged
+    /// The monkey fails if a frame of the window's own systems takes longer, waiting for a core not counted; none:
+    /// frames are not judged
     #[arg(long, value_name = "TIME|none", default_value = "250ms", value_parser = limit, requires = "monkey")]
     pub longest_frame: Limit,
     /// The monkey plays without a window; frames are not judged

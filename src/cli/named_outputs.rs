@@ -1,4 +1,5 @@
-//! The files of a picture as far as the scene decides on them: their name where none is given, and whether they can hold its layers.
+//! The files of a picture as far as the scene decides on them: their name where none is given, and whether they can
+//! hold its layers.
 
 use std::path::{Path, PathBuf};
 
@@ -11,8 +12,8 @@ use super::outputs;
 use super::report::Failure;
 use super::sequence::SequenceArgs;
 
-/// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces a file, which may be a picture that the
-/// scene shows.
+/// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces
+/// a file, which may be a picture that the scene shows.
 pub fn default_output(world: &World, scene: &Path, sequence: &SequenceArgs) -> Result<PathBuf, Failure> {
     let sensor = world.resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| world.get::<Film>(sensor));

@@ -1,4 +1,5 @@
-//! The places that results go to: image files, standard output, and a temporary file for a picture that can be written nowhere else.
+//! The places that results go to: image files, standard output, and a temporary file for a picture that can be written
+//! nowhere else.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -37,7 +38,8 @@ pub fn check_distinct(outputs: &[PathBuf]) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses an output that is one of the files that the command reads, which would be lost. `what` says what those are, such as `one of the parts`.
+/// Refuses an output that is one of the files that the command reads, which would be lost. `what` says what those are,
+/// such as `one of the parts`.
 pub fn check_inputs_stay(outputs: &[PathBuf], inputs: &[PathBuf], what: &str) -> Result<(), String> {
     match outputs.iter().find(|output| has_file(inputs, output)) {
         Some(output) => {
@@ -63,7 +65,8 @@ pub fn check_scene_stays(outputs: impl IntoIterator<Item = impl AsRef<Path>>) ->
     }
 }
 
-/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot be foreseen.
+/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot
+/// be foreseen.
 pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
     check_distinct(outputs).map_err(Failure::Usage)?;
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
@@ -81,8 +84,8 @@ pub fn check_text(path: &Path) -> Result<(), String> {
     check_writable(path).map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
-/// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes to a temporary file, which is
-/// reported too. Returns the outputs that have the picture.
+/// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes
+/// to a temporary file, which is reported too. Returns the outputs that have the picture.
 pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options: &FileOptions) -> Vec<&'o Path> {
     let written = write_each(outputs, |path| write_picture(path, image, options));
     if written.is_empty() {

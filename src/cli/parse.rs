@@ -11,8 +11,8 @@ use sunroom::render::tonemap::Display;
 use sunroom::render::white_balance::WhiteBalance;
 use sunroom::scene::IntegratorSettings;
 
-/// The arguments, in which a word such as `-1` or `-5s` is the value of the option before it. No option begins with a digit, so that the word can be
-/// nothing else, and the option itself says which values it takes.
+/// The arguments, in which a word such as `-1` or `-5s` is the value of the option before it. No option begins with a
+/// digit, so that the word can be nothing else, and the option itself says which values it takes.
 pub fn with_negative_values(arguments: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let is_negative = |word: &str| {
         let number = word.strip_prefix('-').map(|word| word.trim_start_matches('.'));

@@ -19,7 +19,8 @@ pub struct DisplayArgs {
     /// Tone map of PNG and JPEG files [default: clip]
     #[arg(long, value_parser = named(&ToneMap::ALL, ToneMap::name))]
     tonemap: Option<ToneMap>,
-    /// White balance of PNG and JPEG files: the temperature of the light that shall look white, and its tint [default: 6504,0]
+    /// White balance of PNG and JPEG files: the temperature of the light that shall look white, and its tint [default:
+    /// 6504,0]
     #[arg(long, value_name = "KELVIN[,TINT]", value_parser = parse::white)]
     white: Option<WhiteBalance>,
 }

@@ -1,5 +1,5 @@
-//! Shows the progress of a render. On a terminal it is a bar. Elsewhere it is a line when every pixel has a sample, one for each tenth, one after
-//! some seconds without a line, and one at the end. If the render is quiet, nothing is shown.
+//! Shows the progress of a render. On a terminal it is a bar. Elsewhere it is a line when every pixel has a sample, one
+//! for each tenth, one after some seconds without a line, and one at the end. If the render is quiet, nothing is shown.
 
 use std::io::IsTerminal;
 use std::ops::RangeInclusive;

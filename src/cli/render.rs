@@ -72,7 +72,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         share::is_checkpoint_of_picture,
     )?;
     if !args.shares.is_given() {
-        // A part that is not finished may be finished in its file, which has the exact sums then as before. A picture has none.
+        // A part that is not finished may be finished in its file, which has the exact sums then as before. A picture
+        // has none.
         let resumed = args.checkpoints.resume.as_slice();
         outputs::check_inputs_stay(&first_outputs, resumed, "what the picture goes on with").map_err(Failure::Usage)?;
     }

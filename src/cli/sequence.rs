@@ -22,16 +22,19 @@ const DIGITS: usize = 4;
 
 #[derive(Args)]
 pub struct SequenceArgs {
-    /// Render frames, such as 17 or 1..120 (the last one included): frame n is the scene at n / fps seconds, and `####` in an output stands for n
+    /// Render frames, such as 17 or 1..120 (the last one included): frame n is the scene at n / fps seconds, and
+    /// `####` in an output stands for n
     #[arg(long, value_name = "FIRST..LAST", value_parser = frames)]
     pub frames: Option<RangeInclusive<u32>>,
     /// Frames per second
     #[arg(long, default_value_t = 24.0, value_parser = frame_rate, requires = "frames")]
     pub fps: f64,
-    /// Part of the time of a frame for which the shutter is open, such as 0.5: what moves is blurred [default: the camera's shutter times]
+    /// Part of the time of a frame for which the shutter is open, such as 0.5: what moves is blurred [default: the
+    /// camera's shutter times]
     #[arg(long, value_name = "PART", value_parser = part_of_frame, requires = "frames")]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the middle of the scene in the course of the frames, or from frame 0 to frame COUNT if some of COUNT frames are rendered
+    /// Turn the camera once around the middle of the scene in the course of the frames, or from frame 0 to frame COUNT
+    /// if some of COUNT frames are rendered
     #[arg(long, value_name = "COUNT", requires = "frames", num_args = 0..=1, require_equals = true, value_parser = turn_frames)]
     pub turntable: Option<Option<u32>>,
 }
@@ -68,7 +71,8 @@ fn turn_frames(text: &str) -> Result<u32, String> {
         .ok_or_else(|| format!("expected a number of frames from 1 to {MOST_FRAMES}"))
 }
 
-/// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the extension.
+/// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the
+/// extension.
 pub fn frame_path(path: &Path, frame: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let numbered = match name.rfind('#') {
@@ -182,7 +186,8 @@ pub struct TurningCamera {
 }
 
 impl TurningCamera {
-    /// Around the point that the file lets the active camera look at, or else the middle of all shapes. None without a camera.
+    /// Around the point that the file lets the active camera look at, or else the middle of all shapes. None without a
+    /// camera.
     pub fn of(world: &World) -> Option<Self> {
         let camera = world.get_resource::<ActiveSensor>()?.0?;
         let start = world.get::<ToWorld>(camera)?.0;

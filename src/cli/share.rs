@@ -21,7 +21,8 @@ use super::report::{self, Failure};
 
 #[derive(Args)]
 pub struct ShareArgs {
-    /// Render only these samples of each pixel, such as 0..256 (256 is not one of them); `sunroom merge` puts the parts together
+    /// Render only these samples of each pixel, such as 0..256 (256 is not one of them); `sunroom merge` puts the
+    /// parts together
     #[arg(long, value_name = "A..B", value_parser = parse::samples, conflicts_with_all = ["time", "noise", "adaptive", "denoise"])]
     pub samples: Option<Range<u32>>,
     /// Render only this part of the picture: its upper left corner and its size in pixels, at multiples of 32
@@ -51,8 +52,9 @@ impl CheckpointArgs {
         self.checkpoint.is_some() || self.resume.is_some()
     }
 
-    /// Refuses a file of checkpoints that is an output as well, that cannot be written, or that has something else than a checkpoint, which would be lost.
-    /// `is_checkpoint` tells whether a file is a checkpoint of such a `work` (a picture, a bake), be it of another scene.
+    /// Refuses a file of checkpoints that is an output as well, that cannot be written, or that has something else than
+    /// a checkpoint, which would be lost. `is_checkpoint` tells whether a file is a checkpoint of such a `work` (a
+    /// picture, a bake), be it of another scene.
     pub fn check(
         &self,
         work: &str,
@@ -98,7 +100,8 @@ fn open_checkpoint(path: &Path) -> Result<PartFile, String> {
     })
 }
 
-/// Whether a file is a checkpoint or a part of a picture, also of another version, or a damaged one that still has its end.
+/// Whether a file is a checkpoint or a part of a picture, also of another version, or a damaged one that still has its
+/// end.
 pub fn is_checkpoint_of_picture(path: &Path) -> bool {
     matches!(
         PartFile::open(path),
@@ -163,8 +166,9 @@ pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bo
     Ok(origin::take_choice(world, &file.header().origin))
 }
 
-/// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is packed. `samples`: the number of samples
-/// that are asked for; `samples_of_whole`: those of the whole picture, `u32::MAX` where they are not known; `settings`: other things that samples depend on.
+/// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is
+/// packed. `samples`: the number of samples that are asked for; `samples_of_whole`: those of the whole picture,
+/// `u32::MAX` where they are not known; `settings`: other things that samples depend on.
 pub fn begin(
     world: &mut World,
     scene: &Path,
@@ -256,7 +260,8 @@ pub fn earlier_stays(path: &Path) -> &'static str {
     }
 }
 
-/// Whether a file to resume is not there yet and will be written as the checkpoint, so that the `work` (a picture, a bake) begins. That is said.
+/// Whether a file to resume is not there yet and will be written as the checkpoint, so that the `work` (a picture, a
+/// bake) begins. That is said.
 pub fn is_begun(checkpoints: &CheckpointArgs, path: &Path, work: &str) -> bool {
     let is_begun = checkpoints.checkpoint.as_deref() == Some(path) && !path.exists();
     if is_begun {
@@ -296,7 +301,8 @@ pub fn warn_of_more(path: &Path, [place, work]: [&str; 2], samples: u32, asked: 
     }
 }
 
-/// Warns where parts end before the number of samples that was asked for, if that is known. They are samples of each `place`.
+/// Warns where parts end before the number of samples that was asked for, if that is known. They are samples of each
+/// `place`.
 pub fn warn_of_missing(place: &str, samples: u32, of_whole: Option<u32>) {
     if let Some(all) = of_whole.filter(|&all| samples < all) {
         report::line(format_args!(

@@ -1,7 +1,8 @@
-//! Messages to the viewer tev: how a picture is made, and how rectangles of it are filled (T. Müller, tev, "Over the Network" and `Ipc.h`; pbrt and
-//! Mitsuba's users know it).
+//! Messages to the viewer tev: how a picture is made, and how rectangles of it are filled (T. Müller, tev, "Over the
+//! Network" and `Ipc.h`; pbrt and Mitsuba's users know it).
 //!
-//! A message is its length in bytes with these four, an operation, and the operation's arguments. Integers are little-endian, texts end in a zero.
+//! A message is its length in bytes with these four, an operation, and the operation's arguments. Integers are
+//! little-endian, texts end in a zero.
 
 const CREATE_IMAGE: u8 = 4;
 /// The third form of the operation, with several channels, offsets and strides.

@@ -87,7 +87,8 @@ impl Watch<'_> {
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there is one.
+    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns
+    /// whether there is one.
     pub fn save(&mut self, world: &World) -> bool {
         let (Some((path, _)), Some(share)) = (self.checkpoint, self.share) else {
             return false;

@@ -1,8 +1,10 @@
-//! The package `sunroom-core`: everything that does not know Bevy. The kernel (`math` to `render`) traces rays, `document` is the XML
-//! format, `gltf` turns glTF files into such documents, `bake` makes lightmaps, `files` opens and writes files, and `memory` counts what they hold.
+//! The package `sunroom-core`: everything that does not know Bevy. The kernel (`math` to `render`) traces rays,
+//! `document` is the XML format, `gltf` turns glTF files into such documents, `bake` makes lightmaps, `files` opens and
+//! writes files, and `memory` counts what they hold.
 //!
-//! It is a package of its own so that its tests, benches and fuzz targets build without Bevy, and a change of the editor does not
-//! compile the kernel again. The program's crate root (`src/lib.rs`) exports these modules under the same names.
+//! It is a package of its own so that its tests, benches and fuzz targets build without Bevy, and a change of the
+//! editor does not compile the kernel again. The program's crate root (`src/lib.rs`) exports these modules under the
+//! same names.
 
 pub mod accel;
 pub mod bake;

@@ -1,5 +1,5 @@
-//! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different numbers of samples. What they are and why pictures
-//! stay unbiased: [`crate::render::adaptive`].
+//! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different
+//! numbers of samples. What they are and why pictures stay unbiased: [`crate::render::adaptive`].
 
 use std::iter::successors;
 use std::ops::Range;
@@ -13,7 +13,8 @@ use crate::render::tile::{Tile, TileSamples};
 /// The mean samples of a visit to a tile.
 const VISIT: u32 = 16;
 
-/// A round of a tile whose blocks differ in their samples, in visits. At each power of two of a block's samples a visit ends, so that halves can be compared.
+/// A round of a tile whose blocks differ in their samples, in visits. At each power of two of a block's samples a visit
+/// ends, so that halves can be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TileRound {
     /// The samples of the mean pixel before and after the round.
@@ -28,8 +29,8 @@ pub(super) struct TileRound {
 }
 
 impl TileRound {
-    /// A round in which the mean pixel grows from the start of `mean` to its end, and blocks from `from` to `to`, or less where a round is too short for their powers
-    /// of two.
+    /// A round in which the mean pixel grows from the start of `mean` to its end, and blocks from `from` to `to`, or
+    /// less where a round is too short for their powers of two.
     pub fn new(mean: Range<u32>, from: PerBlock<u32>, to: PerBlock<u32>) -> Self {
         let most = (mean.len() as u32).max(1);
         let reachable = |from: u32| next_power(from).saturating_mul(1 << (most - 1).min(31));
@@ -149,8 +150,9 @@ impl Adaptation {
         round.map_or(done, |round| round.mean.end)
     }
 
-    /// Plans a round: the tiles at `active` have so many samples of the mean pixel, by tile in `done`, and get `end`. With `is_adaptive` their blocks
-    /// differ as their neighbours say, and else they keep the differences that they have.
+    /// Plans a round: the tiles at `active` have so many samples of the mean pixel, by tile in `done`, and get `end`.
+    /// With `is_adaptive` their blocks differ as their neighbours say, and else they keep the differences that they
+    /// have.
     pub fn plan(&mut self, active: &[usize], done: &[u32], end: u32, is_adaptive: bool, film: &Film) {
         if is_adaptive {
             let may_begin = |index: &&usize| done[**index] > 0 && self.rounds[**index].is_none();

@@ -14,8 +14,8 @@ use super::packing::{Built, LONGEST, Packing, Reading};
 use super::splice::ShapeNews;
 
 impl Extracted {
-    /// Brings the shapes up to date. Tells which instances are not where and what they were; None while all are being packed, which goes on in the
-    /// next frame. What is left in `touched` is to be done in a later frame.
+    /// Brings the shapes up to date. Tells which instances are not where and what they were; None while all are being
+    /// packed, which goes on in the next frame. What is left in `touched` is to be done in a later frame.
     pub(super) fn update_shapes(
         &mut self,
         touched: &mut Touched,

@@ -11,8 +11,8 @@ use super::pack::group::Layout;
 use crate::accel::Primitive;
 use crate::scene::{Parameter, ShapeKind, Texture};
 
-/// Says which shapes lack an attribute that their material or their light is to be coloured by. One message for each mesh and attribute: there may be
-/// many shapes of a mesh.
+/// Says which shapes lack an attribute that their material or their light is to be coloured by. One message for each
+/// mesh and attribute: there may be many shapes of a mesh.
 pub(super) fn missing_attributes(authored: &Authored, layout: &Layout) -> Vec<String> {
     let of_materials = attributes_of_materials(authored);
     let of_light = |entity: Entity| {

@@ -153,7 +153,8 @@ pub(super) struct Authored<'w, 's> {
 }
 
 impl Authored<'_, '_> {
-    /// Packs all materials in the order of the file. Problems are added to `errors`, and a stand-in replaces a material that cannot be packed.
+    /// Packs all materials in the order of the file. Problems are added to `errors`, and a stand-in replaces a material
+    /// that cannot be packed.
     pub(crate) fn pack_materials(
         &self,
         model: DielectricModel,

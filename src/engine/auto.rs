@@ -1,6 +1,7 @@
 //! What the integrator `auto` stands for.
 //!
-//! Jobs know nothing of it: a view has an integrator at any time, and that is path tracing until there is a choice. [`choosing`](super::choosing) makes the choice.
+//! Jobs know nothing of it: a view has an integrator at any time, and that is path tracing until there is a choice.
+//! [`choosing`](super::choosing) makes the choice.
 
 use bevy::prelude::*;
 
@@ -20,7 +21,8 @@ pub(super) struct Seen {
     pub scene: RenderScene,
     /// The view of the pilot.
     pub pilot: View,
-    /// What the pilot could do for the number of samples; None where the choice is for any number, as that of a picture that goes on.
+    /// What the pilot could do for the number of samples; None where the choice is for any number, as that of a
+    /// picture that goes on.
     pub budget: Option<Budget>,
 }
 
@@ -74,13 +76,15 @@ impl AutoIntegrator {
         self.0.as_ref().filter(|(known, _)| known.is_same_sight(seen))
     }
 
-    /// The choice for a scene and a view; None while there is none. It may have been made for another number of samples.
+    /// The choice for a scene and a view; None while there is none. It may have been made for another number of
+    /// samples.
     pub fn choice(&self, scene: &RenderScene, view: &View) -> Option<Choice> {
         self.known(&Seen::of(scene, view)).map(|(_, choice)| *choice)
     }
 
-    /// Whether a picture with so many samples per pixel waits for a choice: for the first one, or for another one where the pilot can do more or less than it could. So what is
-    /// chosen does not depend on how many samples were asked for before.
+    /// Whether a picture with so many samples per pixel waits for a choice: for the first one, or for another one where
+    /// the pilot can do more or less than it could. So what is chosen does not depend on how many samples were
+    /// asked for before.
     pub fn is_awaited(&self, scene: &RenderScene, view: &View, samples: u32) -> bool {
         let seen = Seen::with_samples(scene, view, samples);
         match self.known(&seen) {

@@ -16,10 +16,12 @@ use crate::render::view::View;
 
 /// A device that renders. For every back end:
 ///
-/// - What it makes of an item is a function of scene, view, tile and ranges of samples alone: not of the number of its workers, nor of what
-///   it has rendered before or renders beside it. Random numbers are those of [`crate::sampling::Sampler`].
+/// - What it makes of an item is a function of scene, view, tile and ranges of samples alone: not of the number of its
+///   workers, nor of what it has rendered before or renders beside it. Random numbers are those of
+///   [`crate::sampling::Sampler`].
 /// - A tile's samples are summed up in their order. Those that are not finite count as black and are counted.
-/// - It looks at the flag of its run often enough for a change of the scene not to wait, and gives nothing once that is set.
+/// - It looks at the flag of its run often enough for a change of the scene not to wait, and gives nothing once that is
+///   set.
 pub(super) enum Backend {
     /// Threads that render a tile each.
     Cpu(ThreadPool),
@@ -74,7 +76,8 @@ impl Backend {
         }
     }
 
-    /// Returns what its workers do with each item of a picture. With a shutter, samples see its moments, by the integrator of the view.
+    /// Returns what its workers do with each item of a picture. With a shutter, samples see its moments, by the
+    /// integrator of the view.
     pub fn work(&self, scene: RenderScene, view: View, shutter: Option<Shutter>, tiles: Arc<[Tile]>) -> Box<Work> {
         let shutter = shutter.map(|shutter| shutter.with_method_of(&view));
         match self {

@@ -1,4 +1,5 @@
-//! The acceleration structures of meshes, one per mesh asset however many shapes show it, built in the background or on the spot.
+//! The acceleration structures of meshes, one per mesh asset however many shapes show it, built in the background or on
+//! the spot.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,7 +19,8 @@ use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
 use crate::scene::{Solid, TriangleMesh};
 
-/// The size up to which meshes are built at once when they are asked for: that takes about a millisecond, less than a frame.
+/// The size up to which meshes are built at once when they are asked for: that takes about a millisecond, less than a
+/// frame.
 const SMALL: usize = 4096;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -18,7 +18,8 @@ use crate::scene::{SceneState, SceneStatus};
 pub struct Limits {
     /// The samples per pixel; None takes those of [`RenderControl`] or the scene.
     pub samples: Option<u32>,
-    /// The rendering time, without loading and building. The pass that is under way is finished unless that takes long.
+    /// The rendering time, without loading and building. The pass that is under way is finished unless that takes
+    /// long.
     pub time: Option<Duration>,
     /// The time limit for loading the scene and its meshes.
     pub loading: Duration,
@@ -65,15 +66,16 @@ pub enum RenderError {
 
 /// A wait between two looks at what sends no signal.
 const NAP: Duration = Duration::from_millis(2);
-/// The longest wait while workers are busy. Cancelling and progress are checked in between, and results wait as long, for each check takes time
-/// from the workers.
+/// The longest wait while workers are busy. Cancelling and progress are checked in between, and results wait as long,
+/// for each check takes time from the workers.
 const LONGEST_WAIT: Duration = Duration::from_millis(50);
 /// The time beyond the limit that finishing a pass may take: this, or below this share of the limit.
 const LEAST_GRACE: Duration = Duration::from_secs(1);
 const GRACE_SHARE: f64 = 0.1;
 
-/// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] tells of meshes that failed. Rendering waits
-/// meanwhile. Where no scene was asked for, loading is done at once. Returns false if it was cancelled.
+/// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] tells of meshes that
+/// failed. Rendering waits meanwhile. Where no scene was asked for, loading is done at once. Returns false if it was
+/// cancelled.
 pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, RenderError> {
     let begin = Instant::now();
     finish_plugins(app);
@@ -100,9 +102,10 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
     result
 }
 
-/// Chooses the integrator `auto` of the scene that is packed, for a picture with so many samples per pixel, before it is rendered; None takes those of the film. It
-/// is the same on any number of threads, and for every share of the picture. A choice that there is stays, and where another integrator is asked for, nothing
-/// happens. Returns false if it was cancelled.
+/// Chooses the integrator `auto` of the scene that is packed, for a picture with so many samples per pixel, before it
+/// is rendered; None takes those of the film. It is the same on any number of threads, and for every share of the
+/// picture. A choice that there is stays, and where another integrator is asked for, nothing happens. Returns false if
+/// it was cancelled.
 pub fn choose_integrator(app: &mut App, samples: Option<u32>, limits: &Limits) -> Result<bool, RenderError> {
     if !load_to_completion(app, limits)? {
         return Ok(false);

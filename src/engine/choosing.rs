@@ -1,7 +1,8 @@
 //! Makes the choice of the integrator `auto`.
 //!
-//! Without a window it is there before the first sample ([`choose_integrator`](super::choose_integrator)). In a window the first samples are path tracing's, so that a
-//! change is seen at once. The pilot begins when the picture has some samples, on a thread of its own; where it chooses otherwise, the picture begins anew.
+//! Without a window it is there before the first sample ([`choose_integrator`](super::choose_integrator)). In a window
+//! the first samples are path tracing's, so that a change is seen at once. The pilot begins when the picture has some
+//! samples, on a thread of its own; where it chooses otherwise, the picture begins anew.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -116,8 +117,9 @@ fn apply(auto: &AutoIntegrator, extracted: &mut Extracted, packed: &mut PackedSc
     packed.view.clone_from(&extracted.view);
 }
 
-/// The choice for the scene and the view that are packed, for a picture with so many samples per pixel; None takes those of the film. A choice that there is stays.
-/// The error is that it was cancelled, and there is none where another integrator is asked for.
+/// The choice for the scene and the view that are packed, for a picture with so many samples per pixel; None takes
+/// those of the film. A choice that there is stays. The error is that it was cancelled, and there is none where another
+/// integrator is asked for.
 pub(super) fn find_choice(
     world: &World,
     samples: Option<u32>,

@@ -1,4 +1,5 @@
-//! Finds out that a clip plane leaves the whole scene out of the picture, which is then black or all sky without a visible cause.
+//! Finds out that a clip plane leaves the whole scene out of the picture, which is then black or all sky without a
+//! visible cause.
 
 use crate::accel::Tlas;
 use crate::render::camera::Camera;

@@ -1,5 +1,6 @@
-//! Frees memory on a thread of its own, so that the window does not wait for it. Memory that render threads have allocated lies in their
-//! heaps: freeing it waits for a lock that such a thread may hold while it has no core, and large pieces go back to the system page by page.
+//! Frees memory on a thread of its own, so that the window does not wait for it. Memory that render threads have
+//! allocated lies in their heaps: freeing it waits for a lock that such a thread may hold while it has no core, and
+//! large pieces go back to the system page by page.
 
 use bevy::prelude::*;
 use crossbeam_channel::{Sender, unbounded};

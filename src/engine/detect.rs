@@ -1,5 +1,5 @@
-//! The cheap half of noticing change: which tables may be out of date. Whether anything really differs is found out by packing
-//! ([`super::extract`]); here a value written back unchanged still counts.
+//! The cheap half of noticing change: which tables may be out of date. Whether anything really differs is found out by
+//! packing ([`super::extract`]); here a value written back unchanged still counts.
 
 use std::time::Instant;
 

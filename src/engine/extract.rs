@@ -1,5 +1,5 @@
-//! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones, and replaces only those that
-//! differ. Entities, handles and names end here.
+//! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones,
+//! and replaces only those that differ. Entities, handles and names end here.
 
 mod view;
 
@@ -49,7 +49,8 @@ use crate::scene::{AccelMethod, DocumentOrder, Film, SceneStatus};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
-/// The time for which a change waits, while others follow without pause, until the preview of the change before has been seen.
+/// The time for which a change waits, while others follow without pause, until the preview of the change before has
+/// been seen.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
 
 /// The most memory in bytes for the light of groups that is kept only so that lights are free.
@@ -187,7 +188,8 @@ impl Default for Extracted {
 }
 
 impl Extracted {
-    /// Whether the tables still are those of the scene before: that of the status is being opened, or its shapes are being packed.
+    /// Whether the tables still are those of the scene before: that of the status is being opened, or its shapes are
+    /// being packed.
     pub fn is_of_another(&self, status: &SceneStatus) -> bool {
         status.is_opening || status.fresh_load && self.packs_revision != self.packed_revision
     }
@@ -467,7 +469,8 @@ impl Extracted {
         self.layers.count() > 1 && pixels * (self.layers.count() * size_of::<Rgb>()) as u64 <= MOST_FOR_GROUPS
     }
 
-    /// Has the film keep the light of groups: if it is wanted, with the lights of each, or else if lights are free and there is room for it.
+    /// Has the film keep the light of groups: if it is wanted, with the lights of each, or else if lights are free and
+    /// there is room for it.
     fn update_layers(&mut self, wanted: bool, lights_are_free: bool) {
         self.light_groups = if wanted { self.owners.clone() } else { Arc::default() };
         let layers = match wanted || lights_are_free && self.has_room_for_groups() {

@@ -23,22 +23,25 @@ use super::schedule::tiles_in;
 pub struct RenderFilm {
     /// The samples of the picture so far.
     pub film: Film,
-    /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
-    /// picture is begun here when its first tile arrives, until then the last one stays.
+    /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until
+    /// tiles arrive. A picture is begun here when its first tile arrives, until then the last one stays.
     pub job: u64,
     /// The samples that every pixel of the rendered region has; those outside of it may have fewer.
     pub samples: u32,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
-    /// Whether the resolution is lower than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
+    /// Whether the resolution is lower than asked for, see
+    /// [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
     pub is_coarse: bool,
-    /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked for](RenderControl::gbuffer).
+    /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked
+    /// for](RenderControl::gbuffer).
     pub gbuffer: Vec<TileGBuffer>,
     urgent: HashSet<Tile>,
     urgent_changed: bool,
     /// Whether there is light of this picture: a preview or samples.
     pub is_lit: bool,
-    /// The light of the picture of the job before, row by row, if this one has its samples with other light. It is empty after the frame in which that changed.
+    /// The light of the picture of the job before, row by row, if this one has its samples with other light. It is
+    /// empty after the frame in which that changed.
     pub relit: Option<Arc<[Rgb]>>,
     /// The view of the picture; None if there is no picture.
     pub view: Option<View>,
@@ -68,7 +71,8 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    /// Reserves the memory for the film of this view, in place of the former reservation. The film of a share keeps chunks up to `samples`.
+    /// Reserves the memory for the film of this view, in place of the former reservation. The film of a share keeps
+    /// chunks up to `samples`.
     pub(super) fn reserve(&mut self, view: &View, control: &RenderControl, samples: u32) -> Result<(), FilmShortage> {
         let kept = view.film_layers();
         let chunks = control.share.filter(|&first| first > 0).map_or(0, |first| {
@@ -91,14 +95,15 @@ impl RenderFilm {
         }
     }
 
-    /// Reserves the memory for the film of this view, which is no share, in place of the former reservation. False if there is too little.
+    /// Reserves the memory for the film of this view, which is no share, in place of the former reservation. False if
+    /// there is too little.
     pub(super) fn has_room_for(&mut self, view: &View) -> bool {
         self.reserve_bytes(Film::memory_bytes(view.width, view.height, view.film_layers()))
             .is_ok()
     }
 
-    /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the previews of the picture
-    /// before.
+    /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the
+    /// previews of the picture before.
     pub(super) fn begin(
         &mut self,
         begun: Instant,
@@ -139,7 +144,8 @@ impl RenderFilm {
         self.dirty.clear();
     }
 
-    /// Gives the picture these layers of light, see [`Film::relight`]. It counts as another picture, which has the samples of this one.
+    /// Gives the picture these layers of light, see [`Film::relight`]. It counts as another picture, which has the
+    /// samples of this one.
     pub(super) fn relight(&mut self, layers: &[NewLayer], view: &View, light_groups: &Arc<[LightGroup]>) {
         self.relit = Some(self.film.radiance().into());
         self.film.relight(view.light_groups.count(), layers);

@@ -1,5 +1,5 @@
-//! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
-//! done by ending the [`Run`] and starting another; the samples stay.
+//! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and
+//! going on are done by ending the [`Run`] and starting another; the samples stay.
 
 mod beginning;
 mod guides;
@@ -196,8 +196,8 @@ impl Job {
         self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&own, view)
     }
 
-    /// What its picture is older than, if another would be rendered now. Another number of pixels makes no other picture, nor does what the integrator
-    /// `auto` chooses.
+    /// What its picture is older than, if another would be rendered now. Another number of pixels makes no other
+    /// picture, nor does what the integrator `auto` chooses.
     pub fn outdated(&self, scene: &RenderScene, view: &View) -> Option<Outdated> {
         if !self.is_of_scene(scene) || self.view.integrator.settings() != view.integrator.settings() {
             return Some(Outdated::Scene);
@@ -232,8 +232,9 @@ impl Job {
         stop.reached(samples, self.seconds(), judged.map(|judged| judged.noise))
     }
 
-    /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if nothing else had been rendered
-    /// before. Tiles outside of the region have the samples of an earlier exact picture, or none.
+    /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if
+    /// nothing else had been rendered before. Tiles outside of the region have the samples of an earlier exact
+    /// picture, or none.
     pub fn can_end_exactly_at(&self, samples: u32) -> bool {
         let mut is_active = vec![false; self.tiles.len()];
         self.active.iter().for_each(|&index| is_active[index] = true);
@@ -344,8 +345,8 @@ impl Job {
         indices.filter(|&index| some.contains(&self.tiles[index])).collect()
     }
 
-    /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
-    /// picture begins.
+    /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older
+    /// picture may stay, however the picture begins.
     fn previews(&self) -> Vec<usize> {
         let mut is_active = vec![false; self.tiles.len()];
         self.active.iter().for_each(|&index| is_active[index] = true);
@@ -401,8 +402,8 @@ impl Job {
         previews
     }
 
-    /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. What is no longer needed is handed to
-    /// `deferred`.
+    /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. What is no longer
+    /// needed is handed to `deferred`.
     pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, deferred: &DeferredDrop) -> usize {
         let mut collected = 0;
         let mut spent = Spent::default();

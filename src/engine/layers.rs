@@ -90,9 +90,9 @@ pub fn single_picture(world: &World, picture: &ImageRgb) -> LayeredImage {
     }
 }
 
-/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the samples and the seed. `scene` is
-/// the file of the scene, and None for a scene without one. `seconds` are those of rendering, for pictures that depend on the time that they took: with None the
-/// same render gives the same file.
+/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the
+/// samples and the seed. `scene` is the file of the scene, and None for a scene without one. `seconds` are those of
+/// rendering, for pictures that depend on the time that they took: with None the same render gives the same file.
 pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option<&Path>, seconds: Option<f64>) {
     let status = world.resource::<RenderStatus>();
     let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));
@@ -117,7 +117,8 @@ pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option
     }
 }
 
-/// The names by which layers tell things apart. Where several things without an id have the same name, the name is followed by the place in the file.
+/// The names by which layers tell things apart. Where several things without an id have the same name, the name is
+/// followed by the place in the file.
 struct DistinctNames<'w> {
     world: &'w World,
     kind: &'w str,

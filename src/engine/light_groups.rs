@@ -43,7 +43,8 @@ impl Lamps {
     }
 }
 
-/// Groups the lights. `owners` has the entity that each light belongs to. Groups come in the order of their first lights.
+/// Groups the lights. `owners` has the entity that each light belongs to. Groups come in the order of their first
+/// lights.
 pub(super) fn group_lights(owners: &[Entity]) -> (Arc<[LightGroup]>, LightGroups) {
     let mut groups: Vec<LightGroup> = Vec::new();
     let mut group_of = HashMap::new();

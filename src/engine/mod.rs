@@ -1,5 +1,6 @@
-//! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS, packs just
-//! that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws nothing and reads no input.
+//! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS,
+//! packs just that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws
+//! nothing and reads no input.
 
 mod adaptation;
 mod all_shapes;
@@ -69,8 +70,8 @@ use crate::scene::SceneSystems;
 
 /// The steps of a frame, in this order, in `PostUpdate`.
 ///
-/// What shows the picture runs after `Collect`; what edits the scene runs before `Detect`. Results come first, so that a change that
-/// waited for the preview of the one before is dispatched in the frame in which that preview is complete.
+/// What shows the picture runs after `Collect`; what edits the scene runs before `Detect`. Results come first, so that
+/// a change that waited for the preview of the one before is dispatched in the frame in which that preview is complete.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSystems {
     /// Takes the results that have arrived.

@@ -27,7 +27,8 @@ pub struct PackedScene {
 }
 
 impl PackedScene {
-    /// The medium at the place `to`, if `medium` is at the place `from`, both in world space. It is `medium` if the integrator leaves media out.
+    /// The medium at the place `to`, if `medium` is at the place `from`, both in world space. It is `medium` if the
+    /// integrator leaves media out.
     pub fn medium_at(&self, from: Vec3, medium: Option<Entity>, to: Vec3) -> Option<Entity> {
         let Some(scene) = self.scene.as_ref().filter(|_| !self.medium_of_entity.is_empty()) else {
             return medium;

@@ -1,5 +1,5 @@
-//! Packs all shapes. Very many are packed in the window over several frames, and the hierarchy over them is built on another thread, so that no frame
-//! takes long. What changes meanwhile is packed afterwards.
+//! Packs all shapes. Very many are packed in the window over several frames, and the hierarchy over them is built on
+//! another thread, so that no frame takes long. What changes meanwhile is packed afterwards.
 
 use std::collections::{BTreeMap, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};

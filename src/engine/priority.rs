@@ -1,9 +1,11 @@
-//! The share of the processors that threads have: how they give way to the window and to each other, and how much they have had.
+//! The share of the processors that threads have: how they give way to the window and to each other, and how much they
+//! have had.
 
 use std::time::Duration;
 
-/// Lowers the priority of the calling thread, so that a window that wants to answer a key gets its core at once: the more so where a
-/// software driver draws the window on the same cores. Where the system has no such thing per thread, nothing happens.
+/// Lowers the priority of the calling thread, so that a window that wants to answer a key gets its core at once: the
+/// more so where a software driver draws the window on the same cores. Where the system has no such thing per thread,
+/// nothing happens.
 pub(crate) fn yield_to_window() {
     /// A third of the share of a thread that does not yield.
     const NICENESS: i32 = 5;

@@ -6,7 +6,8 @@ use super::control::RenderControl;
 use crate::render::view::View;
 use crate::scene::Film;
 
-/// The largest size in pixels that has the proportions of `size` and fits into `room`, rounded down and at least 1 x 1. It may be larger than `size`.
+/// The largest size in pixels that has the proportions of `size` and fits into `room`, rounded down and at least 1 x 1.
+/// It may be larger than `size`.
 pub fn fit(size: UVec2, room: UVec2) -> UVec2 {
     let size = size.max(UVec2::ONE).as_dvec2();
     let scale = (room.as_dvec2() / size).min_element();

@@ -1,7 +1,8 @@
-//! Workers of a back end that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of what the work is.
+//! Workers of a back end that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of
+//! what the work is.
 //!
-//! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that its workers stop
-//! soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
+//! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that
+//! its workers stop soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,13 +18,14 @@ use super::event_loop_waker::EventLoopWaker;
 use super::priority::processor_time;
 use super::schedule::{WorkItem, WorkQueue};
 
-/// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so that workers do not wait for
-/// the next frame in the middle of it.
+/// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so
+/// that workers do not wait for the next frame in the middle of it.
 const CAPACITY: usize = 256;
 /// The results that one of many workers makes in a frame.
 const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
-/// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before it is dropped.
+/// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before
+/// it is dropped.
 const LONGEST_WAIT: Duration = Duration::from_millis(10);
 /// The time between two looks at a closed gate.
 const GATE_WAIT: Duration = Duration::from_millis(1);
@@ -54,7 +56,8 @@ struct Shared {
 }
 
 impl Run {
-    /// Sets all workers of `backend` to work. `first_items`: how many of the queue's items are previews or parts of the G-buffer.
+    /// Sets all workers of `backend` to work. `first_items`: how many of the queue's items are previews or parts of the
+    /// G-buffer.
     pub fn start(
         backend: &Backend,
         queue: WorkQueue,
@@ -110,8 +113,8 @@ impl Drop for Run {
 }
 
 impl Shared {
-    /// Works until the queue is empty. A panic in the work, or in the hook, ends the run with a message: beyond this function it would end the
-    /// program.
+    /// Works until the queue is empty. A panic in the work, or in the hook, ends the run with a message: beyond this
+    /// function it would end the program.
     fn work_until_done(&self, results: Sender<TileResult>) {
         if let Err(payload) = catch_unwind(AssertUnwindSafe(|| self.work_on_queue(&results))) {
             self.cancel.store(true, Ordering::Relaxed);
@@ -290,7 +293,8 @@ mod tests {
             EventLoopWaker::new(&hook),
             Gate::default(),
         );
-        // All of them end without collecting, for there is room. The hook is called while the second half is filled, and at the end.
+        // All of them end without collecting, for there is room. The hook is called while the second half is filled,
+        // and at the end.
         let deadline = Instant::now() + Duration::from_secs(600);
         while run.results.len() < CAPACITY - 1 || woken.load(Ordering::Relaxed) < CAPACITY / 2 {
             assert!(Instant::now() < deadline, "{} results, {woken:?}", run.results.len());

@@ -34,7 +34,8 @@ pub fn job_state(world: &World) -> Option<Vec<u8>> {
     world.get_resource::<Renderer>()?.job().map(super::job::Job::write)
 }
 
-/// Reserves the memory of the picture that is packed and asked for, before a film for [`resume`] is made. An error says how much is missing.
+/// Reserves the memory of the picture that is packed and asked for, before a film for [`resume`] is made. An error says
+/// how much is missing.
 pub fn reserve_film(world: &mut World) -> Result<(), String> {
     let Some(view) = world.resource::<PackedScene>().view.clone() else {
         return Ok(());
@@ -45,8 +46,9 @@ pub fn reserve_film(world: &mut World) -> Result<(), String> {
     reserved.map_err(|shortage| shortage.to_string())
 }
 
-/// Has the next picture go on with a film and the state of its job. The scene and the view that are packed have to be those of that time; if they change
-/// before the picture begins, it begins anew. A state that is damaged makes rendering fail.
+/// Has the next picture go on with a film and the state of its job. The scene and the view that are packed have to be
+/// those of that time; if they change before the picture begins, it begins anew. A state that is damaged makes
+/// rendering fail.
 pub fn resume(world: &mut World, film: Film, job: Vec<u8>) {
     let PackedScene { scene, view, .. } = world.resource::<PackedScene>();
     let (scene, view) = (scene.clone(), view.clone());

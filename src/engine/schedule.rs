@@ -1,7 +1,7 @@
 //! The order of work: which tile comes first, and how many samples each visit to a tile makes.
 //!
-//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), on any thread, with any number of
-//! interruptions: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
+//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), on any thread, with any
+//! number of interruptions: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -26,7 +26,8 @@ pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
     });
 }
 
-/// The indices in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no region, or none in it.
+/// The indices in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no
+/// region, or none in it.
 pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec<usize> {
     let touches = |tile: &Tile, region: Rect| {
         let (min, max) = (region.min * size.as_vec2(), region.max * size.as_vec2());
@@ -103,8 +104,9 @@ struct QueueState {
 }
 
 impl WorkQueue {
-    /// A queue of work. `tiles` has the index of each tile to be rendered and the samples that it has, `target` is the number of samples it gets,
-    /// and `previews` are the tiles that are first shown coarsely, in blocks of `step` pixels.
+    /// A queue of work. `tiles` has the index of each tile to be rendered and the samples that it has, `target` is the
+    /// number of samples it gets, and `previews` are the tiles that are first shown coarsely, in blocks of `step`
+    /// pixels.
     pub fn new(tiles: &[(usize, u32)], target: u32, previews: &[usize], step: u32) -> Self {
         Self {
             state: Mutex::new(QueueState {
@@ -192,7 +194,8 @@ impl WorkQueue {
         self.state().target = target;
     }
 
-    /// Lowers the target to the end of the pass that has been begun, so that all tiles end with equal samples. Returns that target.
+    /// Lowers the target to the end of the pass that has been begun, so that all tiles end with equal samples. Returns
+    /// that target.
     pub fn finish_pass(&self) -> u32 {
         let mut state = self.state();
         state.target = state.target.min(state.begun);

@@ -1,4 +1,5 @@
-//! Brings the records of shapes and the hierarchy over them up to date where only a few shapes have changed. [`super::packing`] packs all.
+//! Brings the records of shapes and the hierarchy over them up to date where only a few shapes have changed.
+//! [`super::packing`] packs all.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -26,8 +27,9 @@ struct Edited {
 }
 
 impl Extracted {
-    /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes, but for what the hierarchy looks
-    /// like inside. None where all shapes have to be packed, which also replaces what was noted here.
+    /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes,
+    /// but for what the hierarchy looks like inside. None where all shapes have to be packed, which also replaces
+    /// what was noted here.
     pub(super) fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,
@@ -183,7 +185,8 @@ impl Extracted {
         }
     }
 
-    /// The present hierarchy with little beside it, if it has been built anew. It waits for an edit, because the picture begins anew with it.
+    /// The present hierarchy with little beside it, if it has been built anew. It waits for an edit, because the
+    /// picture begins anew with it.
     fn take_rebuilt(&mut self) -> Option<Tlas> {
         let anew = self.rebuild.take_if(|rebuild| rebuild.is_done())?;
         anew.finish(&self.scene.geometry)

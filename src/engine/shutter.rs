@@ -14,7 +14,8 @@ use crate::render::motion::FrameBefore;
 use crate::render::shutter::Shutter;
 use crate::scene::IntegratorSettings;
 
-/// The moments of the next picture. It does not follow changes of the scene: [`open_shutter`] sets it anew for each picture.
+/// The moments of the next picture. It does not follow changes of the scene: [`open_shutter`] sets it anew for each
+/// picture.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct OpenShutter {
     /// The moments; None where all samples see the scene as it is.
@@ -23,9 +24,9 @@ pub struct OpenShutter {
     pub before: Option<FrameBefore>,
 }
 
-/// Lets the samples of the next picture be spread over as many moments as `times`, in frames, has. `show` brings the scene to each of them, and, if the
-/// layer of motion is wanted, to the times that lie a frame earlier. The picture has the bits that it would have if no other had been rendered before.
-/// Returns false if it was cancelled.
+/// Lets the samples of the next picture be spread over as many moments as `times`, in frames, has. `show` brings the
+/// scene to each of them, and, if the layer of motion is wanted, to the times that lie a frame earlier. The picture has
+/// the bits that it would have if no other had been rendered before. Returns false if it was cancelled.
 pub fn open_shutter(
     app: &mut App,
     times: impl IntoIterator<Item = f64>,

@@ -17,8 +17,8 @@ pub(super) struct SeenAlone {
 }
 
 impl SeenAlone {
-    /// The shapes of the entities `wanted`; None if there are none, and everything is seen. `entity_of_instance` tells whose the instances and placements of
-    /// `geometry` are.
+    /// The shapes of the entities `wanted`; None if there are none, and everything is seen. `entity_of_instance` tells
+    /// whose the instances and placements of `geometry` are.
     pub fn update(
         &mut self,
         wanted: &[Entity],

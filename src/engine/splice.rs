@@ -31,8 +31,8 @@ pub(super) enum Piece {
     New(usize),
 }
 
-/// The pieces of a list of this length without what is at the places `removed`, and with something new at the places `inserted`, which count in the
-/// edited list. Both ascend.
+/// The pieces of a list of this length without what is at the places `removed`, and with something new at the places
+/// `inserted`, which count in the edited list. Both ascend.
 pub(super) fn pieces(len: usize, removed: &[u32], inserted: &[u32]) -> Vec<Piece> {
     let mut removed = removed.iter().map(|place| *place as usize).peekable();
     let mut inserted = (0..).zip(inserted.iter().map(|place| *place as usize)).peekable();

@@ -14,7 +14,8 @@ use crate::render::clamp::BrightnessLimit;
 pub struct RenderStatus {
     /// The state of the engine.
     pub state: RenderState,
-    /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it is.
+    /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it
+    /// is.
     pub is_up_to_date: bool,
     /// Why a picture that is paused is not the one that would be rendered now; None if it is, or if it is not paused.
     pub outdated: Option<Outdated>,
@@ -30,13 +31,15 @@ pub struct RenderStatus {
     pub noise_target: Option<f32>,
     /// The limit that is reached.
     pub stopped_by: Option<StopReason>,
-    /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there is none.
+    /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there
+    /// is none.
     pub noise: Option<f32>,
     /// What the integrator `auto` stands for; None where another one is asked for.
     pub auto: Option<AutoStatus>,
     /// The size of the picture in pixels.
     pub size: UVec2,
-    /// The pixels that the picture has when it is traced in full: those of the film, see [`RenderControl`](super::RenderControl::view_size).
+    /// The pixels that the picture has when it is traced in full: those of the film, see
+    /// [`RenderControl`](super::RenderControl::view_size).
     pub full_size: UVec2,
     /// Time spent on the samples of this picture; pauses do not count.
     pub seconds: f64,
@@ -46,7 +49,8 @@ pub struct RenderStatus {
     pub guide: Option<GuideStatus>,
     /// The rays per second, in millions.
     pub mrays_per_s: f64,
-    /// The rays per second, in millions, that all threads would trace if the processors did nothing else; 0 while that is not known.
+    /// The rays per second, in millions, that all threads would trace if the processors did nothing else; 0 while that
+    /// is not known.
     pub undisturbed_mrays_per_s: f64,
     /// The camera samples per second, in millions.
     pub msamples_per_s: f64,
@@ -64,13 +68,15 @@ pub struct RenderStatus {
     pub builds_running: u32,
     /// Errors of the scene or the render, in words; the picture is made without the things named here.
     pub errors: Vec<String>,
-    /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is not the one asked for.
+    /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is
+    /// not the one asked for.
     pub shortages: Vec<String>,
     /// The time at which the picture was begun anew.
     pub last_restart: Instant,
     /// The time from a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
-    /// The time from a change to when a worker has finished that tile. The rest of `latency` waits for the window to begin its next frame.
+    /// The time from a change to when a worker has finished that tile. The rest of `latency` waits for the window to
+    /// begin its next frame.
     pub response: LatencyStats,
 }
 
@@ -123,13 +129,15 @@ pub enum Outdated {
 /// The guide of a picture's paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GuideStatus {
-    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier picture or from a pilot.
+    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier
+    /// picture or from a pilot.
     pub rays: u64,
     /// Its memory in bytes; 0 until it is learnt, and where there is nothing to be guided by.
     pub bytes: u64,
 }
 
-/// The power of the number of samples with which noise falls: 0.5 for independent samples, and this about for well spread ones.
+/// The power of the number of samples with which noise falls: 0.5 for independent samples, and this about for well
+/// spread ones.
 const FALL_OF_NOISE: f64 = 0.6;
 
 impl RenderStatus {

@@ -81,8 +81,8 @@ impl StopCondition {
         }
     }
 
-    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` that was judged with that many samples;
-    /// None where all is black.
+    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` that was
+    /// judged with that many samples; None where all is black.
     pub fn reached(&self, samples: u32, seconds: f64, noise: Option<Option<f32>>) -> Option<StopReason> {
         let in_time = self.seconds.is_none_or(|limit| seconds < f64::from(limit));
         let is_quiet = |limit| match noise {
@@ -101,9 +101,10 @@ impl StopCondition {
         }
     }
 
-    /// The end of the round of samples that begins after `done` per pixel. With a limit of noise all pixels have equally many samples at the end of a
-    /// round, which depends on the picture alone, and there the noise is judged: so the same picture has the same samples on any number of threads.
-    /// `noise` is that at `done`. Rounds become shorter towards the limit, as far as it can be foreseen.
+    /// The end of the round of samples that begins after `done` per pixel. With a limit of noise all pixels have
+    /// equally many samples at the end of a round, which depends on the picture alone, and there the noise is
+    /// judged: so the same picture has the same samples on any number of threads. `noise` is that at `done`. Rounds
+    /// become shorter towards the limit, as far as it can be foreseen.
     pub fn round_end(&self, done: u32, noise: Option<f32>, is_adaptive: bool) -> u32 {
         let limit = match self.noise {
             Some(limit) => limit,

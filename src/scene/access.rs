@@ -1,4 +1,5 @@
-//! The permissions of the open scene: it may read every file, or only files in its own folder and in folders that the user trusts.
+//! The permissions of the open scene: it may read every file, or only files in its own folder and in folders that the
+//! user trusts.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -13,14 +14,16 @@ pub enum Trust {
     /// Scenes may read every file.
     #[default]
     Everything,
-    /// Scenes may read the files in their own folder and in these. A scene's file itself may be a link to elsewhere: the user has named it.
+    /// Scenes may read the files in their own folder and in these. A scene's file itself may be a link to elsewhere:
+    /// the user has named it.
     Folders(Vec<PathBuf>),
     /// Scenes may read the files in their own folder, and no links that lead out of it.
     OwnFolder,
 }
 
 impl Trust {
-    /// The permission of a scene in this file. An empty path stands for a scene without a file, which has no folder of its own.
+    /// The permission of a scene in this file. An empty path stands for a scene without a file, which has no folder of
+    /// its own.
     pub fn access(&self, scene: &Path) -> Access {
         let own = scene.parent();
         let access = match self {
@@ -38,7 +41,8 @@ impl Trust {
     }
 }
 
-/// The permissions of the open scene, and of a scene that is to replace it. They are shared with the loaders, which run on other threads.
+/// The permissions of the open scene, and of a scene that is to replace it. They are shared with the loaders, which run
+/// on other threads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneAccess(Arc<RwLock<Accesses>>);
 
@@ -75,7 +79,8 @@ impl SceneAccess {
         };
     }
 
-    /// Sets the permission of a scene that is going to be read. The open one keeps its own, because it stays if the new one cannot be read.
+    /// Sets the permission of a scene that is going to be read. The open one keeps its own, because it stays if the new
+    /// one cannot be read.
     pub(crate) fn ask(&self, path: PathBuf, access: Access) {
         self.write().asked = Some((path, access));
     }

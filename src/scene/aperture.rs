@@ -1,7 +1,7 @@
 //! Apertures as photographers name them: the f-number, the focal length over the aperture's diameter.
 //!
-//! A scene has no focal length of its own. As for the format's `focal_length` it is that of a lens with the same field of view on 35 mm film,
-//! by the film's diagonal; and a unit of the world counts as a metre.
+//! A scene has no focal length of its own. As for the format's `focal_length` it is that of a lens with the same field
+//! of view on 35 mm film, by the film's diagonal; and a unit of the world counts as a metre.
 
 use super::{FovAxis, Sensor};
 
@@ -40,7 +40,8 @@ mod tests {
 
     #[test]
     fn a_lens_of_fifty_millimetres_is_one() {
-        // The values of 35 mm film are known: 50 mm see 46.79 degrees along the diagonal and 39.6 along the width of a 3:2 picture.
+        // The values of 35 mm film are known: 50 mm see 46.79 degrees along the diagonal and 39.6 along the width of a
+        // 3:2 picture.
         for (fov, fov_axis) in [(46.793, FovAxis::Diagonal), (39.598, FovAxis::X)] {
             let sensor = Sensor {
                 fov,

@@ -6,7 +6,8 @@ use super::{SunPosition, SunSky};
 use crate::light::{Atmosphere, PlaceAndTime};
 
 impl SunSky {
-    /// The atmosphere in the light's own space, which `world_from_local` turns to the world. None if the sun stands nowhere.
+    /// The atmosphere in the light's own space, which `world_from_local` turns to the world. None if the sun stands
+    /// nowhere.
     pub fn atmosphere(&self, world_from_local: Mat3) -> Option<Atmosphere> {
         let sun_direction = match self.sun {
             SunPosition::Direction(direction) => world_from_local.transpose() * direction.try_normalize()?,

@@ -1,5 +1,5 @@
-//! Keeps what the file said beside what it meant. Saving starts from it, so that everything that was not understood or not edited stays as it was
-//! written.
+//! Keeps what the file said beside what it meant. Saving starts from it, so that everything that was not understood or
+//! not edited stays as it was written.
 
 use std::collections::HashSet;
 use std::ops::Deref;
@@ -20,7 +20,8 @@ pub struct Authored(Arc<Source>);
 pub struct Source {
     /// The plugin as it is in the file; shared with the document that was read.
     pub object: Arc<Object>,
-    /// The category of each child of `object`, with references followed; None for those that lead nowhere or were left out.
+    /// The category of each child of `object`, with references followed; None for those that lead nowhere or were left
+    /// out.
     pub child_categories: Box<[Option<Category>]>,
     as_read: AsRead,
 }
@@ -35,7 +36,8 @@ struct AsRead {
 }
 
 impl Authored {
-    /// Compares the plugin with `as_read`, the plugin as [`super::write`] would have written it from the components it became.
+    /// Compares the plugin with `as_read`, the plugin as [`super::write`] would have written it from the components it
+    /// became.
     pub fn new(object: Arc<Object>, as_read: Object, child_categories: Box<[Option<Category>]>) -> Self {
         let as_read = AsRead::new(&object, as_read);
         Self(Arc::new(Source {
@@ -50,7 +52,8 @@ impl Authored {
         Arc::make_mut(&mut self.0).child_categories[child] = None;
     }
 
-    /// The media inside became nothing but those that `is_read` says, by their names and numbers. Saving leaves the others as they are written.
+    /// The media inside became nothing but those that `is_read` says, by their names and numbers. Saving leaves the
+    /// others as they are written.
     pub(crate) fn leave_out_media(&mut self, is_read: impl Fn(Option<&str>, usize) -> bool) {
         let categories = self.child_categories.iter().enumerate();
         let media = categories.filter(|(_, category)| **category == Some(Category::Medium));
@@ -78,8 +81,8 @@ impl PartialEq for Authored {
 }
 
 impl Source {
-    /// The plugin as [`super::write`] would have written it from the components it became. What differs from this at the time of saving was
-    /// edited. The properties are in no particular order.
+    /// The plugin as [`super::write`] would have written it from the components it became. What differs from this at
+    /// the time of saving was edited. The properties are in no particular order.
     pub(crate) fn as_read(&self) -> Object {
         let (file, as_read) = (&*self.object, &self.as_read);
         let mut whole = match &as_read.rest {

@@ -12,8 +12,9 @@ pub(crate) enum Vectors {
     ByComponent,
 }
 
-/// Applies to `other` the change from `before` to `after`. Fields of the same name count as the same, whatever the variants are; where a variant
-/// was changed, `other` gets all of the new one. The three are of one type, or else nothing happens.
+/// Applies to `other` the change from `before` to `after`. Fields of the same name count as the same, whatever the
+/// variants are; where a variant was changed, `other` gets all of the new one. The three are of one type, or else
+/// nothing happens.
 pub(crate) fn carry_over(
     before: &dyn PartialReflect,
     after: &dyn PartialReflect,

@@ -1,5 +1,6 @@
-//! Finds the entities of which a component has changed. Bevy's filters look at one entity after the other; here the ticks of many are compared at once,
-//! which takes a tenth of the time where there are hundreds of thousands of shapes and nothing has changed.
+//! Finds the entities of which a component has changed. Bevy's filters look at one entity after the other; here the
+//! ticks of many are compared at once, which takes a tenth of the time where there are hundreds of thousands of shapes
+//! and nothing has changed.
 
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::query::ArchetypeFilter;

@@ -1,8 +1,9 @@
-//! How the plugins of a family are declared: each once, with its name, its parameters, their defaults and what is told of them.
+//! How the plugins of a family are declared: each once, with its name, its parameters, their defaults and what is told
+//! of them.
 //!
-//! From the declaration follow the type that holds the values, the list of all plugins, and the two ways to meet the parameters of a
-//! value: `visit` for what reads them, `visit_mut` for what changes them. Both call a function with the `ParameterInfo` of each parameter
-//! and its value, in the order of the declaration.
+//! From the declaration follow the type that holds the values, the list of all plugins, and the two ways to meet the
+//! parameters of a value: `visit` for what reads them, `visit_mut` for what changes them. Both call a function with the
+//! `ParameterInfo` of each parameter and its value, in the order of the declaration.
 //!
 //! The file that declares has `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
 
@@ -53,8 +54,8 @@ impl PluginInfo {
 /// Variant(name: Type => as_mut),
 /// ```
 ///
-/// A kind is a variant of `ParameterRef` and `ParameterMut`. The second form is for parameters that are a struct of their own: `as_mut` gives that
-/// from a reference to what the variant holds.
+/// A kind is a variant of `ParameterRef` and `ParameterMut`. The second form is for parameters that are a struct of
+/// their own: `as_mut` gives that from a reference to what the variant holds.
 macro_rules! declare_plugins {
     ($(#[$meta:meta])* pub enum $Family:ident { $(
         $(#[$doc:meta])*

@@ -1,6 +1,7 @@
 //! A whole scene file as plain data: what [`super::read`] makes of a document and [`super::spawn`] turns into entities.
 //!
-//! No entities and no handles: two descriptions can be compared, and references are indices into `materials` and the like.
+//! No entities and no handles: two descriptions can be compared, and references are indices into `materials` and the
+//! like.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -40,7 +40,8 @@ declare_parameters! {
 pub struct Emitter {
     /// The plugin with its parameters.
     pub kind: EmitterKind,
-    /// The factor on the rate at which it is sampled; with 0 it is found only by chance. The picture does not depend on it.
+    /// The factor on the rate at which it is sampled; with 0 it is found only by chance. The picture does not depend
+    /// on it.
     pub sampling_weight: f32,
 }
 
@@ -136,7 +137,8 @@ declare_plugins! {
         [PluginInfo::new("sunsky", "sun and sky")]
         SunSky(sky: SunSky => identity),
 
-        /// No light: the box, a cube from -1 to 1, for whose surfaces `sunroom bake` makes a picture of what is seen from its middle.
+        /// No light: the box, a cube from -1 to 1, for whose surfaces `sunroom bake` makes a picture of what is seen
+        /// from its middle.
         [PluginInfo::new("reflectionprobe", "reflection probe")]
         ReflectionProbe {
             /// Whether what is seen stands on the sides of the box, rather than far away.

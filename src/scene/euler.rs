@@ -1,7 +1,8 @@
 //! Rotations as angles about the axes, as people type them.
 //!
-//! A rotation has many sets of angles: 180 degrees about y are also 180 about x and z. Those that were typed, or that a file has, are kept beside the pose
-//! ([`EulerAngles`]). The pose decides: angles that do not give its rotation only say which of its own are shown, the nearest ones.
+//! A rotation has many sets of angles: 180 degrees about y are also 180 about x and z. Those that were typed, or that a
+//! file has, are kept beside the pose ([`EulerAngles`]). The pose decides: angles that do not give its rotation only
+//! say which of its own are shown, the nearest ones.
 
 use bevy::math::{DMat3, DVec3, Mat3A, Vec3};
 use bevy::prelude::*;
@@ -13,7 +14,8 @@ use crate::document::TransformOp;
 #[reflect(Component, PartialEq)]
 pub struct EulerAngles(pub Vec3);
 
-/// The most that a matrix may differ from the rotation of its angles times a scale, relative to the length of each column.
+/// The most that a matrix may differ from the rotation of its angles times a scale, relative to the length of each
+/// column.
 const SAME: f64 = 4e-6;
 /// The largest part of an axis across another one that counts as rounding and not as shear.
 const SHEAR: f64 = 1e-4;
@@ -34,8 +36,8 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Takes a matrix apart. `near`: angles that are taken if they give the rotation; else the nearest are, and without any the smallest. None for a matrix that
-    /// shears or is singular.
+    /// Takes a matrix apart. `near`: angles that are taken if they give the rotation; else the nearest are, and without
+    /// any the smallest. None for a matrix that shears or is singular.
     pub fn of(matrix: &Mat3A, near: Option<Vec3>) -> Option<Self> {
         let wide = DMat3::from_cols(
             matrix.x_axis.as_dvec3(),
@@ -69,7 +71,8 @@ impl Turned {
 }
 
 impl EulerAngles {
-    /// The angles that the steps of a transform give: those of rotations about axes, first x, then y, then z. None for other rotations, and without any.
+    /// The angles that the steps of a transform give: those of rotations about axes, first x, then y, then z. None for
+    /// other rotations, and without any.
     pub fn of_steps(steps: &[TransformOp]) -> Option<Self> {
         let mut degrees = Vec3::ZERO;
         let mut last = 0;
@@ -96,7 +99,8 @@ impl EulerAngles {
         (turned.degrees != Vec3::ZERO).then_some(Self(turned.degrees))
     }
 
-    /// The same rotation by angles above -180 and up to 180 degrees, each of which is as it was where it is there already.
+    /// The same rotation by angles above -180 and up to 180 degrees, each of which is as it was where it is there
+    /// already.
     pub(crate) fn within_half_turns(self) -> Self {
         let within = |angle: f32| match turns_away(f64::from(angle)) {
             0.0 => angle,
@@ -120,7 +124,8 @@ fn as_meant(degrees: f64) -> f64 {
     }
 }
 
-/// The matrix whose computed angles are those that it was meant to have, so that errors of arithmetic do not add up from turn to turn.
+/// The matrix whose computed angles are those that it was meant to have, so that errors of arithmetic do not add up
+/// from turn to turn.
 pub(crate) fn tidied(matrix: &Mat3A) -> Mat3A {
     let Some(turned) = Turned::of(matrix, None) else {
         return *matrix;
@@ -213,7 +218,8 @@ fn nearest_angles(rotation: &DMat3, near: DVec3) -> Vec3 {
     if is_nearer { one.0 } else { other.0 }.as_vec3()
 }
 
-/// The rotation about x that sets a thing upright whose own z axis points up; `up` is that of the world. Angles of upright things are shown from there.
+/// The rotation about x that sets a thing upright whose own z axis points up; `up` is that of the world. Angles of
+/// upright things are shown from there.
 pub fn upright_rest(up: Vec3) -> Vec3 {
     match up.y > 0.5 {
         true => Vec3::X * -90.0,

@@ -1,7 +1,8 @@
 //! Keeps the description of the file as it was last read or written, and the entity of each thing in it.
 //!
-//! A new description of the file is compared with it. A thing with an id is recognised by its kind and id. A thing without an id is recognised
-//! among those of the same kind and plugin, by what it is and by its order ([`recognised`]).
+//! A new description of the file is compared with it. A thing with an id is recognised by its kind and id. A thing
+//! without an id is recognised among those of the same kind and plugin, by what it is and by its order
+//! ([`recognised`]).
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,8 +28,8 @@ pub(super) struct FileBase {
     pub(super) scene: Arc<SceneDescription>,
     /// The entities of the scene's lists, in the same order.
     pub(super) entities: Entities,
-    /// The state that an entity had when the file was read or written, where that is not the state that the file gives.
-    /// The order is not compared.
+    /// The state that an entity had when the file was read or written, where that is not the state that the file
+    /// gives. The order is not compared.
     pub(super) unlike_file: HashMap<Entity, ObjectState>,
     /// The integrator's settings and their tracks in the file.
     pub(super) integrator: Option<(IntegratorSettings, Keys)>,
@@ -107,8 +108,8 @@ impl Thing {
         }
     }
 
-    /// Whether this thing of a description has the same components as `other` of another one, the order apart. `entities` are those of each. It makes
-    /// no copies, unlike a comparison of [`Self::state`].
+    /// Whether this thing of a description has the same components as `other` of another one, the order apart.
+    /// `entities` are those of each. It makes no copies, unlike a comparison of [`Self::state`].
     pub(super) fn is_same(
         self,
         (scene, entities): (&SceneDescription, &Entities),
@@ -254,7 +255,8 @@ impl Recognised {
         }
     }
 
-    /// Compares two readings of one file at different times, as [`Self::new`] compares two files: objects at the same place are the same.
+    /// Compares two readings of one file at different times, as [`Self::new`] compares two files: objects at the same
+    /// place are the same.
     pub(super) fn in_order(before: &SceneDescription, now: &SceneDescription) -> Self {
         let counts = |scene: &SceneDescription| {
             let (shapes, sensors) = (scene.shapes.len(), scene.sensors.len());
@@ -317,7 +319,8 @@ impl Recognised {
 /// One of the lists' elements.
 trait Described {
     fn identity(&self) -> &Identity;
-    /// Whether two things are the same in themselves, whatever they are called, wherever they stand in the file and whatever they refer to.
+    /// Whether two things are the same in themselves, whatever they are called, wherever they stand in the file and
+    /// whatever they refer to.
     fn is_alike(&self, other: &Self) -> bool;
 }
 

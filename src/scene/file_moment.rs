@@ -1,5 +1,5 @@
-//! Brings what is known of the scene's file to the moment that is shown. The entities go there first, and this follows only when it is needed: before
-//! saving and reloading.
+//! Brings what is known of the scene's file to the moment that is shown. The entities go there first, and this follows
+//! only when it is needed: before saving and reloading.
 
 use std::sync::Arc;
 

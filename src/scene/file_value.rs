@@ -47,7 +47,8 @@ impl<'p> FileValue<'p> {
 }
 
 impl<'p> ParameterRef<'p> {
-    /// Shows `meet` what stands in a file for the parameter: one value as a rule, two where the format has two names, or none.
+    /// Shows `meet` what stands in a file for the parameter: one value as a rule, two where the format has two names,
+    /// or none.
     pub(crate) fn in_file(
         self,
         info: &'static ParameterInfo,

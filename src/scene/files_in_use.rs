@@ -1,5 +1,5 @@
-//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when it is no longer used. Paths are
-//! those of assets, which for a grid of a `.vdb` file is not that of the file.
+//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when
+//! it is no longer used. Paths are those of assets, which for a grid of a `.vdb` file is not that of the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -33,7 +33,8 @@ impl<A: Asset> FilesInUse<A> {
         self.0.iter()
     }
 
-    /// Loads the `wanted` files that are new and lets go of the others. The resource counts as changed only if something is.
+    /// Loads the `wanted` files that are new and lets go of the others. The resource counts as changed only if
+    /// something is.
     pub(super) fn keep(files: &mut ResMut<Self>, wanted: BTreeSet<PathBuf>, server: &AssetServer) {
         if wanted.iter().eq(files.0.keys()) {
             return;

@@ -27,7 +27,8 @@ pub(crate) struct FreeFolders {
 }
 
 impl FreeFolders {
-    /// Finds a free folder for a copy of each of these folders. `names` gives the names in the scene, and is called at the first copy only.
+    /// Finds a free folder for a copy of each of these folders. `names` gives the names in the scene, and is called at
+    /// the first copy only.
     pub fn find(&mut self, mut names: impl FnMut() -> HashSet<String>, copied: impl IntoIterator<Item = String>) {
         for folder in copied {
             let taken = self.taken.get_or_insert_with(|| folders_of(&names()));

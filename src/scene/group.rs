@@ -34,7 +34,8 @@ pub(crate) struct InstanceOf(pub Entity);
 #[relationship_target(relationship = InstanceOf)]
 pub(crate) struct Instances(Vec<Entity>);
 
-/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, if the file still has it.
+/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, if the
+/// file still has it.
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
     /// World from group; shared with the document.

@@ -15,8 +15,8 @@ pub struct DocumentOrder(pub u32);
 #[reflect(Component, PartialEq)]
 pub struct SceneId(pub String);
 
-/// World from local, an invertible affine map (`to_world` of the file). For a sensor: +z is where it looks, +x to its left, +y up; for a
-/// point light the origin is its position, for a directional light +z is where the light goes.
+/// World from local, an invertible affine map (`to_world` of the file). For a sensor: +z is where it looks, +x to its
+/// left, +y up; for a point light the origin is its position, for a directional light +z is where the light goes.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, PartialEq)]
 pub struct ToWorld(pub Affine3A);
@@ -28,7 +28,8 @@ impl ToWorld {
     }
 }
 
-/// Hides an entity while the user works on others. The mark is not saved: the entity is visible when the scene is opened again.
+/// Hides an entity while the user works on others. The mark is not saved: the entity is visible when the scene is
+/// opened again.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct Hidden;

@@ -1,4 +1,5 @@
-//! Adds the things of a description to the scene, as if they had been made in the editor; and makes descriptions of a part.
+//! Adds the things of a description to the scene, as if they had been made in the editor; and makes descriptions of a
+//! part.
 
 use std::collections::{HashMap, HashSet};
 
@@ -19,7 +20,8 @@ use super::{
 pub struct Inserted {
     /// All entities.
     pub all: Vec<Entity>,
-    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials and media, if there is nothing else.
+    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials and media, if there
+    /// is nothing else.
     pub objects: Vec<Entity>,
 }
 
@@ -38,8 +40,9 @@ pub fn names(world: &mut World) -> HashSet<String> {
     names
 }
 
-/// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders of groups with everything in
-/// them. A material or medium is not added again if the scene has an equal one of the same id: that one is used then.
+/// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders
+/// of groups with everything in them. A material or medium is not added again if the scene has an equal one of the same
+/// id: that one is used then.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let shared_media = shared_media(world, scene);
@@ -219,7 +222,8 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     inserted
 }
 
-/// Finds for each material of the scene the one in the world that it would duplicate: it is used by a shape, and has the same id and content.
+/// Finds for each material of the scene the one in the world that it would duplicate: it is used by a shape, and has
+/// the same id and content.
 fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
     let mut known = world.query_filtered::<(&SceneId, Entity), With<Material>>();
     let known: HashMap<&str, Entity> = known.iter(world).map(|(id, entity)| (id.0.as_str(), entity)).collect();
@@ -238,7 +242,8 @@ fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<E
     shared
 }
 
-/// Finds for each medium of the scene the one in the world that it would duplicate: something is in it, and it has the same id and content.
+/// Finds for each medium of the scene the one in the world that it would duplicate: something is in it, and it has the
+/// same id and content.
 fn shared_media(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
     let mut known = world.query::<(&SceneId, &Medium, Entity)>();
     let known: HashMap<&str, (&Medium, Entity)> = (known
@@ -254,7 +259,8 @@ fn shared_media(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entit
     shared
 }
 
-/// Whether the material is equal to that of the entity, with all that is inside. `pairs` has the materials that are known to be equal.
+/// Whether the material is equal to that of the entity, with all that is inside. `pairs` has the materials that are
+/// known to be equal.
 fn is_same(
     world: &World,
     scene: &SceneDescription,
@@ -278,8 +284,8 @@ fn is_same(
         })
 }
 
-/// The description of these things with all that they refer to, and nothing else: of materials, media, groups and their members only what is needed. What
-/// the file said of them is left out.
+/// The description of these things with all that they refer to, and nothing else: of materials, media, groups and their
+/// members only what is needed. What the file said of them is left out.
 pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
     let (whole, entities) = describe_entities(world);
     let is_wanted = |entity: &Entity| wanted.contains(entity);

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
 
-/// Whether the source is kept. Saving and reloading need what the file said of each thing. A program that only renders a scene does without it, and
-/// without most of the memory that a scene of many things takes; later changes of the file are then left alone. Shared with the loader, which runs
-/// on other threads.
+/// Whether the source is kept. Saving and reloading need what the file said of each thing. A program that only renders
+/// a scene does without it, and without most of the memory that a scene of many things takes; later changes of the file
+/// are then left alone. Shared with the loader, which runs on other threads.
 #[derive(Resource, Clone, Debug)]
 pub struct KeepSource(Arc<AtomicBool>);
 

@@ -48,11 +48,13 @@ pub(crate) fn place_path(world: &World, thing: Entity) -> Option<KeyPath> {
 pub(crate) struct KeysAfter {
     /// The keys that it has now.
     pub keys: Keys,
-    /// The values that can have no keys any more, because a texture or another parameter took their place or the plugin is another one.
+    /// The values that can have no keys any more, because a texture or another parameter took their place or the
+    /// plugin is another one.
     pub lost: Vec<KeyPath>,
 }
 
-/// The keys of a thing that was edited: each value with a track that the edit has changed has a key of it at the time that is shown.
+/// The keys of a thing that was edited: each value with a track that the edit has changed has a key of it at the time
+/// that is shown.
 ///
 /// `before` is the state before the edit. None if the keys stay as they are.
 pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> Option<KeysAfter> {
@@ -104,8 +106,8 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
     (after.keys != *keys).then_some(after)
 }
 
-/// The track of a `focal_length` as that of the `fov` which takes its place when one of them is edited. Focal lengths are texts, which hold until the next
-/// key, and so do these fields of view.
+/// The track of a `focal_length` as that of the `fov` which takes its place when one of them is edited. Focal lengths
+/// are texts, which hold until the next key, and so do these fields of view.
 fn as_field_of_view(path: &KeyPath, track: &Track, now: &ObjectState) -> Option<(KeyPath, Track)> {
     let (sensor, film) = now.sensor.as_ref().zip(now.film.as_ref())?;
     if path.as_str() != "focal_length" {
@@ -130,8 +132,8 @@ fn as_field_of_view(path: &KeyPath, track: &Track, now: &ObjectState) -> Option<
     Some((KeyPath::new("fov"), track))
 }
 
-/// The keys of the integrator after an edit of its settings: each setting with a track that has another value now has a key of it at the time that is
-/// shown. None if the keys stay as they are.
+/// The keys of the integrator after an edit of its settings: each setting with a track that has another value now has a
+/// key of it at the time that is shown. None if the keys stay as they are.
 pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
     let keys = &world.get_resource::<IntegratorKeys>()?.0;
     let settings = world.get_resource::<IntegratorSettings>()?;

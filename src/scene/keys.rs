@@ -1,8 +1,8 @@
 //! The key frames of a thing: for each value that moves, its track.
 //!
-//! The components of an entity have the values of the moment that is shown. [`Keys`] has those of all times, by the names that the values have in the
-//! file, so that everything that a file can say can move in one way: [`super::posing`] writes the values of a time into the plugins of the file and
-//! reads the components from them.
+//! The components of an entity have the values of the moment that is shown. [`Keys`] has those of all times, by the
+//! names that the values have in the file, so that everything that a file can say can move in one way:
+//! [`super::posing`] writes the values of a time into the plugins of the file and reads the components from them.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::{self, Display};
@@ -18,11 +18,12 @@ use crate::document::{Category, Child, Index, Interpolation, Key, Object, Proper
 /// The parameters that say where a thing is, in the order in which they are looked for.
 const PLACES: [&str; 3] = ["to_world", "position", "direction"];
 
-/// The most values of a thing that may have keys. Nothing has so many, and what brings a thing to a moment looks for each of them.
+/// The most values of a thing that may have keys. Nothing has so many, and what brings a thing to a moment looks for
+/// each of them.
 pub(super) const MOST_TRACKS: usize = 1000;
 
-/// Where a value stands in the plugin of a thing: the parameter's name, after the names of the plugins around it, with a dot between: `to_world`,
-/// `emitter.radiance`.
+/// Where a value stands in the plugin of a thing: the parameter's name, after the names of the plugins around it, with
+/// a dot between: `to_world`, `emitter.radiance`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyPath(SmolStr);
 
@@ -53,17 +54,20 @@ impl Display for KeyPath {
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Keys {
     tracks: BTreeMap<KeyPath, Arc<Track>>,
-    /// Whether it refers to something that moves and is no thing itself, such as a texture at the top level of the file.
+    /// Whether it refers to something that moves and is no thing itself, such as a texture at the top level of the
+    /// file.
     follows: bool,
 }
 
-/// The tracks of the integrator's settings. The integrator is no entity; [`super::IntegratorSettings`] has the values of the moment that is shown.
+/// The tracks of the integrator's settings. The integrator is no entity; [`super::IntegratorSettings`] has the values
+/// of the moment that is shown.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct IntegratorKeys(pub Keys);
 
 impl Keys {
-    /// The tracks of a plugin in the file. None if nothing of it moves. `animated`: the [`animated_objects`](crate::document::animation::animated_objects) of
-    /// the file. Many plugins may refer to one large object, which is not walked through for each of them.
+    /// The tracks of a plugin in the file. None if nothing of it moves. `animated`: the
+    /// [`animated_objects`](crate::document::animation::animated_objects) of the file. Many plugins may refer to
+    /// one large object, which is not walked through for each of them.
     pub(super) fn of(object: &Object, index: &Index, animated: &HashSet<usize>) -> Option<Self> {
         let mut keys = Self::default();
         keys.collect(object, index, animated, "");
@@ -230,8 +234,8 @@ fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
     Some((place, rest))
 }
 
-/// The place of the constant volume that has the value of a parameter, and its own parameter. A colour is written in such a volume as soon as it is above
-/// one, and its track goes with it.
+/// The place of the constant volume that has the value of a parameter, and its own parameter. A colour is written in
+/// such a volume as soon as it is above one, and its track goes with it.
 fn constant_volume<'p>(object: &Object, path: &str) -> Option<(usize, &'p str)> {
     let is_one = |child: &Child| matches!(child, Child::Object(inner) if inner.plugin == "constvolume");
     let mut children = object.children.iter();
@@ -291,8 +295,8 @@ pub enum KeyEdit {
 }
 
 impl KeyEdit {
-    /// The track after the edit. `time` is shown, `value` is the one of that time, `track` is the present one. None: the value has no keys then. An
-    /// error, in words, if it cannot be done.
+    /// The track after the edit. `time` is shown, `value` is the one of that time, `track` is the present one. None:
+    /// the value has no keys then. An error, in words, if it cannot be done.
     pub(super) fn apply(
         self,
         track: Option<&Track>,

@@ -25,7 +25,8 @@ use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
 use crate::files;
 
-/// Asks for a scene. From now on one counts as being read, so that nothing begins in this frame that must not meet it, such as a save.
+/// Asks for a scene. From now on one counts as being read, so that nothing begins in this frame that must not meet it,
+/// such as a save.
 pub(crate) fn ask_for(world: &mut World, request: OpenScene) {
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.state = SceneState::Loading;
@@ -182,8 +183,8 @@ fn share_description(world: &mut World) {
     }
 }
 
-/// Whether this was read of the scene's file before that was written here. It is read again then, because otherwise the file would seem to revert
-/// the edits.
+/// Whether this was read of the scene's file before that was written here. It is read again then, because otherwise the
+/// file would seem to revert the edits.
 fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
     let file = world.resource::<SceneFile>();
     let is_outdated = file.was_written && !are_as_read(&asset.diagnostics.sources);
@@ -269,7 +270,8 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     }
 }
 
-/// Makes the entities what has just been read of the scene's own file without the asset server. Edits stay as in a reload.
+/// Makes the entities what has just been read of the scene's own file without the asset server. Edits stay as in a
+/// reload.
 pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnostics: Arc<Diagnostics>) {
     let scene = Arc::new(scene);
     let reload = posing::update(world, &scene);
@@ -340,7 +342,8 @@ pub(crate) fn new_scene(world: &mut World) {
     };
 }
 
-/// The scene that was there stays, with the file it is from. Only where there was none a broken file is waited for to be mended.
+/// The scene that was there stays, with the file it is from. Only where there was none a broken file is waited for to
+/// be mended.
 fn fail(world: &mut World, id: AssetId<SceneAsset>, diagnostics: impl FnOnce(&Path) -> Arc<Diagnostics>) {
     let has_scene = world.resource::<SceneStatus>().revision > 0;
     let mut file = world.resource_mut::<SceneFile>();

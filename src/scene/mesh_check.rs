@@ -10,9 +10,9 @@ use super::{FileKind, SceneDescription, ShapeKind};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
-/// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an error for a mesh that cannot be
-/// read, a warning for what was left out of it. `missing`: the severity of files that are not there. The pictures (absolute) of the materials that
-/// come with the meshes and are in use.
+/// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an
+/// error for a mesh that cannot be read, a warning for what was left out of it. `missing`: the severity of files that
+/// are not there. The pictures (absolute) of the materials that come with the meshes and are in use.
 pub fn check_meshes(
     scene: &SceneDescription,
     access: &Access,

@@ -73,7 +73,8 @@ pub(super) fn sentence(kind: FileKind, path: &Path, what: &str) -> String {
     format!("{kind} {}: {what}", path.display())
 }
 
-/// Adds a message for each missing file to those about a scene that cannot be shown, so that all of its faults are known at once.
+/// Adds a message for each missing file to those about a scene that cannot be shown, so that all of its faults are
+/// known at once.
 pub(super) fn report(missing: &MissingFiles, diagnostics: &mut Diagnostics) {
     let mut all: Vec<_> = missing.iter().collect();
     all.sort_by_key(|(_, file)| (file.span.source.0, file.span.start));

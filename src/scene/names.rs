@@ -12,7 +12,8 @@ const FEW: usize = 4;
 #[derive(Debug, Default)]
 pub(crate) struct TakenNames {
     exact: HashSet<String>,
-    /// The numbers that are taken of each stem, such as 3 of `ball` by `ball-3`; then those of folders, whose names end with a slash.
+    /// The numbers that are taken of each stem, such as 3 of `ball` by `ball-3`; then those of folders, whose names
+    /// end with a slash.
     numbers: [HashMap<String, HashSet<u32>>; 2],
 }
 
@@ -51,8 +52,8 @@ impl TakenNames {
         }
     }
 
-    /// The name, with a number if it is taken: see [`super::free_name::free_name`]. From now on the result is taken as well. The name must be among
-    /// those that were looked for, or a result for one of them, or known to be free.
+    /// The name, with a number if it is taken: see [`super::free_name::free_name`]. From now on the result is taken as
+    /// well. The name must be among those that were looked for, or a result for one of them, or known to be free.
     pub fn take(&mut self, wanted: &str) -> String {
         let name = if self.exact.contains(wanted) {
             let (stem, number, is_folder) = stem(wanted);
@@ -108,7 +109,8 @@ fn without_slash(name: &str) -> (&str, bool) {
     }
 }
 
-/// The part of a wanted name before its number, the number, which is 1 for a name without one, and whether it is that of a folder.
+/// The part of a wanted name before its number, the number, which is 1 for a name without one, and whether it is that
+/// of a folder.
 fn stem(wanted: &str) -> (&str, u32, bool) {
     let (wanted, is_folder) = without_slash(wanted);
     let parts = wanted.rsplit_once('-');

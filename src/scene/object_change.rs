@@ -1,5 +1,6 @@
-//! The change of an entity by one edit: only the components that differ, before and after. This is what the history of the editor keeps, and most
-//! of its memory: a whole `ObjectState` is some kilobytes, one changed component mostly a hundred bytes.
+//! The change of an entity by one edit: only the components that differ, before and after. This is what the history of
+//! the editor keeps, and most of its memory: a whole `ObjectState` is some kilobytes, one changed component mostly a
+//! hundred bytes.
 
 use bevy::prelude::*;
 
@@ -163,7 +164,8 @@ impl ObjectChange {
         self.parts.is_empty()
     }
 
-    /// Takes the present state as the state after the edit: a file may have changed it since. What a file has removed stays as it was.
+    /// Takes the present state as the state after the edit: a file may have changed it since. What a file has removed
+    /// stays as it was.
     pub fn refresh(&mut self, world: &World, entity: Entity) {
         if !self.is_there[1] || !ObjectState::is_in_scene(world, entity) {
             return;
@@ -175,8 +177,8 @@ impl ObjectChange {
         }
     }
 
-    /// Sets the changed components to their state on one side. The others stay as they are, even if a file has changed them. What a file has
-    /// removed since stays removed.
+    /// Sets the changed components to their state on one side. The others stay as they are, even if a file has changed
+    /// them. What a file has removed since stays removed.
     pub fn write(&self, world: &mut World, entity: Entity, side: Side) {
         let [from, to] = match side {
             Side::Before => [self.is_there[1], self.is_there[0]],

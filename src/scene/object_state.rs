@@ -1,7 +1,7 @@
 //! The state of one entity as one value: an edit keeps it for undo, and a reload compares it.
 //!
-//! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is [`super::Authored`]: what the file
-//! says of an entity is no edit of it.
+//! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is
+//! [`super::Authored`]: what the file says of an entity is no edit of it.
 
 use std::mem::discriminant;
 
@@ -16,7 +16,8 @@ use super::{
 
 macro_rules! object_state {
     ($($field:ident: $component:ident,)*) => {
-        /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the scene.
+        /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the
+        /// scene.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub(crate) struct ObjectState {
             $(pub $field: Option<$component>,)*
@@ -38,7 +39,8 @@ macro_rules! object_state {
                 $(write_component(world, entity, &self.$field);)*
             }
 
-            /// Gives a new entity these components, and what the file said of it. Most are inserted together, because each insertion moves the entity.
+            /// Gives a new entity these components, and what the file said of it. Most are inserted together, because
+            /// each insertion moves the entity.
             pub fn write_new(mut self, world: &mut World, entity: Entity, authored: Option<Authored>) {
                 let Ok(mut new) = world.get_entity_mut(entity) else {
                     return;
@@ -64,8 +66,8 @@ macro_rules! object_state {
                 )*
             }
 
-            /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
-            /// may be written otherwise than `base` and mean the same.
+            /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our
+            /// side began as `start`, which may be written otherwise than `base` and mean the same.
             fn merged_parts(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
@@ -133,9 +135,10 @@ pub struct Merged {
 }
 
 impl ObjectState {
-    /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
-    /// may be written otherwise than `base` and mean the same. The numbers of a shape are merged one by one: its centre may be edited on one side and its
-    /// radius on the other. Where both sides have moved it, by whatever numbers, it is where `theirs` has it.
+    /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side
+    /// began as `start`, which may be written otherwise than `base` and mean the same. The numbers of a shape are
+    /// merged one by one: its centre may be edited on one side and its radius on the other. Where both sides have
+    /// moved it, by whatever numbers, it is where `theirs` has it.
     pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
         let shapes = [base, theirs, start, ours].map(|state| state.shape.as_ref());
         let [Some(base_shape), Some(their_shape), Some(start_shape), Some(our_shape)] = shapes else {

@@ -1,4 +1,5 @@
-//! Opens scenes over several frames where a frame must not take long: the entities of very many things are made piece by piece.
+//! Opens scenes over several frames where a frame must not take long: the entities of very many things are made piece
+//! by piece.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +9,8 @@ use super::assets::SceneAsset;
 use super::scene_file::Asked;
 use super::spawn::Spawning;
 
-/// The longest time that a frame spends on the entities of a scene that is opened; None: as long as it takes. The window sets it.
+/// The longest time that a frame spends on the entities of a scene that is opened; None: as long as it takes. The
+/// window sets it.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct OpeningPace(pub Option<Duration>);
 

@@ -17,7 +17,8 @@ pub(crate) struct ParameterInfo {
     pub range: RangeInclusive<f32>,
     /// The bounds that a slider offers, if they are narrower; numbers beyond them can be typed.
     pub offered: Option<RangeInclusive<f32>>,
-    /// The default of a number that is one of several parts of a parameter; the declaration of the plugin has those of all others.
+    /// The default of a number that is one of several parts of a parameter; the declaration of the plugin has those of
+    /// all others.
     pub usual: f32,
     /// Stands behind the number in the panel.
     pub unit: &'static str,

@@ -21,7 +21,8 @@ macro_rules! kinds {
             $($(#[$doc])* $kind(&'p $value),)*
         }
 
-        /// The value of a parameter, to be changed. What is left alone keeps its value, which in a fresh plugin is the format's default.
+        /// The value of a parameter, to be changed. What is left alone keeps its value, which in a fresh plugin is the
+        /// format's default.
         #[derive(Debug, PartialEq)]
         pub(crate) enum ParameterMut<'p> {
             $($(#[$doc])* $kind(&'p mut $value),)*

@@ -10,8 +10,9 @@ use super::{FileKind, MissingFile, SceneDescription};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
-/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and those with
-/// pixels that count as something else, where the scene names them first. All are warnings: the new file names the picture as well, whatever there is.
+/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and
+/// those with pixels that count as something else, where the scene names them first. All are warnings: the new file
+/// names the picture as well, whatever there is.
 pub fn check_pictures(
     scene: &SceneDescription,
     of_meshes: &BTreeSet<PathBuf>,

@@ -1,4 +1,5 @@
-//! The plugin with everything of the scene that an app needs: types, assets, and the systems between files and entities.
+//! The plugin with everything of the scene that an app needs: types, assets, and the systems between files and
+//! entities.
 
 use bevy::asset::{AssetApp, AssetTrackingSystems};
 use bevy::prelude::*;

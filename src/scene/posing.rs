@@ -1,8 +1,9 @@
 //! Shows another moment of an animated scene.
 //!
-//! The tracks of what moves are components ([`Keys`]). For another time, the plugins of these things are written twice, with the values of the components and
-//! with those of the tracks, and read again: what differs is written into the components. So whatever can stand in a file can move, and the entities are
-//! what a reading of the file at that time would give.
+//! The tracks of what moves are components ([`Keys`]). For another time, the plugins of these things are written twice,
+//! with the values of the components and with those of the tracks, and read again: what differs is written into the
+//! components. So whatever can stand in a file can move, and the entities are what a reading of the file at that time
+//! would give.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -67,7 +68,8 @@ pub(crate) fn pose(world: &mut World, things: &[Entity]) {
     pose_from(world, things, time);
 }
 
-/// Gives things the values of their tracks at the time that is shown. They have those of `before`, or have been edited since.
+/// Gives things the values of their tracks at the time that is shown. They have those of `before`, or have been edited
+/// since.
 fn pose_from(world: &mut World, things: &[Entity], before: f64) {
     let time = shown_time(world);
     let follows = |thing: &Entity| world.get::<Keys>(*thing).is_some_and(Keys::follows);

@@ -1,7 +1,7 @@
 //! Notices which of the watched files have gone from the disk.
 //!
-//! Text editors save by replacing the file, so that it does not exist for a moment: a file is gone only when it stays away. A file that never
-//! existed is not gone either; its reader says that it is missing.
+//! Text editors save by replacing the file, so that it does not exist for a moment: a file is gone only when it stays
+//! away. A file that never existed is not gone either; its reader says that it is missing.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
@@ -20,7 +20,8 @@ pub(super) struct Presence {
 }
 
 impl Presence {
-    /// Looks where all the files are: to be done when there are other ones, and when something happens in their folders.
+    /// Looks where all the files are: to be done when there are other ones, and when something happens in their
+    /// folders.
     pub fn look<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) {
         let before = std::mem::take(self);
         let (mut names, access) = (FolderNames::default(), Access::everywhere());

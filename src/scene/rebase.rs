@@ -1,4 +1,5 @@
-//! Updates the known state of the file after saving: the entities are what is written there, whether they were read or made here.
+//! Updates the known state of the file after saving: the entities are what is written there, whether they were read or
+//! made here.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -168,8 +169,8 @@ impl Rebase {
         false
     }
 
-    /// Completes what [`Self::step`] has begun, and returns the file's description. What was made in the editor belongs to the file from now on.
-    /// What was known of the old file is returned as well.
+    /// Completes what [`Self::step`] has begun, and returns the file's description. What was made in the editor belongs
+    /// to the file from now on. What was known of the old file is returned as well.
     pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
         let mut new_ids = HashMap::new();
         let mut given = self.given;
@@ -216,7 +217,8 @@ impl Rebase {
     }
 }
 
-/// Finds for each written thing the known one that it is: the one with the same id, or else the next one without an id that is alike.
+/// Finds for each written thing the known one that it is: the one with the same id, or else the next one without an id
+/// that is alike.
 fn pairs<T>(
     known: &[T],
     written: &[T],
@@ -244,7 +246,8 @@ fn pairs<T>(
     written.iter().map(partner).collect()
 }
 
-/// The known material that each written one is: it has the same users, outermost first, or else it is what [`pairs`] finds.
+/// The known material that each written one is: it has the same users, outermost first, or else it is what [`pairs`]
+/// finds.
 fn material_pairs(
     scene: &SceneDescription,
     written: &SceneDescription,
@@ -281,8 +284,8 @@ fn material_pairs(
     pairs
 }
 
-/// The known medium that each written one is: the same things are in it, or else it is what [`pairs`] finds. The pairs of shapes, emitters and sensors are
-/// given.
+/// The known medium that each written one is: the same things are in it, or else it is what [`pairs`] finds. The pairs
+/// of shapes, emitters and sensors are given.
 fn media_pairs(
     scene: &SceneDescription,
     written: &SceneDescription,

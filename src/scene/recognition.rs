@@ -1,5 +1,6 @@
-//! Recognises things of a file that have no ids after the file has changed. A longest common subsequence pairs those that are equal, and what lies
-//! between is paired by its place, as in comparisons of texts (Hunt and McIlroy, "An Algorithm for Differential File Comparison", 1976).
+//! Recognises things of a file that have no ids after the file has changed. A longest common subsequence pairs those
+//! that are equal, and what lies between is paired by its place, as in comparisons of texts (Hunt and McIlroy, "An
+//! Algorithm for Differential File Comparison", 1976).
 
 /// The most comparisons for one list; beyond it only its ends are compared.
 const MOST_COMPARISONS: usize = 4_000_000;

@@ -5,7 +5,8 @@ use thiserror::Error;
 
 use super::{DocumentOrder, FilmStorage, ToWorld};
 
-/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic picture, and else dropped.
+/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic
+/// picture, and else dropped.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, Film, DocumentOrder)]
@@ -22,7 +23,8 @@ pub struct Sensor {
     pub far_clip: f32,
     /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
-    /// The time at which the shutter opens in seconds after that of the picture; what moves while it is open is blurred.
+    /// The time at which the shutter opens in seconds after that of the picture; what moves while it is open is
+    /// blurred.
     pub shutter_open: f32,
     /// The time at which it closes in seconds, not before it opens.
     pub shutter_close: f32,
@@ -147,7 +149,8 @@ pub struct Film {
     pub sample_count: u32,
     /// How it is stored in files.
     pub storage: FilmStorage,
-    /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is reached first counts.
+    /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is
+    /// reached first counts.
     pub noise_target: Option<f32>,
     /// Whether more samples go where the noise is, see [`crate::render::adaptive`].
     pub adaptive: bool,

@@ -18,7 +18,8 @@ pub enum PathPlugin {
     VolPathMis,
     /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
     Bdpt,
-    /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3 has none.
+    /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3 has
+    /// none.
     Vcm,
     /// `ptracer`: paths from the lights alone. Space is empty.
     Ptracer,
@@ -51,7 +52,8 @@ impl PathPlugin {
         }
     }
 
-    /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their ways.
+    /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their
+    /// ways.
     pub fn has_strategy(self) -> bool {
         matches!(self, Self::Path | Self::VolPath | Self::VolPathMis | Self::Auto)
     }
@@ -88,13 +90,16 @@ pub struct IntegratorSettings {
     pub strategy: Strategy,
     /// Whether Schlick's approximation is used for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
-    /// The paths from the lights for one sample of all pixels, with `vcm`: the file's `photons`; None for one in four pixels.
+    /// The paths from the lights for one sample of all pixels, with `vcm`: the file's `photons`; None for one in four
+    /// pixels.
     pub photons: Option<u32>,
     /// The radius within which photons are merged in the first samples, in pixels: the file's `merge_radius`.
     pub merge_radius: f32,
-    /// The share of the samples with light, in percent, whose brightness is left as it is, while brighter ones are clamped; None for no clamp.
+    /// The share of the samples with light, in percent, whose brightness is left as it is, while brighter ones are
+    /// clamped; None for no clamp.
     pub clamp_percentile: Option<f32>,
-    /// Whether paths from the camera are guided to where light comes from, with `path` and with `auto` where that is `path`.
+    /// Whether paths from the camera are guided to where light comes from, with `path` and with `auto` where that is
+    /// `path`.
     pub guided: bool,
     /// The layers that are kept and saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
@@ -128,8 +133,8 @@ impl Default for IntegratorSettings {
     }
 }
 
-/// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only sampling cannot see an emitter
-/// through a mirror or glass other than by following the path there.
+/// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only sampling
+/// cannot see an emitter through a mirror or glass other than by following the path there.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Strategy {
     /// Directions are drawn from the materials alone.

@@ -17,7 +17,8 @@ pub struct Shape {
     pub kind: ShapeKind,
     /// Turns the normals over: the side that emits and, for one-sided materials, the side that is seen.
     pub flip_normals: bool,
-    /// How many times as many texels of a lightmap lie along a length of it as on other shapes, in [`Self::LIGHTMAP_SCALES`]; 0: it has none.
+    /// How many times as many texels of a lightmap lie along a length of it as on other shapes, in
+    /// [`Self::LIGHTMAP_SCALES`]; 0: it has none.
     pub lightmap_scale: f32,
 }
 
@@ -35,8 +36,8 @@ impl Shape {
     /// The range of [`lightmap_scale`](Self::lightmap_scale).
     pub const LIGHTMAP_SCALES: std::ops::RangeInclusive<f32> = 0.0..=100.0;
 
-    /// The place of the shape in its own space, as users know it: the centre of a sphere, the first end of a cylinder, the first corner of a triangle, the
-    /// origin for others.
+    /// The place of the shape in its own space, as users know it: the centre of a sphere, the first end of a cylinder,
+    /// the first corner of a triangle, the origin for others.
     pub fn middle(&self) -> Vec3 {
         match self.kind {
             ShapeKind::Sphere { center, .. } => center,
@@ -46,7 +47,8 @@ impl Shape {
         }
     }
 
-    /// The shape with its [`middle`](Self::middle) elsewhere in its own space. None for shapes that are at the origin of that.
+    /// The shape with its [`middle`](Self::middle) elsewhere in its own space. None for shapes that are at the origin
+    /// of that.
     pub(crate) fn moved_to(&self, middle: Vec3) -> Option<Self> {
         let mut moved = self.clone();
         let by = middle.as_dvec3() - self.middle().as_dvec3();
@@ -97,7 +99,8 @@ impl Shape {
         placed
     }
 
-    /// The angles at which the shape is at rest in a world with this upward direction: building parts stand upright then. Its rotation is shown from there.
+    /// The angles at which the shape is at rest in a world with this upward direction: building parts stand upright
+    /// then. Its rotation is shown from there.
     pub(crate) fn rest_angles(&self, up: Vec3) -> Vec3 {
         match self.kind {
             ShapeKind::Solid(_) => upright_rest(up),
@@ -110,8 +113,8 @@ impl Shape {
         self.kind == ShapeKind::Frame
     }
 
-    /// Whether v grows from the bottom up, as seen from the side where u grows to the right. Pictures begin with their uppermost row, so that they
-    /// are upside down there.
+    /// Whether v grows from the bottom up, as seen from the side where u grows to the right. Pictures begin with their
+    /// uppermost row, so that they are upside down there.
     pub(crate) fn shows_pictures_upside_down(&self) -> bool {
         match &self.kind {
             ShapeKind::Rectangle | ShapeKind::Cylinder { .. } => true,

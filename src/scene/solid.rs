@@ -1,7 +1,8 @@
-//! Building parts that are given by a few numbers: walls with openings, stairs, prisms. Each stands on the plane z = 0 of its own space.
+//! Building parts that are given by a few numbers: walls with openings, stairs, prisms. Each stands on the plane z = 0
+//! of its own space.
 //!
-//! These plugins are extensions of the format. The numbers are what a file holds; meshes are made from them ([`super::assets::solid_mesh`]), also
-//! when `convert` writes a scene for other programs.
+//! These plugins are extensions of the format. The numbers are what a file holds; meshes are made from them
+//! ([`super::assets::solid_mesh`]), also when `convert` writes a scene for other programs.
 
 use std::ops::RangeInclusive;
 
@@ -86,7 +87,8 @@ impl Opening {
         height: 2.1,
     };
 
-    /// The opening for a wall of this height: as it is in a wall of a room in metres, and in proportion in one that is of another scale.
+    /// The opening for a wall of this height: as it is in a wall of a room in metres, and in proportion in one that is
+    /// of another scale.
     pub fn in_wall(self, height: f32) -> Self {
         const ROOMS: std::ops::RangeInclusive<f32> = 2.2..=12.0;
         const USUAL: f32 = 2.5;
@@ -298,7 +300,8 @@ impl Solid {
     }
 }
 
-/// The values that a file may give a length: what is above 0 for the panel may be as small as numbers are, as tiny scenes need.
+/// The values that a file may give a length: what is above 0 for the panel may be as small as numbers are, as tiny
+/// scenes need.
 pub(crate) fn file_range(info: &ParameterInfo) -> RangeInclusive<f32> {
     let start = *info.range.start();
     let least = if start > 0.0 { f32::MIN_POSITIVE } else { start };

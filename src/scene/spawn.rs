@@ -1,8 +1,8 @@
-//! Turns a description into entities, or changes those that exist. Only what differs is written, so that a reload of an unchanged file marks
-//! nothing as changed.
+//! Turns a description into entities, or changes those that exist. Only what differs is written, so that a reload of an
+//! unchanged file marks nothing as changed.
 //!
-//! The description of the file as it was last read or written is remembered. What changed on both sides is taken from the file, and every other
-//! edit stays.
+//! The description of the file as it was last read or written is remembered. What changed on both sides is taken from
+//! the file, and every other edit stays.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -206,7 +206,8 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     summary
 }
 
-/// Counts the things that [`update`] would find edited both here and in the file; the integrator's settings count as one. Changes nothing.
+/// Counts the things that [`update`] would find edited both here and in the file; the integrator's settings count as
+/// one. Changes nothing.
 pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     let none = FileBase::default();
     let base = world.get_resource::<FileBase>().unwrap_or(&none);
@@ -282,7 +283,8 @@ fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> 
     places.is_sorted_by(|a, b| a.1 < b.1)
 }
 
-/// The merged state of a thing, of which the file now says `theirs`, and which is `ours` here. `known` is the thing in `base`.
+/// The merged state of a thing, of which the file now says `theirs`, and which is `ours` here. `known` is the thing in
+/// `base`.
 fn taken_over(
     base: &FileBase,
     known: Thing,
@@ -372,7 +374,8 @@ fn is_integrator_edited_twice(world: &World, scene: &SceneDescription) -> bool {
         })
 }
 
-/// The command line and the panels may have changed the settings, so only what the file changed is taken. Settings that are not in files are kept.
+/// The command line and the panels may have changed the settings, so only what the file changed is taken. Settings that
+/// are not in files are kept.
 fn update_integrator(world: &mut World, scene: &SceneDescription) {
     let now = (scene.integrator, scene.integrator_keys.clone());
     let mut base = world.get_resource_or_init::<FileBase>();

@@ -21,7 +21,8 @@ const MOST_MESHES: usize = 100_000;
 pub struct KnownBounds(HashMap<(PathBuf, u32), Aabb>);
 
 impl KnownBounds {
-    /// The box that stands for a mesh that is not there: the one around it when it was last loaded, or else one of length 1 around the origin.
+    /// The box that stands for a mesh that is not there: the one around it when it was last loaded, or else one of
+    /// length 1 around the origin.
     pub fn of(&self, mesh: &MeshFile) -> Aabb {
         let known = self.0.get(&(mesh.path.clone(), mesh.shape_index));
         known
@@ -103,7 +104,8 @@ impl StandIns<'_, '_> {
         shapes.map(|(entity, ..)| entity).collect()
     }
 
-    /// Where such a shape would be seen, world from its own space, and what a click there selects: the shape, or an instance of the group that it belongs to.
+    /// Where such a shape would be seen, world from its own space, and what a click there selects: the shape, or an
+    /// instance of the group that it belongs to.
     pub fn places(&self, entity: Entity) -> Vec<(Entity, Affine3A)> {
         let Ok((_, _, to_world, _)) = self.shapes.get(entity) else {
             return Vec::new();

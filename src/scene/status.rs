@@ -17,7 +17,8 @@ pub struct OpenScene {
     pub path: PathBuf,
     /// The values for the file's `$name` parameters; they override its `<default>`s.
     pub defines: Vec<(String, String)>,
-    /// Whether edits since the file was read are kept if it is the open file, as they are when it changes on disk. Otherwise they are lost.
+    /// Whether edits since the file was read are kept if it is the open file, as they are when it changes on disk.
+    /// Otherwise they are lost.
     pub keeps_edits: bool,
 }
 
@@ -108,8 +109,8 @@ pub struct SceneStatus {
     pub is_opening: bool,
     /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
-    /// The mesh files that could not be read, each once. The shapes that name them are not in the picture, or have the last mesh that could be
-    /// read.
+    /// The mesh files that could not be read, each once. The shapes that name them are not in the picture, or have the
+    /// last mesh that could be read.
     pub mesh_errors: Vec<FileProblem>,
     /// Warnings of the mesh readers about what they left out or mended.
     pub mesh_warnings: Vec<FileProblem>,
@@ -123,7 +124,8 @@ pub struct SceneStatus {
     pub picture_warnings: Vec<FileProblem>,
     /// The number of pictures whose first load is not over.
     pub pictures_loading: usize,
-    /// The volume files that could not be read. Where they would be there is nothing, or the last content that could be read.
+    /// The volume files that could not be read. Where they would be there is nothing, or the last content that could
+    /// be read.
     pub volume_errors: Vec<FileProblem>,
     /// The volumes that were mended: they had values that are negative or no numbers.
     pub volume_warnings: Vec<FileProblem>,
@@ -180,7 +182,8 @@ impl SceneStatus {
         all
     }
 
-    /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest is worth seeing.
+    /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest
+    /// is worth seeing.
     pub fn has_errors(&self) -> bool {
         let mut files = self.mesh_errors.iter().chain(&self.volume_errors);
         self.state == SceneState::Failed

@@ -1,5 +1,5 @@
-//! Textures as the user knows them, and parameters that may be one. They are values: a texture that several materials share is simply
-//! the same in each.
+//! Textures as the user knows them, and parameters that may be one. They are values: a texture that several materials
+//! share is simply the same in each.
 
 use std::path::PathBuf;
 
@@ -74,7 +74,8 @@ impl<T> Parameter<T> {
     }
 }
 
-/// A place within nested checkerboards: which of the two colours, from the outermost in, as binary digits below a leading one.
+/// A place within nested checkerboards: which of the two colours, from the outermost in, as binary digits below a
+/// leading one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SquarePath(u32);
 
@@ -82,7 +83,8 @@ impl SquarePath {
     /// The parameter itself.
     pub const WHOLE: Self = Self(1);
 
-    /// The first (0) or the second (1) colour of the checkerboard that is there. Places beyond 31 checkerboards are not told apart.
+    /// The first (0) or the second (1) colour of the checkerboard that is there. Places beyond 31 checkerboards are not
+    /// told apart.
     pub fn within(self, square: u32) -> Self {
         self.0.checked_mul(2).map_or(self, |place| Self(place | square))
     }

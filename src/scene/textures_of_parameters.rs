@@ -5,8 +5,8 @@ use super::parameters::{ALPHA, ALPHA_U, ALPHA_V, Absorption, ConductorIor, ETA, 
 use super::texture::{ChosenPicture, Parameter, SquarePath, Texture};
 
 impl ParameterMut<'_> {
-    /// Puts the picture at a place of the value if that has the name `parameter` in the file. Where there was no texture before, a
-    /// picture of anything but colours is looked at raw.
+    /// Puts the picture at a place of the value if that has the name `parameter` in the file. Where there was no
+    /// texture before, a picture of anything but colours is looked at raw.
     pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
         let is = |info: &ParameterInfo| info.name == parameter;
         match self {

@@ -14,8 +14,8 @@ pub struct Turntable {
 }
 
 impl Turntable {
-    /// Begins at this pose of the camera, world from camera, and goes around this point, about the axis of the world that is nearest to upwards in the
-    /// camera's picture.
+    /// Begins at this pose of the camera, world from camera, and goes around this point, about the axis of the world
+    /// that is nearest to upwards in the camera's picture.
     pub fn new(start: Affine3A, middle: Vec3) -> Self {
         let up = Vec3::from(start.matrix3.y_axis);
         let axis = up.abs().max_position();

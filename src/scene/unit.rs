@@ -1,6 +1,8 @@
-//! The unit of length of a scene: the meaning of a unit of the world, for what is typed and shown. It changes nothing of the picture.
+//! The unit of length of a scene: the meaning of a unit of the world, for what is typed and shown. It changes nothing
+//! of the picture.
 //!
-//! The file says it as `<default name="length_unit" value="cm"/>`, which other readers of the format take for a name that nothing uses.
+//! The file says it as `<default name="length_unit" value="cm"/>`, which other readers of the format take for a name
+//! that nothing uses.
 
 use bevy::prelude::*;
 
@@ -23,7 +25,8 @@ pub enum LengthUnit {
     Foot,
 }
 
-/// The units that may follow a number, in metres. The marks of feet and inches stand last, so that the list begins with the names in files.
+/// The units that may follow a number, in metres. The marks of feet and inches stand last, so that the list begins with
+/// the names in files.
 const UNITS: [(&str, f64); 9] = [
     ("m", 1.0),
     ("cm", 0.01),
@@ -74,8 +77,8 @@ impl LengthUnit {
         known.map_or(1.0, |(_, metres)| *metres)
     }
 
-    /// The length of a text in units of the world: a number, or numbers with units such as `2m`, `30 cm`, `6'`, `4in` or `6'2"`. A number
-    /// without a unit is in units of the world. None for any other text.
+    /// The length of a text in units of the world: a number, or numbers with units such as `2m`, `30 cm`, `6'`, `4in`
+    /// or `6'2"`. A number without a unit is in units of the world. None for any other text.
     pub fn parse(self, text: &str) -> Option<f64> {
         let text = text.trim();
         let (sign, mut rest) = match text.strip_prefix('-') {
@@ -101,7 +104,8 @@ impl LengthUnit {
         (text.len() > 1 && length.is_finite()).then_some(length)
     }
 
-    /// A length in units of the world as a text with the sign of the unit: at most three decimals, or more digits where the number is small.
+    /// A length in units of the world as a text with the sign of the unit: at most three decimals, or more digits where
+    /// the number is small.
     pub fn text(self, length: f32) -> String {
         self.number(length) + &self.sign()
     }

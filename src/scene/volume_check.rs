@@ -8,8 +8,8 @@ use super::{FileKind, MissingFile, SceneDescription, VolumeFormat};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
-/// Reads each volume that the scene names; reports those that cannot be read or were mended where the scene names them first. All are warnings:
-/// the new file names the volume as well, whatever there is.
+/// Reads each volume that the scene names; reports those that cannot be read or were mended where the scene names them
+/// first. All are warnings: the new file names the volume as well, whatever there is.
 pub fn check_volumes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
     let mut places: Vec<(&PathBuf, &Span)> = scene.volume_places.iter().collect();
     places.sort_by_key(|(_, span)| (span.source.0, span.start));

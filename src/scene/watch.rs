@@ -1,8 +1,10 @@
-//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material libraries, pictures, volumes.
+//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material
+//! libraries, pictures, volumes.
 //!
-//! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders are watched, not
-//! files: editors replace files by renaming others over them. A file that is half written fails to load, which keeps the old content;
-//! the end of the writing makes another event. One file is never read twice at the same time, so that the last reading wins.
+//! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders
+//! are watched, not files: editors replace files by renaming others over them. A file that is half written fails to
+//! load, which keeps the old content; the end of the writing makes another event. One file is never read twice at the
+//! same time, so that the last reading wins.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -203,7 +205,8 @@ pub(super) struct Arrivals<'w, 's, A: Asset> {
 }
 
 impl<A: Asset> Arrivals<'_, '_, A> {
-    /// Removes what has arrived or failed from the list of what is being loaded. Returns what was waited for and has arrived.
+    /// Removes what has arrived or failed from the list of what is being loaded. Returns what was waited for and has
+    /// arrived.
     fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) -> Vec<PathBuf> {
         let mut arrived = Vec::new();
         for event in self.events.read() {

@@ -1,4 +1,5 @@
-//! Bakes that are resumed after an interruption, and bakes that are put together from shares: all have the bits of a bake in one go.
+//! Bakes that are resumed after an interruption, and bakes that are put together from shares: all have the bits of a
+//! bake in one go.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Drives the program over scenes whose files are no ordinary files. Each run must end with a message that names the file.
+//! Drives the program over scenes whose files are no ordinary files. Each run must end with a message that names the
+//! file.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -244,7 +245,8 @@ mod memory {
         let mut grid = [0u32.to_le_bytes(), 0u32.to_le_bytes()].concat();
         grid.extend(sized("UniformScaleMap"));
         grid.extend([1.0f64; 15].map(f64::to_le_bytes).concat());
-        // One buffer, the background, one tile and no children; the place of the tile, its value, and that it is active.
+        // One buffer, the background, one tile and no children; the place of the tile, its value, and that it is
+        // active.
         grid.extend(1u32.to_le_bytes());
         grid.extend(0.0f32.to_le_bytes());
         for number in [1u32, 0, 0, 0, 0] {
@@ -389,7 +391,8 @@ mod memory {
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     }
 
-    /// Pictures of integers are rarely environments, so that the tables for sampling one are counted when it is used as one.
+    /// Pictures of integers are rarely environments, so that the tables for sampling one are counted when it is used as
+    /// one.
     #[test]
     fn what_sampling_an_environment_takes_counts() {
         let shop = Workshop::new();
@@ -616,7 +619,8 @@ mod untrusted {
         }
     }
 
-    /// Nobody learns from a run whether there is such a file. Grey takes the place of a picture, as of one that is not there.
+    /// Nobody learns from a run whether there is such a file. Grey takes the place of a picture, as of one that is not
+    /// there.
     #[test]
     fn what_is_refused_counts_the_same_whether_it_exists_or_not() {
         let shop = shop();
@@ -643,7 +647,8 @@ mod untrusted {
         }
     }
 
-    /// A run of the program with these arguments, with and without the file or folder `there`: what it said, and what it wrote to `out.xml`.
+    /// A run of the program with these arguments, with and without the file or folder `there`: what it said, and what
+    /// it wrote to `out.xml`.
     #[cfg(unix)]
     fn with_and_without(
         shop: &Workshop,
@@ -907,7 +912,8 @@ mod untrusted {
     }
 }
 
-/// A scene that names its files relative to itself is converted to another folder without the names of the folders around both.
+/// A scene that names its files relative to itself is converted to another folder without the names of the folders
+/// around both.
 #[test]
 fn converted_scenes_have_no_absolute_paths_that_nobody_gave() {
     let shop = Workshop::new();

@@ -1,5 +1,5 @@
-//! Renders, bakes and merges that are killed at random moments, each of them twenty times: `cargo test --release --test command_line killing -- --ignored --nocapture` prints
-//! the figures. It takes some minutes.
+//! Renders, bakes and merges that are killed at random moments, each of them twenty times: `cargo test --release --test
+//! command_line killing -- --ignored --nocapture` prints the figures. It takes some minutes.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -125,7 +125,8 @@ fn a_broken_mesh_is_not_a_missing_one() {
     }
 }
 
-/// A scene that cannot be shown for another reason names its missing files all the same, and every file that it cannot do without.
+/// A scene that cannot be shown for another reason names its missing files all the same, and every file that it cannot
+/// do without.
 #[test]
 fn all_faults_of_a_scene_are_told_at_once() {
     let shop = shop();

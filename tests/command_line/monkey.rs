@@ -37,7 +37,8 @@ fn play(shop: &Workshop, steps: usize, seed: u64) -> Vec<String> {
     }
 }
 
-/// With changed and broken files, reloads, imports, rendering, undo to the start and redo, and all that was saved opened again.
+/// With changed and broken files, reloads, imports, rendering, undo to the start and redo, and all that was saved
+/// opened again.
 #[test]
 fn a_monkey_leaves_the_editor_whole_and_does_the_same_again() {
     let shop = Workshop::new();

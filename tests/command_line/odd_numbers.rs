@@ -1,4 +1,5 @@
-//! Numbers of files that are none, or far too large: none is used, none is passed over in silence, and none keeps the program from ending.
+//! Numbers of files that are none, or far too large: none is used, none is passed over in silence, and none keeps the
+//! program from ending.
 
 use crate::foreign_files::{run, write_scene};
 use crate::workshop::Workshop;
@@ -125,7 +126,8 @@ fn a_dense_medium_without_a_name_is_found_in_the_file() {
     assert!(told.is_some_and(|told| told.contains(&place)), "{}", outcome.stderr);
 }
 
-/// A colour that nothing absorbs, in fog with a fire in it: light that leaves the fire and meets nothing more has no end of its way.
+/// A colour that nothing absorbs, in fog with a fire in it: light that leaves the fire and meets nothing more has no
+/// end of its way.
 #[test]
 fn coloured_fog_with_fire_in_it_ends() {
     let shop = Workshop::new();

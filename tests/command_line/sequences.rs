@@ -117,7 +117,8 @@ fn a_frame_alone_has_the_bits_that_it_has_in_the_sequence() {
     assert!(bits(&shop.path("still-0000.exr")) == bits(&shop.path("first.exr")));
 }
 
-/// A black square of half the view's width goes through the view in the time of frame 0 at one frame a second, at two units a second.
+/// A black square of half the view's width goes through the view in the time of frame 0 at one frame a second, at two
+/// units a second.
 const BLACK_BAND: &str = r#"<shape type="rectangle"><bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
     <animation name="to_world">
       <transform time="0"><scale x="0.25" y="2"/><translate x="-1"/></transform>
@@ -166,8 +167,8 @@ fn a_shutter_shows_each_place_for_the_time_in_which_it_is_free() {
     let path = shop.scene(&scene(BLACK_BAND));
     let blurred = ["--frames", "0", "--fps", "1", "--shutter", "1"];
     assert_code(&render(&path, &shop.path("blurred.exr"), &blurred), 0);
-    // The band covers a place in the middle for a quarter of a second. The middle of the first column, 1/32 from the edge of the view, is free once the
-    // band's end has come from -1.25 to -31/32.
+    // The band covers a place in the middle for a quarter of a second. The middle of the first column, 1/32 from the
+    // edge of the view, is free once the band's end has come from -1.25 to -31/32.
     let blurred = shop.path("blurred-0000.exr");
     for (x, expected) in [(10, 0.75), (16, 0.75), (22, 0.75), (0, 1.0 - 9.0 / 64.0)] {
         let found = (0..32).map(|y| pixel(&blurred, x, y).x).sum::<f32>() / 32.0;

@@ -11,7 +11,8 @@ use sunroom::render::layered_image::{Channel, LayeredImage};
 
 use crate::workshop::{Workshop, sunroom};
 
-/// Two lamps over a floor, and a ball of rough metal: 80 x 70 pixels are three by three tiles, of which those at the edge are small.
+/// Two lamps over a floor, and a ball of rough metal: 80 x 70 pixels are three by three tiles, of which those at the
+/// edge are small.
 const SCENE: &str = r#"<scene version="3.0.0">
   <integrator type="path"><integer name="max_depth" value="5"/></integrator>
   <sensor type="perspective">
@@ -491,7 +492,8 @@ fn frames_at_other_times_are_other_pictures() {
     );
 }
 
-/// The pictures in a glTF file are taken apart into a folder of the user's caches, which lies elsewhere on another machine.
+/// The pictures in a glTF file are taken apart into a folder of the user's caches, which lies elsewhere on another
+/// machine.
 #[cfg(target_os = "linux")]
 #[test]
 fn shares_of_gltf_files_agree_between_machines() {

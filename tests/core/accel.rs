@@ -1,4 +1,5 @@
-//! The hierarchy against brute force on ordinary and on nasty input, its structure, and its answers against another program's.
+//! The hierarchy against brute force on ordinary and on nasty input, its structure, and its answers against another
+//! program's.
 
 use std::sync::Arc;
 
@@ -75,7 +76,8 @@ fn grid(side: usize) -> MeshData {
     }))
 }
 
-/// Ordinary rays, rays along axes (zero components of either sign), rays that start on a vertex's coordinates, short rays.
+/// Ordinary rays, rays along axes (zero components of either sign), rays that start on a vertex's coordinates, short
+/// rays.
 fn rays(count: usize, mesh: &MeshData, random: &mut Random) -> Vec<Ray> {
     let points: Vec<Vec3> = mesh.positions.iter().copied().filter(|p| p.is_finite()).collect();
     let bounds = Aabb::from_points(points.iter().copied());
@@ -123,8 +125,8 @@ fn brute_force(mesh: &MeshData, ray: &Ray) -> Option<f32> {
         .min_by(f32::total_cmp)
 }
 
-/// The arithmetic is that of the brute force, so distances are equal but where two triangles meet within rounding and the farther one
-/// lets the other's box be skipped: a few ulp.
+/// The arithmetic is that of the brute force, so distances are equal but where two triangles meet within rounding and
+/// the farther one lets the other's box be skipped: a few ulp.
 const SAME_T: f32 = 1e-6;
 
 #[track_caller]
@@ -184,8 +186,8 @@ fn meshes_agree_with_brute_force() {
     );
 }
 
-/// Where boxes overlap much a leaf holds a part of a triangle; at most as many more as there are triangles, and none of a surface of small
-/// ones.
+/// Where boxes overlap much a leaf holds a part of a triangle; at most as many more as there are triangles, and none of
+/// a surface of small ones.
 #[test]
 fn long_triangles_are_held_in_parts() {
     let parts = |mesh: MeshData, method| {
@@ -440,7 +442,8 @@ fn placed_groups_are_their_members_placed_one_by_one() {
             differing += usize::from(hit.is_some() != expected.is_some());
             continue;
         };
-        // Transforms differ in rounding: 1e-6 of coordinates up to 10, more where a ray grazes or shapes are thin (scale 0.05).
+        // Transforms differ in rounding: 1e-6 of coordinates up to 10, more where a ray grazes or shapes are thin
+        // (scale 0.05).
         if (hit.t - expected.t).abs() > 1e-4
             || names[expected.instance as usize] != (hit.instance, hit.member, tlas.shape_index(&hit))
         {

@@ -79,8 +79,9 @@ fn places() -> Vec<Affine3A> {
     .collect()
 }
 
-/// Leaves random points of a closed convex shape in random directions, and counts rays that leave outwards but hit it, and rays that
-/// leave inwards but hit nothing or (for `curved`) a point much nearer than the far side of a sphere would be.
+/// Leaves random points of a closed convex shape in random directions, and counts rays that leave outwards but hit it,
+/// and rays that leave inwards but hit nothing or (for `curved`) a point much nearer than the far side of a sphere
+/// would be.
 fn wrong_leaves(tlas: &Tlas, center: Vec3, radius: f32, sphere: bool, count: usize, random: &mut Random) -> usize {
     let mut wrong = 0;
     for _ in 0..count {
@@ -178,15 +179,16 @@ fn no_ray_slips_between_triangles() {
         "{edges} of {} at edges, {corners} of {count} at corners, {anywhere} of 500000 anywhere",
         2 * count
     );
-    // Edges are closed exactly. Where triangles meet in a corner, rounding may leave a gap of some ulp: a ray aimed at a corner in f32
-    // meets it with a chance below 1 %, one that is not aimed practically never.
+    // Edges are closed exactly. Where triangles meet in a corner, rounding may leave a gap of some ulp: a ray aimed at
+    // a corner in f32 meets it with a chance below 1 %, one that is not aimed practically never.
     assert_eq!((edges, anywhere), (0, 0));
     assert!(count > 80_000 && corners * 100 < count);
 }
 
 #[test]
 fn error_bounds_are_kept() {
-    // The position differs from the exact point on the surface (in f64) by less than the bound, and the bound is not absurd.
+    // The position differs from the exact point on the surface (in f64) by less than the bound, and the bound is not
+    // absurd.
     let mut random = Random::new(5);
     for place in places() {
         let tlas = tlas(Instance::new(Primitive::Sphere, place).unwrap());
@@ -236,7 +238,8 @@ fn ellipsoids_lie_where_they_should() {
         assert!((ray.at(hit.t) - surface.position).length() < 1e-5);
         let local = inverse.transform_point3(surface.position);
         assert!((local.length() - 1.0).abs() < 1e-5);
-        // The normal is orthogonal to images of the local sphere's tangents, and points out though the transform mirrors.
+        // The normal is orthogonal to images of the local sphere's tangents, and points out though the transform
+        // mirrors.
         for tangent in [
             local.any_orthonormal_vector(),
             local.cross(local.any_orthonormal_vector()),
@@ -348,7 +351,8 @@ fn texture_coordinates() {
 
 #[test]
 fn derivatives_say_how_the_surface_moves_with_uv() {
-    // A ray along the normal, moved by a small step times a derivative, meets the surface where uv has grown by that step.
+    // A ray along the normal, moved by a small step times a derivative, meets the surface where uv has grown by that
+    // step.
     const STEP: f32 = 1e-3;
     let mut random = Random::new(7);
     let corners = vec![Vec2::new(1.0, 1.0), Vec2::new(3.0, 1.5), Vec2::new(0.5, 5.0)];
@@ -394,8 +398,8 @@ fn derivatives_say_how_the_surface_moves_with_uv() {
                 if near.primitive != hit.primitive || pole || (uv - expected).abs().max_element() > 0.5 {
                     continue;
                 }
-                // Rounding of uv and positions is some 1e-6 of numbers up to 5; the curvature's share is (2 pi step)^2 / 2 over the radius
-                // (at least 0.2 of it where poles are left out), in turns.
+                // Rounding of uv and positions is some 1e-6 of numbers up to 5; the curvature's share is (2 pi step)^2
+                // / 2 over the radius (at least 0.2 of it where poles are left out), in turns.
                 let curved = matches!(primitive, Primitive::Sphere | Primitive::Disk | Primitive::Cylinder);
                 let tolerance = 5e-6
                     + if curved {
@@ -454,7 +458,8 @@ fn cylinders_are_what_a_fine_mesh_of_one_is() {
         };
         hits += 1;
         let (here, there) = (cylinder.surface(&ray, &hit), mesh.surface(&ray, &expected));
-        // The mesh lies up to 1 - cos(pi / sides) = 5e-6 within; a ray that grazes by less than 1e-3 may miss it or go far beyond.
+        // The mesh lies up to 1 - cos(pi / sides) = 5e-6 within; a ray that grazes by less than 1e-3 may miss it or go
+        // far beyond.
         if (here.position - there.position).length() > 1e-3 {
             differing += 1;
             continue;

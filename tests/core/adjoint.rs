@@ -1,4 +1,5 @@
-//! Light that comes from a lamp is scattered as paths from the camera scatter it the other way: what a viewer sees decides, whichever end a path starts at.
+//! Light that comes from a lamp is scattered as paths from the camera scatter it the other way: what a viewer sees
+//! decides, whichever end a path starts at.
 
 use crate::bidirectional::{assert_pictures, by, diffuse, glass, look, placed};
 use crate::material_support::{Case, all_cases, frame, pictures, random_direction, world};
@@ -137,8 +138,8 @@ const HEIGHTS: TextureId = TextureId(2);
 
 type Around = fn(&mut SceneBuilder, Material, Vec3) -> Material;
 
-/// A room whose normals lean so far that viewers see other ones than lamps would. `around` makes a material of the one inside and the normal. A ball of glass
-/// makes photons.
+/// A room whose normals lean so far that viewers see other ones than lamps would. `around` makes a material of the one
+/// inside and the normal. A ball of glass makes photons.
 fn leaning_room(around: Around, has_ball: bool) -> RenderScene {
     let mut scene = SceneBuilder::with_textures(pictures());
     let quarter = std::f32::consts::FRAC_PI_2;

@@ -407,8 +407,8 @@ fn roulette_does_not_shift_the_picture() {
     );
 }
 
-/// What no path from the camera can find: a spot's light behind a glass ball. All of it is as bright on the floor as the power that the ball takes
-/// up and lets through, whatever its shape.
+/// What no path from the camera can find: a spot's light behind a glass ball. All of it is as bright on the floor as
+/// the power that the ball takes up and lets through, whatever its shape.
 #[test]
 fn a_caustic_has_the_power_of_the_light_that_makes_it() {
     let mut scene = SceneBuilder::default();
@@ -458,7 +458,8 @@ fn a_caustic_has_the_power_of_the_light_that_makes_it() {
     }
     expected /= (steps * steps) as f32;
     assert_close("direct", (direct.0, direct.1 + 1e-3 * expected), expected);
-    // Normal incidence loses 4 % twice; the rest of the cone's light loses little more, as far as it is refracted twice.
+    // Normal incidence loses 4 % twice; the rest of the cone's light loses little more, as far as it is refracted
+    // twice.
     let solid_angle = 2.0 * PI * (1.0 - (1.0f32 - 1.0 / 36.0).sqrt());
     let most = 10.0 * solid_angle * 0.5 / PI / 144.0;
     let caustic = all.0 - direct.0;
@@ -498,7 +499,8 @@ fn layers_and_groups_have_all_light() {
     });
 }
 
-/// A lamp that reflects, behind a veil, is lit by the others: the camera only looks through lamps before its first surface.
+/// A lamp that reflects, behind a veil, is lit by the others: the camera only looks through lamps before its first
+/// surface.
 #[test]
 fn lamps_behind_a_veil_are_not_hidden() {
     let mut scene = SceneBuilder::default();

@@ -1,4 +1,5 @@
-//! Files whose content would take far more memory or time than their size promises: products of two counts, and what is named many times.
+//! Files whose content would take far more memory or time than their size promises: products of two counts, and what is
+//! named many times.
 
 use std::collections::HashMap;
 use std::io;

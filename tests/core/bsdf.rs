@@ -1,5 +1,6 @@
-//! Every scattering model against the contract of `shading`: samples follow the density, weights are f cos / pdf, no energy is made,
-//! reciprocity where it holds; Fresnel and Snell against known figures; and figures of another renderer.
+//! Every scattering model against the contract of `shading`: samples follow the density, weights are f cos / pdf, no
+//! energy is made, reciprocity where it holds; Fresnel and Snell against known figures; and figures of another
+//! renderer.
 
 use crate::bsdf_support::{
     Single, assert_finite, assert_mean_weight, assert_reciprocal, assert_weights, density_p_values, direction, mirror,
@@ -96,7 +97,8 @@ fn samples_follow_the_density() {
     assert_all_plausible(&results);
 }
 
-/// The rounding of half vector and chord: relative to the lobe's width. A lobe of width w takes relative errors of 1e-7 / w^2 at most.
+/// The rounding of half vector and chord: relative to the lobe's width. A lobe of width w takes relative errors of 1e-7
+/// / w^2 at most.
 fn relative_rounding(case: &Single) -> f32 {
     if case.name.contains("0.02") || case.name.contains("0.03") {
         5e-3
@@ -172,8 +174,8 @@ fn value_is_reciprocal() {
             assert_reciprocal(case);
             continue;
         };
-        // The fuzzy metal is a process, not a physical reflectance. Its density depends on the angle to the mirror image alone, which is
-        // the same both ways: f |cos wi| is symmetric in place of f.
+        // The fuzzy metal is a process, not a physical reflectance. Its density depends on the angle to the mirror
+        // image alone, which is the same both ways: f |cos wi| is symmetric in place of f.
         for wo in viewers() {
             for sample in (0..200).filter_map(|i| case.sample(wo, i)) {
                 let (forth, back) = (case.eval(wo, sample.wi), case.eval(sample.wi, wo));
@@ -295,8 +297,8 @@ fn refraction_follows_snell_and_keeps_reciprocity() {
                     "not Snell"
                 );
                 assert!((refracted.weight * relative * relative - Rgb::ONE).abs().max_element() < 1e-5);
-                // Back through the interface: the same transmittance, radiance scaled the other way round. The way back squares the
-                // sine again: cosines of 0.017 keep three digits.
+                // Back through the interface: the same transmittance, radiance scaled the other way round. The way back
+                // squares the sine again: cosines of 0.017 keep three digits.
                 let back = sample(refracted.wi, last);
                 assert!((back.wi - wo).length() < 1e-3 && (back.pdf - refracted.pdf).abs() < 1e-3);
                 assert!((back.weight * refracted.weight - Rgb::ONE).abs().max_element() < 1e-5);
@@ -382,7 +384,8 @@ fn materials_are_found_by_name() {
     assert!(color("Au").x > 0.9 && color("Au").z < 0.5 && color("Cu").y < 0.7 && color("Ag").min_element() > 0.85);
 }
 
-/// Value and density as Mitsuba 3.9.1 (variant `scalar_rgb`) gives them at some directions; 2,700 such figures agreed to 3e-6.
+/// Value and density as Mitsuba 3.9.1 (variant `scalar_rgb`) gives them at some directions; 2,700 such figures agreed
+/// to 3e-6.
 #[test]
 fn figures_agree_with_mitsuba() {
     let figures = [

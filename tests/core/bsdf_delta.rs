@@ -1,5 +1,5 @@
-//! Mirrors, smooth glass and panes: models whose every lobe is one direction. Lobes are chosen as often as they say, no energy is made,
-//! light loses as much on its way back.
+//! Mirrors, smooth glass and panes: models whose every lobe is one direction. Lobes are chosen as often as they say, no
+//! energy is made, light loses as much on its way back.
 
 use crate::bsdf_support::{Single, assert_unscaled, direction, mirror};
 use crate::statistics::{assert_all_plausible, chi_squared_p};
@@ -210,7 +210,8 @@ fn light_takes_the_way_back() {
                     .unwrap_or_else(|| panic!("{} {wo}: no way back from {}", case.name, lobe.wi));
                 assert!((lobe.eta * back.eta - 1.0).abs() < 1e-5, "{}", case.name);
                 let [forth, back] = [lobe, back].map(|lobe| share(&lobe) * (lobe.eta * lobe.eta));
-                // The way back takes the cosine from the sine again: at 80 degrees three digits are left of the transmittance at grazing.
+                // The way back takes the cosine from the sine again: at 80 degrees three digits are left of the
+                // transmittance at grazing.
                 assert!(
                     (forth - back).abs().max_element() < 1e-3,
                     "{} {wo}: {forth} {back}",

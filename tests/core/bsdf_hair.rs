@@ -86,7 +86,8 @@ fn no_energy_is_made_and_white_hair_loses_none() {
                     );
                 }
             } else {
-                // Colours are not the luminance that lobes are chosen by: three standard errors of at most 0.6 / sqrt(count) each.
+                // Colours are not the luminance that lobes are chosen by: three standard errors of at most 0.6 /
+                // sqrt(count) each.
                 let total = furnace(&case, wo, 20_000);
                 assert!(total.max_element() < 1.0 + 0.013, "{} {wo}: {total}", case.name);
             }
@@ -94,7 +95,8 @@ fn no_energy_is_made_and_white_hair_loses_none() {
     }
 }
 
-/// Without scales, in the cross-section: light is mirrored off the side that the viewer sees, or comes from behind, through the fibre.
+/// Without scales, in the cross-section: light is mirrored off the side that the viewer sees, or comes from behind,
+/// through the fibre.
 #[test]
 fn lobes_lie_where_rays_leave_the_fiber() {
     let (eta, degrees) = (1.55f32, 40.0f32);
@@ -227,7 +229,8 @@ fn figures_of_another_renderer() {
             .expect("a case of this name");
         let numbers: Vec<f32> = figures.split(' ').map(|n| n.parse().expect("a number")).collect();
         let [wo, wi, value] = [0, 3, 6].map(|at| Vec3::from_slice(&numbers[at..]));
-        // In narrow lobes that renderer approximates I0: ten terms of its series below 12, and 1 / (16 x) for 1 / (8 x) above.
+        // In narrow lobes that renderer approximates I0: ten terms of its series below 12, and 1 / (16 x) for 1 / (8 x)
+        // above.
         let is_wide = ["dyed", "rough"].contains(&name);
         let tolerance = if is_wide { 2e-5 } else { 6e-3 };
         assert_figure(case, (wo, wi, value, numbers[9]), tolerance, tolerance);

@@ -101,7 +101,8 @@ fn mean_weight_is_the_integral_of_the_value() {
 fn no_energy_is_made() {
     for case in cases() {
         for wo in viewers() {
-            // Weights of mixtures and compensated lobes exceed 1 here and there: three standard errors of at most 0.6 / sqrt(count) each.
+            // Weights of mixtures and compensated lobes exceed 1 here and there: three standard errors of at most 0.6 /
+            // sqrt(count) each.
             let total = furnace(&case, wo, 20_000);
             assert!(total.max_element() < 1.0 + 0.013, "{} {wo}: {total}", case.name);
         }
@@ -292,8 +293,9 @@ fn grazing_and_extreme_input_gives_numbers() {
     }
 }
 
-/// As Mitsuba 3.9.1 (variant `scalar_rgb`) has them at some directions. Of 6,300 such values above 1e-3 all agreed to 1e-3, but for smooth
-/// plastic, where R_int is a fit there, 0.1 % off at this index. The density of Beckmann's visible normals is 0.3 % off there.
+/// As Mitsuba 3.9.1 (variant `scalar_rgb`) has them at some directions. Of 6,300 such values above 1e-3 all agreed to
+/// 1e-3, but for smooth plastic, where R_int is a fit there, 0.1 % off at this index. The density of Beckmann's visible
+/// normals is 0.3 % off there.
 #[test]
 fn figures_agree_with_mitsuba() {
     let figures = [

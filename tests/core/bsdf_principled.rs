@@ -1,5 +1,6 @@
-//! The principled models against the contract of `shading`: samples follow the density, weights are f cos / pdf, reciprocity, how much
-//! energy their layers make, what parameters mean at their limits; and figures of the renderer whose definitions they follow.
+//! The principled models against the contract of `shading`: samples follow the density, weights are f cos / pdf,
+//! reciprocity, how much energy their layers make, what parameters mean at their limits; and figures of the renderer
+//! whose definitions they follow.
 
 use crate::bsdf_support::{
     EXTREME_COSINES, Single, assert_adjoint, assert_finite, assert_mean_weight, assert_reciprocal,
@@ -138,8 +139,8 @@ fn reflection_is_reciprocal() {
     }
 }
 
-/// Light goes through a sheet as if mirrored and turned to the other side. That model has no light where a steep facet would have it come
-/// out on the side it came from, which may be so one way only.
+/// Light goes through a sheet as if mirrored and turned to the other side. That model has no light where a steep facet
+/// would have it come out on the side it came from, which may be so one way only.
 fn goes_through_both_ways(above: Vec3, below: Vec3) -> bool {
     let turned = |v: Vec3| v.with_z(-v.z);
     let facet = (above + turned(below)).normalize();
@@ -394,7 +395,8 @@ fn figures_agree_with_mitsuba() {
     }
 }
 
-/// Views go on as paths do: metals are mirrors on their front and black behind it, where what is glass in them is passed.
+/// Views go on as paths do: metals are mirrors on their front and black behind it, where what is glass in them is
+/// passed.
 #[test]
 fn views_go_on_where_paths_do() {
     for (metallic, spec_trans, front, back) in [

@@ -139,7 +139,8 @@ fn samples_follow_the_density() {
 #[test]
 fn weights_are_value_over_density() {
     for case in cases() {
-        // A half vector of a lobe of width w carries relative errors of 1e-7 / w^2; that of refraction is the shorter by eta - 1.
+        // A half vector of a lobe of width w carries relative errors of 1e-7 / w^2; that of refraction is the shorter
+        // by eta - 1.
         let tolerance = if case.name.contains("0.03") { 1e-2 } else { 2e-3 };
         assert_weights(&case, &viewers(&case), tolerance);
     }
@@ -160,7 +161,8 @@ fn mean_weight_is_the_integral_of_the_value() {
 fn no_energy_is_made() {
     for case in cases() {
         for wo in viewers(&case) {
-            // Weights of mixtures and compensated lobes exceed 1 here and there: three standard errors of at most 0.6 / sqrt(count) each.
+            // Weights of mixtures and compensated lobes exceed 1 here and there: three standard errors of at most 0.6 /
+            // sqrt(count) each.
             let total = furnace(&case, wo, 20_000);
             assert!(total.max_element() < 1.0 + 0.013, "{} {wo}: {total}", case.name);
         }
@@ -182,7 +184,8 @@ fn compensated_mirrors_lose_nothing() {
         let lossy = Single::new("", Bsdf::RoughConductor(rough_conductor("none", kind, 1.0, 1.0)));
         assert!(sphere_integral(Vec3::Z, |wi| lossy.eval(Vec3::Z, wi).x) < 0.9);
     }
-    // Anisotropic ones are compensated as isotropic ones of the mean square: far better than not at all (0.45 is lost at worst).
+    // Anisotropic ones are compensated as isotropic ones of the mean square: far better than not at all (0.45 is lost
+    // at worst).
     for (alpha_x, alpha_y) in [(0.1, 0.4), (0.05, 0.5), (0.3, 0.9)] {
         let case = compensated("", "none", Ggx, alpha_x, alpha_y);
         for (degrees, phi) in [
@@ -343,8 +346,8 @@ fn grazing_and_extreme_input_gives_numbers() {
     }
 }
 
-/// As Mitsuba 3.9.1 (variant `scalar_rgb`) has them at some directions. Of 7,800 such values above 1e-3 all agreed to 1e-3; the density
-/// of Beckmann's visible normals uses the approximate masking there, 0.3 % off.
+/// As Mitsuba 3.9.1 (variant `scalar_rgb`) has them at some directions. Of 7,800 such values above 1e-3 all agreed to
+/// 1e-3; the density of Beckmann's visible normals uses the approximate masking there, 0.3 % off.
 #[test]
 fn figures_agree_with_mitsuba() {
     let figures = [

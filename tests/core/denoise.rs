@@ -171,7 +171,8 @@ fn cancels_before_and_while_it_runs() {
     };
     assert_eq!(denoise(&input, &AtomicBool::new(true)), Err(DenoiseError::Cancelled));
 
-    // All three filters take seconds on one thread of an ordinary machine; where they are done before, they are cancelled sooner.
+    // All three filters take seconds on one thread of an ordinary machine; where they are done before, they are
+    // cancelled sooner.
     let is_cancelled_after = |milliseconds: u64| {
         let cancel = AtomicBool::new(false);
         std::thread::scope(|scope| {

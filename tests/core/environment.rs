@@ -1,4 +1,5 @@
-//! Pictures of the sky and the analytic sky as lights: orientation, sampling against density, and what they send in all.
+//! Pictures of the sky and the analytic sky as lights: orientation, sampling against density, and what they send in
+//! all.
 
 use crate::statistics;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -202,7 +203,8 @@ fn sampled_directions_carry_the_density_and_radiance_of_found_ones() {
     }
 }
 
-/// Sampling must reach all that shines, whatever the density's shape: the mean of radiance / pdf is the integral over the sphere.
+/// Sampling must reach all that shines, whatever the density's shape: the mean of radiance / pdf is the integral over
+/// the sphere.
 #[test]
 fn samples_add_up_to_the_whole() {
     for (name, scene, axis) in cases() {
@@ -221,8 +223,8 @@ fn samples_add_up_to_the_whole() {
             (mean - whole).abs() < 4.0 * error + 2e-3 * whole,
             "{name}: {mean} +- {error}, {whole}"
         );
-        // The density is nearly in proportion. Worst is a bright pole, where it is linear in the latitude and the light goes with its square:
-        // sqrt(1/2). Compensation leaves the rest to others.
+        // The density is nearly in proportion. Worst is a bright pole, where it is linear in the latitude and the light
+        // goes with its square: sqrt(1/2). Compensation leaves the rest to others.
         if name != "compensated" {
             assert!(
                 error * f64::from(count).sqrt() < 0.72 * whole,

@@ -9,8 +9,8 @@ use sunroom::render::film::Film;
 use sunroom::render::view::Strategy;
 use sunroom::shading::{Bsdf, Diffuse};
 
-/// How far along each axis. Numbers of this size are multiples of 1/1024, and so are all coordinates of the room: there it is exactly the
-/// same room.
+/// How far along each axis. Numbers of this size are multiples of 1/1024, and so are all coordinates of the room: there
+/// it is exactly the same room.
 const FAR: Vec3 = Vec3::new(8192.0, -8192.0, 8192.0);
 const LENS: ThinLens = ThinLens {
     aperture_radius: 0.0625,

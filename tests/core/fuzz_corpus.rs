@@ -1,4 +1,5 @@
-//! Replays the corpus of the fuzz targets, and seeded mutations of it: no parser breaks its promises. See `fuzz/README.md`.
+//! Replays the corpus of the fuzz targets, and seeded mutations of it: no parser breaks its promises. See
+//! `fuzz/README.md`.
 
 use std::path::Path;
 
@@ -12,7 +13,8 @@ mod replay;
 use entries::{ENTRIES, Entry};
 use replay::{Input, files, is_wanted, mutations, number_of, run};
 
-/// Mutations of each entry's corpus in an ordinary test run; the variable `MUTATIONS` sets another number, and `SEED` other mutations.
+/// Mutations of each entry's corpus in an ordinary test run; the variable `MUTATIONS` sets another number, and `SEED`
+/// other mutations.
 const MUTATIONS: u64 = 1000;
 
 fn corpus(name: &str) -> Vec<Input> {
@@ -57,7 +59,8 @@ fn mutations_of_the_corpus_break_no_parser() {
     for_each_entry(|entry, corpus| run(entry, mutations(corpus, count as usize, seed)));
 }
 
-/// Files that are made to be slow: where the effort grew with the square of the length, each would take a quarter of an hour.
+/// Files that are made to be slow: where the effort grew with the square of the length, each would take a quarter of an
+/// hour.
 #[test]
 fn large_files_take_time_in_proportion_to_their_length() {
     let dialect = |materials: &str, objects: &str| {

@@ -1,6 +1,7 @@
 //! The meshes in `assets/models` are made here: the files must be what these functions give.
 //!
-//! After a change to a function, `SUNROOM_WRITE_MESHES=1 cargo test --release --test generated_meshes` writes them anew.
+//! After a change to a function, `SUNROOM_WRITE_MESHES=1 cargo test --release --test generated_meshes` writes them
+//! anew.
 
 use std::f32::consts::TAU;
 use std::path::PathBuf;
@@ -70,7 +71,8 @@ fn water_height(x: f32, z: f32) -> f32 {
         + 0.008 * wave(2.9, 13.3, 2.6)
 }
 
-/// A block of water with a wavy top; it reaches a little beyond walls at |x| = 1, z = -1 and y = -1, and ends just inside of z = 1.
+/// A block of water with a wavy top; it reaches a little beyond walls at |x| = 1, z = -1 and y = -1, and ends just
+/// inside of z = 1.
 fn water() -> Mesh {
     const N: u32 = 96;
     const LOW: Vec3 = Vec3::new(-1.01, -1.01, -1.01);

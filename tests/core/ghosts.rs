@@ -192,8 +192,8 @@ fn block(film: &Film, place: UVec2) -> (f32, f32) {
     (mean / pixels, variance / (pixels * pixels))
 }
 
-/// Fails where blocks are farther from the truth than their own samples would leave them in doubt. Returns the mean squared errors of blocks of the picture as
-/// it is shown, and of the film alone.
+/// Fails where blocks are farther from the truth than their own samples would leave them in doubt. Returns the mean
+/// squared errors of blocks of the picture as it is shown, and of the film alone.
 #[track_caller]
 fn assert_no_ghosts(change: impl Fn(&mut Room)) -> [f32; 2] {
     let (shown, film, truth) = after(change);

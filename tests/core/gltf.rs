@@ -1,4 +1,5 @@
-//! glTF files written by hand: what comes out as pictures and scene, what is left out, and that broken ones give one error.
+//! glTF files written by hand: what comes out as pictures and scene, what is left out, and that broken ones give one
+//! error.
 
 use std::io::Cursor;
 
@@ -575,7 +576,8 @@ fn pictures_repeat_along_u_and_v_each_in_its_own_way() {
     assert_eq!(wraps(33648, 33648), [mode("mirror"), None]);
 }
 
-/// The node of a skinned mesh does not place it, but its bones do: by their rest pose, from the pose in which the mesh is bound to them.
+/// The node of a skinned mesh does not place it, but its bones do: by their rest pose, from the pose in which the mesh
+/// is bound to them.
 #[test]
 fn bones_place_skinned_meshes() {
     let place = |skin: &str, bone: &str| {

@@ -263,7 +263,8 @@ fn counts_offsets_and_strides_of_any_size_are_errors_of_the_accessor() {
     let text = parts.text(r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]"#);
     let read = |text: &str| open(text).and_then(|file| file.mesh(0));
     read(&text).expect("is good");
-    // One number at a time is wrong, among them some whose product with a size of 12 or 2 bytes, or sum with an offset, wraps around to a small number.
+    // One number at a time is wrong, among them some whose product with a size of 12 or 2 bytes, or sum with an offset,
+    // wraps around to a small number.
     let numbers = [
         u64::MAX,
         u64::MAX - 11,

@@ -30,8 +30,8 @@ pub fn cove() -> RenderScene {
     cove_of(0.0, |_, _| diffuse(0.7).into())
 }
 
-/// The same room, whose walls have the materials that `wall` makes for their numbers: floor, ceiling, back, left and right. They are turned by `spin` about their
-/// normals.
+/// The same room, whose walls have the materials that `wall` makes for their numbers: floor, ceiling, back, left and
+/// right. They are turned by `spin` about their normals.
 fn cove_of(spin: f32, wall: impl Fn(&mut SceneBuilder, usize) -> Material) -> RenderScene {
     let mut scene = SceneBuilder::default();
     let turn = |x: f32, y: f32| Quat::from_rotation_y(y) * Quat::from_rotation_x(x);
@@ -62,8 +62,9 @@ fn cove_of(spin: f32, wall: impl Fn(&mut SceneBuilder, usize) -> Material) -> Re
     scene.build()
 }
 
-/// The room with a floor, a back and a wall whose normals lean so far that much of what they scatter would go below their surfaces. The walls are turned, so that
-/// the tangents of their materials are not those that lanes have for the same normals.
+/// The room with a floor, a back and a wall whose normals lean so far that much of what they scatter would go below
+/// their surfaces. The walls are turned, so that the tangents of their materials are not those that lanes have for the
+/// same normals.
 fn ridged_cove() -> RenderScene {
     cove_of(std::f32::consts::PI, |scene, number| {
         let normal = match number {

@@ -99,7 +99,8 @@ fn all_paths(scene: &RenderScene, look: &View, samples: u32) -> Vec<(UVec2, Reco
         .collect()
 }
 
-/// But for rounding: pictures are traced in vectors, of which each of a path's few vertices takes some tens of operations.
+/// But for rounding: pictures are traced in vectors, of which each of a path's few vertices takes some tens of
+/// operations.
 fn is_alike(a: Rgb, b: Rgb) -> bool {
     a.abs_diff_eq(b, 200.0 * f32::EPSILON * a.abs().max_element().max(1.0))
 }
@@ -281,7 +282,8 @@ fn the_split_shows_each_strategy_in_its_third() {
     assert!(alone[0].radiance() != alone[1].radiance() && alone[1].radiance() != alone[2].radiance());
 }
 
-/// What has found its way through glass or from mirror to mirror is not given up on the way; but it ends, however bright.
+/// What has found its way through glass or from mirror to mirror is not given up on the way; but it ends, however
+/// bright.
 #[test]
 fn roulette_waits_where_surfaces_leave_no_choice() {
     let lengths = |bsdf: Bsdf| -> Vec<usize> {

@@ -47,7 +47,8 @@ fn placed(at: Vec3, turned: Quat, size: f32) -> Affine3A {
     Affine3A::from_scale_rotation_translation(Vec3::splat(size), turned, at)
 }
 
-/// A room with a floor and walls, and balls of every kind of model: those that are traced in lanes and those that are not.
+/// A room with a floor and walls, and balls of every kind of model: those that are traced in lanes and those that are
+/// not.
 fn room() -> SceneBuilder {
     let mut room = SceneBuilder::with_textures(squares());
     let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
@@ -401,8 +402,8 @@ fn pictures_are_those_of_paths_one_by_one() {
     }
 }
 
-/// A ball of fog and a ball of glass around a medium of this albedo, under a lamp, in thin haze or in empty space. Where the glass scatters light, the lamp is
-/// the only light; else there is a sky.
+/// A ball of fog and a ball of glass around a medium of this albedo, under a lamp, in thin haze or in empty space.
+/// Where the glass scatters light, the lamp is the only light; else there is a sky.
 fn with_media(haze: bool, albedo: f32) -> RenderScene {
     let fog = |sigma_t: [f32; 3], albedo: f32, phase: Phase| MediumSource {
         sigma_t: Volume::Constant(Vec3::from(sigma_t)),

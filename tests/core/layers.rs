@@ -1,4 +1,5 @@
-//! Layers of pictures: what they tell of surfaces by formulas, how the light in them sums up, and that they change nothing.
+//! Layers of pictures: what they tell of surfaces by formulas, how the light in them sums up, and that they change
+//! nothing.
 
 use std::sync::atomic::AtomicBool;
 
@@ -71,7 +72,8 @@ fn ball_and_wall() -> RenderScene {
     scene.build()
 }
 
-/// The surface of that scene on a ray: its number from 1, distance, normal, albedo and texture coordinates (of the wall alone).
+/// The surface of that scene on a ray: its number from 1, distance, normal, albedo and texture coordinates (of the wall
+/// alone).
 fn surface_on(ray: &Ray) -> Option<(u32, f32, Vec3, Rgb, Option<Vec2>)> {
     let along = ray.origin.dot(ray.dir);
     let discriminant = along * along - ray.origin.length_squared() + 1.0;
@@ -404,7 +406,8 @@ fn pictures_have_the_same_bits_with_and_without_layers() {
     }
 }
 
-/// In the last third all strategies are combined, as everywhere in the picture without thirds, whose paths are traced side by side.
+/// In the last third all strategies are combined, as everywhere in the picture without thirds, whose paths are traced
+/// side by side.
 #[test]
 fn layers_of_paths_in_lanes_are_those_of_paths_one_by_one() {
     let (scene, light_groups) = room();

@@ -250,7 +250,8 @@ fn a_disk_light_gives_its_form_factor() {
 
 #[test]
 fn a_square_light_gives_its_form_factor_as_rectangle_and_as_mesh() {
-    // Four corner patches of a differential element to a parallel rectangle (Howell's catalogue, B-3), half size a at distance d.
+    // Four corner patches of a differential element to a parallel rectangle (Howell's catalogue, B-3), half size a at
+    // distance d.
     let (a, d) = (0.9f32, 1.2f32);
     let x = a / d;
     let root = (1.0 + x * x).sqrt();
@@ -502,7 +503,8 @@ fn a_path_that_nothing_ends_is_cut() {
     assert_eq!(rays_of(&scene, &view, 0, 0, 0), u64::from(LONGEST_PATH));
 }
 
-/// Two lamps above a floor, one facing down and one up, seen from above. The floor is 0.5 x 0.5 bright by the sky alone.
+/// Two lamps above a floor, one facing down and one up, seen from above. The floor is 0.5 x 0.5 bright by the sky
+/// alone.
 fn lamps_before_the_floor(max_depth: u32, hide_emitters: bool) -> (f32, f32, f32) {
     let mut scene = floor(diffuse(0.5));
     let lamp = Some(Rgb::ONE);
@@ -569,7 +571,8 @@ fn a_longest_path_of_nothing_is_black() {
 
 #[test]
 fn refraction_through_a_slab_of_glass_keeps_what_fresnel_leaves() {
-    // Two parallel faces seen at normal incidence pass (1 - R) / (1 + R) of the sky behind and reflect the rest of an equal sky.
+    // Two parallel faces seen at normal incidence pass (1 - R) / (1 + R) of the sky behind and reflect the rest of an
+    // equal sky.
     let mut scene = SceneBuilder::default();
     for (z, turn) in [(0.1, 0.0), (-0.1, PI)] {
         let to_world = Affine3A::from_translation(Vec3::Z * z) * Affine3A::from_rotation_y(turn);

@@ -63,7 +63,8 @@ fn transform(scale: Vec3, axis: Vec3, angle: f32, translation: Vec3) -> Affine3A
     Affine3A::from_scale_rotation_translation(scale, Quat::from_axis_angle(axis.normalize(), angle), translation)
 }
 
-/// Density of the light's sampling in direction `wi` from the origin: that of the point it meets, where that point shines.
+/// Density of the light's sampling in direction `wi` from the origin: that of the point it meets, where that point
+/// shines.
 fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
     let ray = Ray::new(Vec3::ZERO, wi);
     let Some(hit) = scene.geometry.intersect(&ray) else {
@@ -270,8 +271,8 @@ fn sampled_directions_carry_the_density_of_found_ones() {
                 passing += 1;
                 continue;
             }
-            // Where a ray grazes by a cosine c, the place that it meets is uncertain by some 2e-7 / c, the normal there by that over the radius
-            // of curvature, here 0.1, and the density by that over the cosine.
+            // Where a ray grazes by a cosine c, the place that it meets is uncertain by some 2e-7 / c, the normal there
+            // by that over the radius of curvature, here 0.1, and the density by that over the cosine.
             let normal_of = |hit| scene.geometry.surface(&ray, &hit).geometric_normal;
             let cosine = hit.map_or(1.0, |hit| normal_of(hit).dot(sample.wi));
             let tolerance = 2e-3 + 2e-6 / (cosine * cosine);
@@ -285,7 +286,8 @@ fn sampled_directions_carry_the_density_of_found_ones() {
     }
 }
 
-/// The solid angle of a rectangle is one over the density of its samples, which is the same everywhere; triangles have one each.
+/// The solid angle of a rectangle is one over the density of its samples, which is the same everywhere; triangles have
+/// one each.
 #[test]
 fn two_triangles_that_are_a_rectangle_are_sampled_as_one() {
     let place = transform(Vec3::new(0.7, 0.3, 1.0), Vec3::X, 2.0, Vec3::new(0.4, 0.8, -0.3));
@@ -472,7 +474,8 @@ fn the_sampling_weight_scales_the_probability_only() {
     assert_eq!([0.0, 1.0, 3.0].map(probability_of_first), [0, 50, 75]);
 }
 
-/// Lights that nothing else can find: the whole of a point's intensity over the squared distance, the whole of a direction's irradiance.
+/// Lights that nothing else can find: the whole of a point's intensity over the squared distance, the whole of a
+/// direction's irradiance.
 #[test]
 fn lights_without_extent_send_what_they_say() {
     for (i, color) in [

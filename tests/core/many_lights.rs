@@ -1,5 +1,5 @@
-//! Pictures with many lights of all kinds: the choice among them does not shift the picture. Light adds up, so the picture with all of
-//! them is the sum of the pictures with one each, where there is nothing to choose.
+//! Pictures with many lights of all kinds: the choice among them does not shift the picture. Light adds up, so the
+//! picture with all of them is the sum of the pictures with one each, where there is nothing to choose.
 
 use crate::support::{SceneBuilder, camera, render, triangle_mesh, view};
 use glam::{Affine3A, Quat, Vec3};
@@ -95,7 +95,8 @@ fn blocks(film: &Film) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Fails if the blocks differ by more than chance explains: none by five standard errors, and their squares not by much in the mean.
+/// Fails if the blocks differ by more than chance explains: none by five standard errors, and their squares not by much
+/// in the mean.
 fn assert_same(what: &str, ours: &[(f64, f64)], theirs: &[(f64, f64)]) {
     let z: Vec<f64> = ours
         .iter()
@@ -104,7 +105,8 @@ fn assert_same(what: &str, ours: &[(f64, f64)], theirs: &[(f64, f64)]) {
         .collect();
     let worst = z.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
     let mean_square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
-    // The mean of n squares of unit normals has a standard deviation of sqrt(2 / n); fireflies make the tails somewhat heavier.
+    // The mean of n squares of unit normals has a standard deviation of sqrt(2 / n); fireflies make the tails somewhat
+    // heavier.
     let bound = 1.0 + 5.0 * (2.0 / z.len() as f64).sqrt();
     assert!(
         worst < 5.0 && mean_square < bound,

@@ -1,5 +1,5 @@
-//! Materials in world space: textured parameters, two sides, blends, masks, normal and bump maps and nothing at all, against the contract of
-//! `shading`, and against what the test makes of the plain models itself.
+//! Materials in world space: textured parameters, two sides, blends, masks, normal and bump maps and nothing at all,
+//! against the contract of `shading`, and against what the test makes of the plain models itself.
 
 use crate::material_support;
 use crate::material_support::{Case, Placed, all_cases, frame, random_direction, texel_uv, textured_models, world};
@@ -83,7 +83,8 @@ fn mean_weight_is_the_integral_of_the_value() {
         let variance = (squares / f64::from(count) - mean * mean).max(0.0);
         let deviation = (variance / f64::from(count)).sqrt();
         let integral = sphere_integral(peak(wo), |wi| scattering.eval_and_pdf(wi).0.y);
-        // Five standard errors: 160 comparisons, a false alarm in 10,000. Plus that of the quadrature, which is poor where bumps cut off.
+        // Five standard errors: 160 comparisons, a false alarm in 10,000. Plus that of the quadrature, which is poor
+        // where bumps cut off.
         assert!(
             (mean - integral).abs() < 5.0 * deviation + 1e-3,
             "{name}: {mean}, {integral}"
@@ -153,8 +154,8 @@ fn values_are_those_of_the_parts() {
     });
 }
 
-/// Light on its way back loses as much. Radiance is compressed by the squared index; a normal map is reciprocal about its own normal, once
-/// the shadowing, which depends on the light's side only, is taken out.
+/// Light on its way back loses as much. Radiance is compressed by the squared index; a normal map is reciprocal about
+/// its own normal, once the shadowing, which depends on the light's side only, is taken out.
 #[test]
 fn light_takes_the_way_back() {
     let mut compared = 0;

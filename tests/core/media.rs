@@ -110,7 +110,8 @@ fn medium(sigma_t: impl Into<Rgb>, albedo: impl Into<Rgb>, phase: Phase) -> Medi
     }
 }
 
-/// The same medium as a grid of equal voxels around the origin, so that it is traced by null collisions. Its majorants are too large if `is_loose`.
+/// The same medium as a grid of equal voxels around the origin, so that it is traced by null collisions. Its majorants
+/// are too large if `is_loose`.
 fn as_grid(source: &MediumSource, is_loose: bool) -> MediumSource {
     let Volume::Constant(sigma_t) = source.sigma_t else {
         return source.clone();
@@ -351,7 +352,8 @@ fn all_estimators_agree() {
     }
 }
 
-/// A space that shines and scatters: the radiance of an isothermal ball with albedo 0 is (1 - exp(-tau)) times emission over extinction.
+/// A space that shines and scatters: the radiance of an isothermal ball with albedo 0 is (1 - exp(-tau)) times emission
+/// over extinction.
 #[test]
 fn a_glowing_ball_shines_as_its_optical_depth_says() {
     let (sigma_t, emission) = (0.7f32, 0.5f32);
@@ -510,7 +512,8 @@ fn a_lamp_in_milk_in_glass_is_as_bright_as_paths_find_it() {
     }
 }
 
-/// Surfaces that let light pass straight count for no segment: a lamp behind ten of them is seen directly, and lights what is in front of them.
+/// Surfaces that let light pass straight count for no segment: a lamp behind ten of them is seen directly, and lights
+/// what is in front of them.
 #[test]
 fn boundaries_count_for_no_segment() {
     let mut scene = SceneBuilder::with_media(vec![medium(Rgb::ZERO, Rgb::ZERO, Phase::Isotropic)]);

@@ -115,8 +115,9 @@ fn the_light_of_a_spot_comes_through_water() {
         )
     };
     let film = render(&scene, &by(integrator, &straight_down), 600);
-    // Straight down a share of 0.96 passes at the surface each way. A narrow beam of angle a has one of a / 1.5 below, so that at the floor it is as wide as in
-    // air at a distance of 2 + 1 / 1.5. Radiance below is larger by 1.5 squared and smaller by the same when it comes out.
+    // Straight down a share of 0.96 passes at the surface each way. A narrow beam of angle a has one of a / 1.5 below,
+    // so that at the floor it is as wide as in air at a distance of 2 + 1 / 1.5. Radiance below is larger by 1.5
+    // squared and smaller by the same when it comes out.
     let irradiance = 5.0 * 0.96 / (2.0 + 1.0 / 1.5_f32).powi(2);
     let expected = irradiance * 0.7 / PI * 0.96 / (1.5 * 1.5);
     let (mean, error) = crate::support::mean_luminance(&film);

@@ -1,5 +1,5 @@
-//! The mesh readers on files made here, and on other people's: models, and the good, odd and broken files of other loaders' test suites,
-//! which lie outside the repository and are skipped where they are not.
+//! The mesh readers on files made here, and on other people's: models, and the good, odd and broken files of other
+//! loaders' test suites, which lie outside the repository and are skipped where they are not.
 
 use std::io;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn obj_mesh(text: &str) -> MeshData {
     obj(text).unwrap_or_else(|error| panic!("{error}\n{text}")).mesh
 }
 
-// ---- PLY ----------------------------------------------------------------------------------------------------------------
+// ---- PLY ----
 
 #[derive(Clone, Copy, PartialEq)]
 enum Format {
@@ -128,8 +128,8 @@ fn the_three_ply_formats_say_the_same() {
     }
 }
 
-/// Records that are all of one length, but for the faces of one corner more that `is_quad` asks for; numbers of many types, colours and other values of
-/// vertices and faces.
+/// Records that are all of one length, but for the faces of one corner more that `is_quad` asks for; numbers of many
+/// types, colours and other values of vertices and faces.
 fn even_ply(format: Format, seed: u64, is_quad: impl Fn(usize) -> bool) -> Vec<u8> {
     let mut random = Random(seed);
     let vertices = 4 + random.below(10_000);
@@ -528,7 +528,7 @@ fn absurd_ply_counts_cost_neither_time_nor_memory() {
     }
 }
 
-// ---- OBJ ----------------------------------------------------------------------------------------------------------------
+// ---- OBJ ----
 
 const CUBE: &str = "# a cube\nmtllib a.mtl\no cube\nv -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 -1\nvn 0 0 1\ng a\nusemtl red\nf 4/4/1 3/3/1 2/2/1 1/1/1\nusemtl green\nf 5/1/2 6/2/2 7/3/2 8/4/2\n\
@@ -731,8 +731,8 @@ fn broken_obj_text_never_panics_and_what_loads_is_sound() {
 
 #[test]
 fn hostile_obj_files_cost_little() {
-    // Many corners at one position, each with a texture coordinate of its own; one polygon of very many corners; ten thousand statements
-    // nobody knows; as many libraries. Any of these as a square would take minutes.
+    // Many corners at one position, each with a texture coordinate of its own; one polygon of very many corners; ten
+    // thousand statements nobody knows; as many libraries. Any of these as a square would take minutes.
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     for i in 1..=50_000 {
         text += &format!("vt {i} 0\nf 1/{i} 1/{i} 1/{i}\nword{i}\nmtllib lib{i}\n");
@@ -791,7 +791,8 @@ fn colours_of_a_ply_file_become_attributes() {
     );
 }
 
-/// The area of a mesh and the sum of its triangles' areas with the sign of their winding about z: equal, if none lies outside or over another.
+/// The area of a mesh and the sum of its triangles' areas with the sign of their winding about z: equal, if none lies
+/// outside or over another.
 fn areas(mesh: &MeshData) -> (f32, f32) {
     let area = |triangle: usize| {
         let [a, b, c] = mesh.corners(triangle);

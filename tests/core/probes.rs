@@ -142,8 +142,8 @@ fn a_uniform_environment_is_seen_in_each_direction_and_lights_each_side() {
     }
 }
 
-/// The irradiance by a polygon of radiance 1 (Lambert 1760; Arvo, 1994, equation 2.4), of which only what is above the horizon counts. The corners are relative
-/// to the point, clockwise as seen from there.
+/// The irradiance by a polygon of radiance 1 (Lambert 1760; Arvo, 1994, equation 2.4), of which only what is above the
+/// horizon counts. The corners are relative to the point, clockwise as seen from there.
 fn lambert(corners: &[Vec3], normal: Vec3) -> f32 {
     let mut above = Vec::new();
     for (index, &from) in corners.iter().enumerate() {
@@ -227,7 +227,8 @@ fn walls_turn_up_on_their_sides() {
     }
     let scene = scene.build();
     let pictures = reflection(&scene, &Affine3A::from_scale(Vec3::splat(4.0)), 4);
-    // The order of graphics cards, which has z turned around: the third dimension of directions is that of a left-handed space.
+    // The order of graphics cards, which has z turned around: the third dimension of directions is that of a
+    // left-handed space.
     let order = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::NEG_Z, Vec3::Z];
     for (side, axis) in order.into_iter().enumerate() {
         let whole = 16 * 16;

@@ -78,7 +78,8 @@ fn every_prefix_is_stratified_in_all_elementary_intervals() {
     }
 }
 
-/// The pixels that share a sequence: in 2 x 2, 4 x 8, 8 x 16 and 16 x 16 pixels those whose quads have one colour, as on a chess board of quads.
+/// The pixels that share a sequence: in 2 x 2, 4 x 8, 8 x 16 and 16 x 16 pixels those whose quads have one colour, as
+/// on a chess board of quads.
 fn pixels_together(corner: UVec2, log_width: u32, colour: u32) -> Vec<UVec2> {
     let width = 1 << log_width;
     let height = [2, 8, 16, 16][log_width as usize - 1];
@@ -136,8 +137,8 @@ fn samples_of_neighbouring_pixels_complete_each_other() {
     }
 }
 
-/// By what the mean square error of sixteen pixels that share a sequence is less than it would be if pixels were independent, for the mean of `value` of two
-/// draws from `dimension` on.
+/// By what the mean square error of sixteen pixels that share a sequence is less than it would be if pixels were
+/// independent, for the mean of `value` of two draws from `dimension` on.
 fn gain_of_neighbours(samples: u32, dimension: u32, value: fn(DVec2, DVec2) -> f64, exact: f64) -> f64 {
     let error = |pixel: &UVec2| {
         let sum: f64 = (0..samples)
@@ -238,7 +239,8 @@ fn pixels_and_dimensions_are_decorrelated() {
     let count = 4096u32;
     let mut results = Vec::new();
     for kind in KINDS {
-        // Pairs of coordinates (pixel, dimension, axis) that must not know of each other. In the first draws neighbours do.
+        // Pairs of coordinates (pixel, dimension, axis) that must not know of each other. In the first draws neighbours
+        // do.
         let pairs = [
             ((0, 0, 0), (0, 0, 1)),
             ((0, 0, 0), (0, 1, 0)),

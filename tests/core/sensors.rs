@@ -92,8 +92,9 @@ fn places_follow_the_magnitude_and_weights_the_sign() {
         expected.iter_mut().for_each(|e| *e *= f64::from(count));
         results.push((name.clone(), chi_squared_p(&counted, &expected)));
 
-        // Sums of weights estimate the filter itself, normalised: each cell within five standard deviations, as all weights have the
-        // magnitude W and N samples of probability p give a sum with a variance of at most N p W^2 (plus what the staircase moves).
+        // Sums of weights estimate the filter itself, normalised: each cell within five standard deviations, as all
+        // weights have the magnitude W and N samples of probability p give a sum with a variance of at most N p
+        // W^2 (plus what the staircase moves).
         let signed = cells_of(&value, radius);
         let integral: f64 = signed.iter().sum();
         let weight = (total / integral).powi(2);
@@ -116,8 +117,9 @@ fn weights_are_one_on_average() {
         let count = 1 << 14;
         let weight = |index| f64::from(filter.sample(numbers(SequenceKind::Sobol, index)).weight);
         let mean: f64 = (0..count).map(weight).sum::<f64>() / f64::from(count);
-        // The points are a net: of 128 x 128 elementary squares each holds one. The sign changes along at most 8 lines per axis, and
-        // only squares on a line err, by up to twice the weight (below 4); in practice they err in both directions.
+        // The points are a net: of 128 x 128 elementary squares each holds one. The sign changes along at most 8 lines
+        // per axis, and only squares on a line err, by up to twice the weight (below 4); in practice they err
+        // in both directions.
         assert!((mean - 1.0).abs() < 0.01, "{kernel:?}: {mean}");
     }
 }
@@ -166,7 +168,8 @@ fn rays_start_evenly_on_the_aperture() {
     assert_all_plausible(&results);
 }
 
-/// An orthographic picture of 24 x 24 pixels, one pixel 0.1 wide, whose left part up to `edge` pixels shines with radiance 1.
+/// An orthographic picture of 24 x 24 pixels, one pixel 0.1 wide, whose left part up to `edge` pixels shines with
+/// radiance 1.
 fn picture_of_an_edge(filter: PixelFilter, edge: f32) -> Film {
     let reach = 5.0;
     let mut builder = SceneBuilder::default();

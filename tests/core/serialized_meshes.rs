@@ -1,5 +1,5 @@
-//! The reader of `serialized` meshes on files made here, whole, truncated and garbled, and on those of Mitsuba's own scenes, which lie
-//! outside the repository and are skipped where they are not.
+//! The reader of `serialized` meshes on files made here, whole, truncated and garbled, and on those of Mitsuba's own
+//! scenes, which lie outside the repository and are skipped where they are not.
 
 use std::io::Write;
 use std::path::Path;

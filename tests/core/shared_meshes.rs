@@ -168,7 +168,8 @@ fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
     found.sort();
 }
 
-/// Triangles and bounds of an OBJ file by a reading that knows only vertices and the first numbers of faces; None if an index leads nowhere.
+/// Triangles and bounds of an OBJ file by a reading that knows only vertices and the first numbers of faces; None if an
+/// index leads nowhere.
 fn plain_obj(text: &str) -> Option<(usize, Vec3, Vec3)> {
     let (mut vertices, mut triangles) = (Vec::new(), 0);
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

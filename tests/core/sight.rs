@@ -26,8 +26,8 @@ fn grey() -> Bsdf {
     })
 }
 
-/// A room of squares whose fronts look inwards, with a ball and a sky that comes in where there is no ceiling. The camera looks along -z from
-/// outside, through the near wall.
+/// A room of squares whose fronts look inwards, with a ball and a sky that comes in where there is no ceiling. The
+/// camera looks along -z from outside, through the near wall.
 fn room() -> RenderScene {
     let mut room = SceneBuilder::default();
     let side = |at: Vec3, turned: Quat| Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), turned, at);

@@ -48,7 +48,8 @@ fn found(scene: &Tlas, marks: &[(u32, u32)], camera: Camera, step: u32) -> Vec<E
     .expect("nobody cancels")
 }
 
-/// The largest distance of a point from the circle of the ball, and the widest gap between neighbours along it in degrees.
+/// The largest distance of a point from the circle of the ball, and the widest gap between neighbours along it in
+/// degrees.
 fn off_circle(points: &[EdgePoint]) -> (f32, f32) {
     let from_middle = points.iter().map(|point| point.at - 0.5 * PICTURE.as_vec2());
     let off = from_middle

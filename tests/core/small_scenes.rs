@@ -80,7 +80,8 @@ fn scene(copies: usize, method: SplitMethod) -> Tlas {
     Tlas::build(instances.collect(), method)
 }
 
-/// Many round and flat shapes, which are taken together, and two meshes. The same as a list, in which each shape is tested alone.
+/// Many round and flat shapes, which are taken together, and two meshes. The same as a list, in which each shape is
+/// tested alone.
 fn crowd(is_round: bool) -> [Tlas; 2] {
     let kinds = [Primitive::Sphere, Primitive::Rectangle, Primitive::Disk];
     let mut instances: Vec<Instance> = (0..120)

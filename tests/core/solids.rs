@@ -1,4 +1,5 @@
-//! Meshes of walls, stairs and prisms: closed, with outward normals, of the right volume, with texture coordinates in lengths.
+//! Meshes of walls, stairs and prisms: closed, with outward normals, of the right volume, with texture coordinates in
+//! lengths.
 
 use std::collections::HashMap;
 use std::f32::consts::TAU;
@@ -32,8 +33,8 @@ fn area(mesh: &MeshData) -> f32 {
         .sum()
 }
 
-/// Every edge is passed as often in one direction as in the other, the normals are those of the triangles, and a triangle has the same area in
-/// texture coordinates as in space.
+/// Every edge is passed as often in one direction as in the other, the normals are those of the triangles, and a
+/// triangle has the same area in texture coordinates as in space.
 fn check(name: &str, mesh: &MeshData) {
     let key = |place: Vec3| place.to_array().map(|x| (x + 0.0).to_bits());
     let mut edges: HashMap<_, i32> = HashMap::new();

@@ -1,4 +1,5 @@
-//! The bilinear density on the unit square: what it samples against an integral of the given values that the test makes itself.
+//! The bilinear density on the unit square: what it samples against an integral of the given values that the test makes
+//! itself.
 
 use crate::statistics::{assert_all_plausible, chi_squared_p, integrate};
 use glam::{UVec2, Vec2};
@@ -216,7 +217,8 @@ fn sixteen_points_are_the_points_of_one() {
             let pdf = distribution.pdf(together.position);
             for (lane, &u) in points.iter().enumerate() {
                 let one = distribution.sample(u.to_array());
-                // Where cells have little of the whole, the rounding of sums moves points within them and across their borders.
+                // Where cells have little of the whole, the rounding of sums moves points within them and across their
+                // borders.
                 let [x, y] = together.position.map(|numbers| numbers.as_array()[lane]);
                 let moved = (x - one.position[0]).abs().max((y - one.position[1]).abs());
                 let share = f64::from(one.pdf / highest);

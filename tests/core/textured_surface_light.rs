@@ -1,5 +1,5 @@
-//! Surfaces whose radiance is a texture: their samples against their density, whatever the shape and whatever the texture, and one picture
-//! whatever samples it.
+//! Surfaces whose radiance is a texture: their samples against their density, whatever the shape and whatever the
+//! texture, and one picture whatever samples it.
 
 use crate::statistics;
 use std::f32::consts::FRAC_PI_2;
@@ -268,8 +268,9 @@ fn samples_add_up_to_the_whole_with_little_noise() {
             (mean - whole).abs() < 4.0 * error + 4e-3 * whole,
             "{name}: {mean} +- {error}, {whole}"
         );
-        // 0.4 is what cosine and distance make of even points. The rest: a share of the samples goes evenly over the surface, and the edges
-        // of squares are blurred by a cell of 128. Points by solid angle alone would have more than 1 for squares.
+        // 0.4 is what cosine and distance make of even points. The rest: a share of the samples goes evenly over the
+        // surface, and the edges of squares are blurred by a cell of 128. Points by solid angle alone would
+        // have more than 1 for squares.
         if let Primitive::Rectangle = scene.geometry.instances()[0].primitive {
             assert!(deviation < 0.6 * whole, "{name}: noise {deviation} of {whole}");
         }

@@ -1,4 +1,5 @@
-//! Drives the tools that block out a building: drags and clicks in the picture come out as the things that were drawn, pushed and cut.
+//! Drives the tools that block out a building: drags and clicks in the picture come out as the things that were drawn,
+//! pushed and cut.
 
 use std::sync::Arc;
 

@@ -1,12 +1,13 @@
-//! Replays the corpus of the editor's parsers, and seeded mutations of it, as `tests/core/fuzz_corpus.rs` does for the kernel's. See
-//! `fuzz/README.md`.
+//! Replays the corpus of the editor's parsers, and seeded mutations of it, as `tests/core/fuzz_corpus.rs` does for the
+//! kernel's. See `fuzz/README.md`.
 
 use std::path::Path;
 
 use crate::editor_entries::ENTRIES;
 use crate::replay::{Input, files, is_wanted, mutations, number_of, run};
 
-/// Of each entry's corpus in an ordinary test run; the variable `MUTATIONS` sets another number, and `SEED` other mutations.
+/// Of each entry's corpus in an ordinary test run; the variable `MUTATIONS` sets another number, and `SEED` other
+/// mutations.
 const MUTATIONS: u64 = 300;
 
 /// Calls this with each entry and its corpus: those of the entry that the variable `PARSER` names, or else of all.

@@ -50,7 +50,8 @@ fn assert_same(one: &Snapshot, other: &Snapshot) {
     assert_eq!(one.difference(other), None);
 }
 
-/// The lines of a step, up to the first that cannot be done: the others were meant for what that one would have selected.
+/// The lines of a step, up to the first that cannot be done: the others were meant for what that one would have
+/// selected.
 pub(crate) fn say_all(world: &mut World, step: &[String]) -> bool {
     step.iter().all(|line| say(world, line))
 }

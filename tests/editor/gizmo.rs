@@ -1,5 +1,5 @@
-//! Drags the gizmo's handles without a window: what is under the pointer stays under it, nothing leaps, and objects stand where they
-//! should.
+//! Drags the gizmo's handles without a window: what is under the pointer stays under it, nothing leaps, and objects
+//! stand where they should.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -183,8 +183,9 @@ fn nothing_leaps_wherever_the_pointer_goes() {
                         };
                         assert!(to_world.is_finite(), "{mode:?} {constraint:?}: {to_world}");
                         if let (Some(last), Mode::Move) = (last, mode) {
-                            // A step is up to 10 points of 0.016 units. At the farthest the picture is 10 times as coarse across and
-                            // 100 times in depth, and a plane is seen at a sine of 0.1 or more.
+                            // A step is up to 10 points of 0.016 units. At the farthest the picture is 10 times as
+                            // coarse across and 100 times in depth, and a plane is seen at
+                            // a sine of 0.1 or more.
                             let leap = (to_world.translation - last.translation).length();
                             assert!(leap < 10.0 * 0.016 * 100.0 / 0.1, "{constraint:?}: {leap}");
                         }

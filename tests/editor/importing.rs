@@ -37,7 +37,8 @@ fn what_stands_in_for_light_is_not_imported() {
     }
 }
 
-/// Files of the same name from several glTF files lie beside a scene under different names, also if they came between two saves.
+/// Files of the same name from several glTF files lie beside a scene under different names, also if they came between
+/// two saves.
 #[test]
 fn a_later_import_leaves_the_files_of_an_earlier_one() {
     let mut window = Window::on("  <shape type=\"sphere\" id=\"ball\"/>");

@@ -476,7 +476,8 @@ fn cameras_and_lights_that_move_through_borders_are_in_other_media() {
     assert_eq!(media(&world), [Some(fog), None]);
 }
 
-/// The file changes while the window has edits, and the window has not reloaded it. Saving reads the change first, as a reload does.
+/// The file changes while the window has edits, and the window has not reloaded it. Saving reads the change first, as a
+/// reload does.
 #[test]
 fn an_edit_of_a_medium_and_a_change_in_the_file_come_together() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! Scenes with missing files in the window: what is told of them, how they are found, and that a save keeps what is not found.
+//! Scenes with missing files in the window: what is told of them, how they are found, and that a save keeps what is not
+//! found.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -374,7 +375,8 @@ fn only_the_file_that_was_asked_for_is_found_if_others_are_not_wanted() {
     assert_eq!(window.missing().len(), 3, "nothing was changed");
 }
 
-/// A scene from elsewhere may name files so that the way from one to the other leads out of the folder that the user has chosen.
+/// A scene from elsewhere may name files so that the way from one to the other leads out of the folder that the user
+/// has chosen.
 #[test]
 fn only_what_lies_in_the_chosen_folder_is_allowed() {
     let mut window = Window::new();

@@ -1,5 +1,5 @@
-//! Drives what belongs to the window more than to the scene, without a window: the palette, the overview of keys, the preferences and the
-//! questions before something is lost.
+//! Drives what belongs to the window more than to the scene, without a window: the palette, the overview of keys, the
+//! preferences and the questions before something is lost.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! Files outside the folder of a scene in the window: when the user is asked, what an answer allows, and that no edit is lost by it.
+//! Files outside the folder of a scene in the window: when the user is asked, what an answer allows, and that no edit
+//! is lost by it.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -504,7 +504,8 @@ fn alt_orbits_the_selection_and_the_middle_button_pans() {
         Modifiers::NONE,
         true,
     );
-    // The view of the test does not follow: each of the five steps is by ten points of the picture at half the scene's size, 5 units.
+    // The view of the test does not follow: each of the five steps is by ten points of the picture at half the scene's
+    // size, 5 units.
     let step = 10.0 * 2.0 * 5.0 * 30f32.to_radians().tan() / SIZE.x;
     let panned: Vec<f32> = views(&harness).iter().map(|view| view.translation.x).collect();
     assert!(

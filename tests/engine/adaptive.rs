@@ -1,4 +1,5 @@
-//! Adaptive sampling: where samples go, that pictures stay unbiased, and that they are the same on any number of threads.
+//! Adaptive sampling: where samples go, that pictures stay unbiased, and that they are the same on any number of
+//! threads.
 
 use std::num::NonZeroUsize;
 
@@ -13,7 +14,8 @@ use crate::{ball, finish};
 
 const SIZE: u32 = 64;
 
-/// A ball before an even sky and a lamp that is found by chance: by one sample of a hundred, and then it is bright. Two tiles by two.
+/// A ball before an even sky and a lamp that is found by chance: by one sample of a hundred, and then it is bright. Two
+/// tiles by two.
 fn rare_light(seed: u32, control: impl FnOnce(&mut RenderControl)) -> App {
     let mut app = ball(Vec3::Z * 4.0, SIZE, SIZE);
     let world = app.world_mut();

@@ -23,8 +23,8 @@ use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse};
 use crate::look_along;
 use crate::support::{SceneBuilder, camera, render, view};
 
-/// A box with one red and one green wall, open to a uniform sky, with a square lamp, a round one and a ball of glass. `strengths`
-/// multiply the light of the square lamp, the round lamp and the sky.
+/// A box with one red and one green wall, open to a uniform sky, with a square lamp, a round one and a ball of glass.
+/// `strengths` multiply the light of the square lamp, the round lamp and the sky.
 fn room(strengths: [Rgb; 3]) -> RenderScene {
     let diffuse = |r, g, b| {
         Bsdf::Diffuse(Diffuse {
@@ -85,8 +85,9 @@ fn look(size: u32) -> View {
     look
 }
 
-/// The layers of a sample hold the contributions that its radiance is the sum of. Of one pixel that is some thousand numbers, added in
-/// two orders, half a rounding of 2^-24 each: a few hundred thousandths if all roundings went one way.
+/// The layers of a sample hold the contributions that its radiance is the sum of. Of one pixel that is some thousand
+/// numbers, added in two orders, half a rounding of 2^-24 each: a few hundred thousandths if all roundings went one
+/// way.
 const REORDERED: f32 = 1e-4;
 
 fn assert_same_sums(film: &Film) {
@@ -131,8 +132,8 @@ fn layers_do_not_change_the_picture() {
     assert_eq!(plain.mixed(&[Rgb::ZERO]), plain.radiance());
 }
 
-/// How far apart two pictures of the same expectation are on average over a part of them, in standard errors: the spread of the
-/// differences of the pixels, which are independent, tells the noise.
+/// How far apart two pictures of the same expectation are on average over a part of them, in standard errors: the
+/// spread of the differences of the pixels, which are independent, tells the noise.
 fn distance(a: &[Rgb], b: &[Rgb], pixels: impl Iterator<Item = usize>) -> f32 {
     let differences: Vec<Rgb> = pixels.map(|i| a[i] - b[i]).collect();
     let n = differences.len() as f32;

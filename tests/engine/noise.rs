@@ -16,8 +16,8 @@ const SIZE: [u32; 2] = [72, 56];
 /// Half of the edge of the square in pixels.
 const HALF: f32 = 20.0;
 
-/// A black square before an even sky. Its edges alone are noisy, and they are 17/32 of a pixel from a border of pixels: of 16 well spread samples of a pixel one may
-/// lie on either side, and of 32 always as many are on each.
+/// A black square before an even sky. Its edges alone are noisy, and they are 17/32 of a pixel from a border of pixels:
+/// of 16 well spread samples of a pixel one may lie on either side, and of 32 always as many are on each.
 fn square(seed: u32, control: impl FnOnce(&mut RenderControl)) -> (Film, RenderStatus) {
     // The ball is behind the camera.
     let mut app = ball(Vec3::Z * -40.0, SIZE[0], SIZE[1]);

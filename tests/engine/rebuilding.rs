@@ -1,4 +1,5 @@
-//! The engine from outside: what a change rebuilds, what restarts the picture, and that pictures do not depend on how they are made.
+//! The engine from outside: what a change rebuilds, what restarts the picture, and that pictures do not depend on how
+//! they are made.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -644,7 +645,8 @@ fn a_time_limit_ends_with_a_whole_pass() {
         let is_equal = |(x, y)| film.samples(x, y) == least;
         least > 0 && [(0, 0), (35, 20), (69, 39)].into_iter().all(is_equal)
     };
-    // A pass that is not over soon after the limit is broken off, which may be so for the first ones where other programs need the machine.
+    // A pass that is not over soon after the limit is broken off, which may be so for the first ones where other
+    // programs need the machine.
     let limits = [200, 2000, 20_000, 60_000].map(Duration::from_millis);
     assert!(limits.into_iter().any(ends_with_whole_pass));
 }

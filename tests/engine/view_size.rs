@@ -80,7 +80,8 @@ fn the_film_is_traced_in_full_until_the_scene_or_the_view_changes() {
     }
 }
 
-/// Every pixel of the small picture shows what the pixels of the large one show at the same place, so that both cover the same part of the world.
+/// Every pixel of the small picture shows what the pixels of the large one show at the same place, so that both cover
+/// the same part of the world.
 #[test]
 fn a_picture_of_fewer_pixels_shows_the_same() {
     let mut app = studio();

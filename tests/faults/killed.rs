@@ -1,5 +1,5 @@
-//! Sudden death in the middle of a write. A limit for the length of files makes the system kill the program at the first write beyond it, as
-//! SIGKILL would, but at a place that the test knows.
+//! Sudden death in the middle of a write. A limit for the length of files makes the system kill the program at the
+//! first write beyond it, as SIGKILL would, but at a place that the test knows.
 
 use std::path::Path;
 use std::process::Command;
@@ -159,7 +159,8 @@ fn scene_with_recovery(scene: &Path, folder: &Path) -> App {
     app
 }
 
-/// Writes a recovery copy of the scene, as the window does after a while; a second one as if the process had been started with the limit.
+/// Writes a recovery copy of the scene, as the window does after a while; a second one as if the process had been
+/// started with the limit.
 fn write_aside(folder: &Path, copies: usize) {
     let mut app = scene_with_recovery(Path::new("scene.xml"), folder);
     for copy in 0..copies {

@@ -1,5 +1,5 @@
-//! Faults as a table: what is injected, what the user sees, what is left on the disk. Each row is a test, and `docs/faults.md` shows the
-//! table; a test fails when the page differs.
+//! Faults as a table: what is injected, what the user sees, what is left on the disk. Each row is a test, and
+//! `docs/faults.md` shows the table; a test fails when the page differs.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
 mod baking;

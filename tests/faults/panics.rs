@@ -25,8 +25,8 @@ section! { "Panics"
         "The film has the samples so far, which `sunroom render` writes.";
 }
 
-/// The panic is injected into what a worker calls when it has finished a preview; no scene is known that makes one panic.
-/// Systems of the main thread make the same call.
+/// The panic is injected into what a worker calls when it has finished a preview; no scene is known that makes one
+/// panic. Systems of the main thread make the same call.
 fn panic_of_a_worker() {
     let thread = std::thread::current();
     assert!(

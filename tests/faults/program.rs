@@ -10,7 +10,8 @@ use tempfile::TempDir;
 /// Longer than anything here takes on a slow machine; only a hang is stopped by it.
 pub const DEADLINE: Duration = Duration::from_secs(240);
 
-/// A floor under a lamp, 64 x 48 pixels, each of which has another colour, so that no format makes a file of a few bytes of them.
+/// A floor under a lamp, 64 x 48 pixels, each of which has another colour, so that no format makes a file of a few
+/// bytes of them.
 pub const SCENE: &str = r#"<scene version="3.0.0">
   <integrator type="path"><integer name="max_depth" value="3"/></integrator>
   <sensor type="perspective">
@@ -214,7 +215,8 @@ pub fn wait_for(what: &str, mut is_there: impl FnMut() -> bool) {
     }
 }
 
-/// Words that run a program in a mount namespace of its own, where `script` has made its mounts. None where that is not allowed.
+/// Words that run a program in a mount namespace of its own, where `script` has made its mounts. None where that is not
+/// allowed.
 pub fn with_mounts(script: &str) -> Option<Vec<String>> {
     let allowed = Command::new("unshare").args(["-rm", "true"]).output();
     if !allowed.is_ok_and(|output| output.status.success()) {

@@ -1,4 +1,5 @@
-//! Files that belong together and are replaced together: a level with its lightmaps, a glTF file with its buffer, a scene with its meshes.
+//! Files that belong together and are replaced together: a level with its lightmaps, a glTF file with its buffer, a
+//! scene with its meshes.
 
 use std::collections::BTreeMap;
 
@@ -84,7 +85,8 @@ struct Set {
     arguments: Vec<&'static str>,
 }
 
-/// A scene with a wall of this length, which is as long a text for every length. It has lights enough to be longer than the mesh of the wall.
+/// A scene with a wall of this length, which is as long a text for every length. It has lights enough to be longer than
+/// the mesh of the wall.
 fn scene(length: char) -> String {
     let lights = r#"<emitter type="point"><rgb name="intensity" value="1, 1, 1"/></emitter>"#.repeat(30);
     let panel = format!(

@@ -106,8 +106,8 @@ fn nothing(count: u32) -> String {
     (0..count).map(sphere).collect()
 }
 
-/// In a white box without a way out paths end by Russian roulette alone, which begins late and waits at the many surfaces that are nothing: a tile takes a
-/// thread seconds. `inside`: more shapes.
+/// In a white box without a way out paths end by Russian roulette alone, which begins late and waits at the many
+/// surfaces that are nothing: a tile takes a thread seconds. `inside`: more shapes.
 fn white_box(inside: &str) -> String {
     let nothing = nothing(100);
     format!(

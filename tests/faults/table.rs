@@ -8,8 +8,8 @@ pub struct Row {
     pub test: &'static str,
     /// What happens to the program.
     pub fault: &'static str,
-    /// What the user sees. Every text in backticks is a part of the program's output, `…` in it stands for anything, and "exit code N" is
-    /// the exit code: [`Row::holds`] checks both.
+    /// What the user sees. Every text in backticks is a part of the program's output, `…` in it stands for anything,
+    /// and "exit code N" is the exit code: [`Row::holds`] checks both.
     pub seen: &'static str,
     /// What is on the disk afterwards, checked by the test itself.
     pub left: &'static str,

@@ -440,7 +440,8 @@ fn a_dark_sun_gives_no_sky_and_point_lights_are_read_wherever_they_stand() {
     let EmitterKind::Constant { radiance } = half[1].emitter.kind else {
         panic!("{half:?}")
     };
-    // Half of the mean of the sky, whose red runs from 1 to 0.5 above and below, staying there for half of the way below.
+    // Half of the mean of the sky, whose red runs from 1 to 0.5 above and below, staying there for half of the way
+    // below.
     assert!((radiance.x - 0.5 * 0.6875).abs() < 1e-6, "{radiance}");
 }
 

@@ -1,4 +1,5 @@
-//! Lights from the scene file to the renderer: what is read, what is warned of, what is written back, and the light that comes of it.
+//! Lights from the scene file to the renderer: what is read, what is warned of, what is written back, and the light
+//! that comes of it.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::{Path, PathBuf};
@@ -375,8 +376,8 @@ fn write_picture(path: PathBuf, width: u32, pixels: &[Rgb]) {
     write_image(&path, &picture, &Display::default()).unwrap();
 }
 
-/// A pole, the four pixels of the equator, the other pole. Bright ones are at most 1, so that a PNG holds them, and what its eight bits
-/// make of them is taken into account.
+/// A pole, the four pixels of the equator, the other pole. Bright ones are at most 1, so that a PNG holds them, and
+/// what its eight bits make of them is taken into account.
 fn sky() -> [Rgb; 12] {
     let [up, down] = [Rgb::new(0.5, 0.0, 1.0), Rgb::new(0.0, 1.0, 0.0)];
     let equator = [Rgb::X, Rgb::new(0.0, 0.5, 0.0), Rgb::new(0.25, 0.25, 1.0), Rgb::ONE];
@@ -535,8 +536,9 @@ fn a_surface_shines_as_its_texture_says() {
     }
 }
 
-/// Radiance by Mitsuba 3.9.1 (`scalar_rgb`, which has the same fit of the model): five digits of its `sunsky`'s `eval`. The sun is ten times
-/// as wide as it is, for in single precision the solid angle of the real one is off by half a percent there.
+/// Radiance by Mitsuba 3.9.1 (`scalar_rgb`, which has the same fit of the model): five digits of its `sunsky`'s `eval`.
+/// The sun is ten times as wide as it is, for in single precision the solid angle of the real one is off by half a
+/// percent there.
 #[test]
 fn the_sky_is_that_of_the_format() {
     let y_up = "<transform name='to_world'><rotate x='1' angle='-90'/></transform>";
@@ -643,10 +645,11 @@ fn write_squares(folder: &Path) {
     }
 }
 
-/// The side that shines, which is that of the shading normal, as Mitsuba 3.9.1 has it (`scalar_rgb`; `eval` and `sample_direction` of the
-/// `area` emitter agree but for mirrored cylinders, where the former counts). Per shape for a `to_world` that does nothing, mirrors x, and
-/// mirrors z: 1 is +z of a flat shape and the outside of a closed one. `flip_normals` turns all of them around. Spheres are the exception:
-/// those that a transform mirrors shine inwards there.
+/// The side that shines, which is that of the shading normal, as Mitsuba 3.9.1 has it (`scalar_rgb`; `eval` and
+/// `sample_direction` of the `area` emitter agree but for mirrored cylinders, where the former counts). Per shape for a
+/// `to_world` that does nothing, mirrors x, and mirrors z: 1 is +z of a flat shape and the outside of a closed one.
+/// `flip_normals` turns all of them around. Spheres are the exception: those that a transform mirrors shine inwards
+/// there.
 #[test]
 fn mirrored_lights_shine_to_the_side_that_they_shine_to_in_mitsuba() {
     const FLAT: bool = false;

@@ -1,4 +1,5 @@
-//! Scenes that are exported to glTF: read again they are the same scene, and show the same picture, but for what the messages say.
+//! Scenes that are exported to glTF: read again they are the same scene, and show the same picture, but for what the
+//! messages say.
 
 use std::path::Path;
 
@@ -394,7 +395,8 @@ fn power(kind: &EmitterKind) -> Vec3 {
     }
 }
 
-/// Materials that glTF has: each with its name, its plugin inside of two sides or glass, and the numbers that it has after the way there and back.
+/// Materials that glTF has: each with its name, its plugin inside of two sides or glass, and the numbers that it has
+/// after the way there and back.
 #[test]
 fn materials_keep_their_parameters() {
     let shop = Workshop::new();
@@ -686,7 +688,8 @@ fn what_is_lost_is_said_with_its_name() {
     assert!(!shop.path("level.glb").exists());
 }
 
-/// The irradiance on surfaces that face the sun, and its direction, as the path tracer sees them: a white floor in the sun of a black sky.
+/// The irradiance on surfaces that face the sun, and its direction, as the path tracer sees them: a white floor in the
+/// sun of a black sky.
 #[test]
 fn the_sun_becomes_a_light_from_one_direction() {
     let shop = Workshop::new();
@@ -972,8 +975,8 @@ const ROOM: &str = r#"
     <transform name="to_world"><lookat origin="3, 4, 3" target="0, 0, 0" up="0, 0, 1"/></transform></emitter>
   <emitter type="directional"><vector name="direction" value="-1, -1, -1"/><rgb name="irradiance" value="0.4, 0.5, 0.7"/></emitter>"#;
 
-/// The picture of the exported scene differs from that of the scene by no more than two pictures of the scene with other random numbers do, and by a little for
-/// round shapes, which have corners then.
+/// The picture of the exported scene differs from that of the scene by no more than two pictures of the scene with
+/// other random numbers do, and by a little for round shapes, which have corners then.
 #[test]
 fn pictures_are_the_same_after_the_way_there_and_back() {
     let shop = Workshop::new();
@@ -1149,7 +1152,8 @@ fn normal_maps_keep_their_side() {
     );
 }
 
-/// Bubbles with a normal map run the other way in glTF: all of their triangles are written, also those whose coordinates have no area.
+/// Bubbles with a normal map run the other way in glTF: all of their triangles are written, also those whose
+/// coordinates have no area.
 #[test]
 fn turned_surfaces_with_normal_maps_keep_all_triangles() {
     let shop = Workshop::new();

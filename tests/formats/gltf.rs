@@ -81,7 +81,8 @@ fn colors(shop: &Workshop, name: &str) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// A shining square of one unit hangs on a node that turns by 180 degrees about z in a second; the camera rises by a unit in the next second.
+/// A shining square of one unit hangs on a node that turns by 180 degrees about z in a second; the camera rises by a
+/// unit in the next second.
 const MOVING: &str = r#"
   "materials": [{"emissiveFactor": [1, 1, 1]}],
   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6, "material": 0}]}],
@@ -123,8 +124,8 @@ fn frames_show_what_the_animations_of_a_file_move() {
     }
 }
 
-/// A shining square over a floor, both alike at the left and at the right, seen from the front. `NORMAL` stands for what the square has besides
-/// positions, `PLACE` for where it stands, and `MORE` for more of its material.
+/// A shining square over a floor, both alike at the left and at the right, seen from the front. `NORMAL` stands for
+/// what the square has besides positions, `PLACE` for where it stands, and `MORE` for more of its material.
 const LAMP: &str = r#"
   "materials": [{"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}MORE},
     {"pbrMetallicRoughness": {"metallicFactor": 0}}],
@@ -168,7 +169,8 @@ fn mirrored_lamps_give_the_light_of_others() {
     }
 }
 
-/// Shadow rays end a rounding before the faces of such a lamp, meet them all the same now and then, and must not do so for ever.
+/// Shadow rays end a rounding before the faces of such a lamp, meet them all the same now and then, and must not do so
+/// for ever.
 #[test]
 fn a_lamp_that_a_mask_takes_away_ends_the_render() {
     let shop = Workshop::new();
@@ -368,7 +370,8 @@ impl Open {
     }
 }
 
-/// Two halves of a board whose normals lean up by a map, side by side before a camera. The light comes from above, along the leaning normals.
+/// Two halves of a board whose normals lean up by a map, side by side before a camera. The light comes from above,
+/// along the leaning normals.
 const BOARD: &str = r#"
   "materials": [{"name": "leaning", "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}, "normalTexture": {"index": 0},
     "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}],
@@ -568,7 +571,8 @@ fn colours_of_vertices_and_both_sides_of_lamps_are_seen() {
     assert!((lamp(r#", "doubleSided": true"#) - 1.0).abs() < 1e-3);
 }
 
-/// The left half of a pane is polished metal, which reflects the dark before it, and the right half is glass before a lamp.
+/// The left half of a pane is polished metal, which reflects the dark before it, and the right half is glass before a
+/// lamp.
 #[test]
 fn metal_beside_glass_lets_no_light_through() {
     let shop = Workshop::new();

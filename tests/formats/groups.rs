@@ -341,8 +341,8 @@ fn a_serialized_file_whose_first_shape_nobody_uses_is_read_again() {
     update_until(&mut app, |app| is_about(app, 5.0));
 }
 
-/// What became of a scene file: the picture, the messages with the lines that they speak of, how many entities know what the file said of them,
-/// and the length of the texts that are kept.
+/// What became of a scene file: the picture, the messages with the lines that they speak of, how many entities know
+/// what the file said of them, and the length of the texts that are kept.
 fn rendered(path: &Path, make: fn(OpenScene, Option<i32>) -> App) -> (Vec<Rgb>, String, usize, usize) {
     let open = OpenScene {
         path: path.to_owned(),

@@ -1,4 +1,5 @@
-//! Participating media from the scene file to components and back: what is read, what is warned of, and what is written.
+//! Participating media from the scene file to components and back: what is read, what is warned of, and what is
+//! written.
 
 use std::path::Path;
 use std::sync::Arc;

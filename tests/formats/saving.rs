@@ -268,7 +268,8 @@ fn every_scene_changes_in_few_lines_when_one_thing_is_moved_or_painted() {
             let wanted = edited.shapes[index].to_world;
             let (text, again) = saved(&edited);
             let (gone, come) = difference(&original, &text);
-            // A new transform is three lines; a matrix may be written over several lines, of which up to three hold the place.
+            // A new transform is three lines; a matrix may be written over several lines, of which up to three hold the
+            // place.
             assert!(
                 gone.len() <= 3 && come.len() <= 4,
                 "{}: {gone:#?} {come:#?}",

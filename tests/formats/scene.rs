@@ -361,13 +361,15 @@ fn plugins_that_nobody_has_are_errors() {
     }
 }
 
-/// What a spectrum gives for the light of an emitter, for a reflectance, and for an index of refraction; None for an error.
+/// What a spectrum gives for the light of an emitter, for a reflectance, and for an index of refraction; None for an
+/// error.
 type Colors = [Option<[f32; 3]>; 3];
 
-/// Each row: the inside of `<spectrum>`, and its colours in Mitsuba 3.9.1, variant `scalar_rgb`. Of `uniform`, `d65`, `srgb` and `rawconstant` these are
-/// the values that `mi.traverse` shows of a loaded emitter and a loaded bsdf, and that renders of a constant emitter and of a white furnace
-/// show too. That variant does not evaluate `regular`, `irregular` and `blackbody`: their rows are what it makes of a `<spectrum value="...">` with
-/// the same wavelengths and values, of a black body with its radiance at every quarter of a nanometre (`mi.spectrum_list_to_srgb`). Renders
+/// Each row: the inside of `<spectrum>`, and its colours in Mitsuba 3.9.1, variant `scalar_rgb`. Of `uniform`, `d65`,
+/// `srgb` and `rawconstant` these are the values that `mi.traverse` shows of a loaded emitter and a loaded bsdf, and
+/// that renders of a constant emitter and of a white furnace show too. That variant does not evaluate `regular`,
+/// `irregular` and `blackbody`: their rows are what it makes of a `<spectrum value="...">` with the same wavelengths
+/// and values, of a black body with its radiance at every quarter of a nanometre (`mi.spectrum_list_to_srgb`). Renders
 /// of a constant `blackbody` emitter by `scalar_spectral` agree with these to 0.1 %.
 #[rustfmt::skip]
 fn spectra() -> Vec<(&'static str, Colors)> {
@@ -405,9 +407,10 @@ fn spectra() -> Vec<(&'static str, Colors)> {
     ]
 }
 
-/// Spectra inside of a `d65` as rows of [`spectra`]. The first column is what renders of a constant emitter by Mitsuba's `scalar_spectral` show, whose
-/// `scalar_rgb` does not evaluate the spectra of wavelengths; there `scale` counts. The others, and the rows of `uniform` and `d65`, are what
-/// `scalar_rgb` shows, or makes of the same spectrum without the `d65`: reflectances are seen under D65 anyway.
+/// Spectra inside of a `d65` as rows of [`spectra`]. The first column is what renders of a constant emitter by
+/// Mitsuba's `scalar_spectral` show, whose `scalar_rgb` does not evaluate the spectra of wavelengths; there `scale`
+/// counts. The others, and the rows of `uniform` and `d65`, are what `scalar_rgb` shows, or makes of the same spectrum
+/// without the `d65`: reflectances are seen under D65 anyway.
 #[rustfmt::skip]
 fn spectra_inside_d65() -> Vec<(&'static str, Colors)> {
     let all = |color| [Some(color); 3];
@@ -891,7 +894,8 @@ fn an_edit_changes_what_was_edited_and_nothing_else() {
     let lines = |text: &str| text.lines().map(str::trim).map(str::to_owned).collect::<Vec<_>>();
     let (old, new) = (lines(&unedited), lines(&text));
     let gone: Vec<_> = old.iter().filter(|line| !new.contains(line)).collect();
-    // The lens, two roughnesses, the texture of the planks, and the reference to the light, which is written in place now.
+    // The lens, two roughnesses, the texture of the planks, and the reference to the light, which is written in place
+    // now.
     assert_eq!(gone.len(), 5, "{gone:#?}\n{text}");
     assert!(text.contains("pixel_format"), "{text}");
 }

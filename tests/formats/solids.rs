@@ -1,4 +1,5 @@
-//! Walls, stairs and prisms: read, edited and saved as numbers, rendered as meshes, and written as PLY files for other programs.
+//! Walls, stairs and prisms: read, edited and saved as numbers, rendered as meshes, and written as PLY files for other
+//! programs.
 
 use std::path::Path;
 

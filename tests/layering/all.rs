@@ -2,8 +2,8 @@
 //!
 //! Reads the sources as text: every path that begins with `crate::`, in `use` lines or elsewhere, and every name of a
 //! Bevy crate. Comments and a file's closing `mod tests` are left out: a test may compare two sides that do not know
-//! each other. The modules of the editor have a table of their own in `editor`. The links of the documentation, which are read as text too,
-//! are held by `pages`.
+//! each other. The modules of the editor have a table of their own in `editor`. The links of the documentation, which
+//! are read as text too, are held by `pages`.
 
 mod editor;
 mod imports;
@@ -292,6 +292,31 @@ fn files_are_opened_in_one_place() {
         found.extend(openings(&file, &text).into_iter().map(|what| format!("{file}:{what}")));
     }
     assert!(found.is_empty(), "\n{}", found.join("\n"));
+}
+
+/// The comments wider than 120 columns, as line numbers. Rows of tables cannot be broken.
+fn wide_comments(text: &str) -> Vec<usize> {
+    let lines = text.lines().zip(1..);
+    let is_wide = |line: &str| {
+        let words = line.trim_start().trim_start_matches(['/', '!']);
+        line.chars().count() > 120 && words.len() < line.trim_start().len() - 1 && !words.trim_start().starts_with('|')
+    };
+    lines
+        .filter(|(line, _)| is_wide(line))
+        .map(|(_, number)| number)
+        .collect()
+}
+
+#[test]
+fn comments_have_at_most_120_columns() {
+    let mut found = Vec::new();
+    for (file, text) in named_sources() {
+        found.extend(wide_comments(&text).into_iter().map(|line| format!("{file}:{line}")));
+    }
+    assert!(found.is_empty(), "\n{}", found.join("\n"));
+    let long = "word ".repeat(24);
+    assert_eq!(wide_comments(&format!("let a = 1;\n    /// {long}\n")), [2]);
+    assert!(wide_comments(&format!("/// | {long} |\nlet a = \"{long}\";\n")).is_empty());
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! Holds the directions between the modules of the editor in the same way, and keeps circles of imports small and within one module.
+//! Holds the directions between the modules of the editor in the same way, and keeps circles of imports small and
+//! within one module.
 
 use super::imports::{Sources, circles};
 use super::{code_of, named_sources};
 
-/// The folder of the editor, with its modules from the lowest to the highest and what each may use besides itself. `mod.rs` puts them
-/// together and may use all; no module may use what is in it.
+/// The folder of the editor, with its modules from the lowest to the highest and what each may use besides itself.
+/// `mod.rs` puts them together and may use all; no module may use what is in it.
 const EDITOR: &str = "app/editor/";
 const EDITOR_RULES: &[(&str, &[&str])] = &[
     ("command", &[]),

@@ -119,7 +119,8 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The paths of code as they are spelled: those of `use` lines, with their braces taken apart, and those of two parts and more elsewhere.
+/// The paths of code as they are spelled: those of `use` lines, with their braces taken apart, and those of two parts
+/// and more elsewhere.
 fn spelled_paths(code: &str) -> Vec<Named> {
     let mut found = Vec::new();
     let (mut at, mut line, mut counted) = (0, 1, 0);

@@ -1,4 +1,5 @@
-//! Holds the links between the pages: every file that a page of the documentation links to exists, and so does every heading.
+//! Holds the links between the pages: every file that a page of the documentation links to exists, and so does every
+//! heading.
 
 use std::collections::HashSet;
 use std::fs;

@@ -67,8 +67,8 @@ fn shipped_crates() -> BTreeMap<String, String> {
         .collect()
 }
 
-/// Compiles build.rs as a program of its own and runs it with a `python3` whose `pip download` brings a wheel of wrong content. The
-/// rest of Python is real, so that the check itself is the one of an ordinary build.
+/// Compiles build.rs as a program of its own and runs it with a `python3` whose `pip download` brings a wheel of wrong
+/// content. The rest of Python is real, so that the check itself is the one of an ordinary build.
 #[cfg(unix)]
 #[test]
 fn a_denoiser_with_the_wrong_hash_is_refused() {

@@ -25,7 +25,8 @@ pub struct Display {
 }
 
 impl Display {
-    /// None, with a word on standard output, where Xvfb or Mesa's software Vulkan driver is not installed; an error if `SUNROOM_NEEDS_DISPLAY` says that they are.
+    /// None, with a word on standard output, where Xvfb or Mesa's software Vulkan driver is not installed; an error if
+    /// `SUNROOM_NEEDS_DISPLAY` says that they are.
     pub fn open() -> Option<Self> {
         let display = Self::try_open();
         if display.is_none() {

@@ -1,7 +1,9 @@
-//! Compares a picture that `walk` has saved with one that Sunroom has traced: `cargo run --release --example compare -- WALKED.exr TRACED.exr`.
+//! Compares a picture that `walk` has saved with one that Sunroom has traced: `cargo run --release --example compare --
+//! WALKED.exr TRACED.exr`.
 //!
-//! The traced picture has to have the layers `object-id`, `geometric-normal` and `emitted`. Pixels count whose neighbours belong to the same object, with the same
-//! normal, and send out no light of their own. Luminances are compared as means over 7 x 7 of these pixels.
+//! The traced picture has to have the layers `object-id`, `geometric-normal` and `emitted`. Pixels count whose
+//! neighbours belong to the same object, with the same normal, and send out no light of their own. Luminances are
+//! compared as means over 7 x 7 of these pixels.
 //!
 //! | option | meaning |
 //! |---|---|

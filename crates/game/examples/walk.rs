@@ -1,6 +1,7 @@
 //! Walks through a level: `cargo run --release --example walk -- FOLDER`, with the folder that `sunroom bake -o` wrote.
 //!
-//! W, A, S, D and the arrow keys move, Q and E go down and up, the right mouse button turns. The camera begins where the level's first one is.
+//! W, A, S, D and the arrow keys move, Q and E go down and up, the right mouse button turns. The camera begins where
+//! the level's first one is.
 //!
 //! | option | meaning |
 //! |---|---|

@@ -18,13 +18,14 @@
 //! The entity gets the scene of `level.glb` as its children, and [`LevelReady`] when everything is there:
 //!
 //! * Every mesh with a place in a lightmap has a [`Lightmap`].
-//! * Lights whose direct light is in the lightmaps do not light these meshes a second time. They light what moves, with shadows where the level has an
-//!   irradiance volume. After `sunroom bake --indirect-only` they light everything, with shadows.
+//! * Lights whose direct light is in the lightmaps do not light these meshes a second time. They light what moves, with
+//!   shadows where the level has an irradiance volume. After `sunroom bake --indirect-only` they light everything, with
+//!   shadows.
 //! * Reflection probes are what metals mirror, and an irradiance volume lights what has no lightmap.
 //! * Surfaces that shine follow the exposure of the camera, as everything else does.
 //!
-//! The light of a level is in the units of its scene, for which Bevy's ambient light of 80 cd/m² is far too bright: the plugin sets [`GlobalAmbientLight`] to
-//! none.
+//! The light of a level is in the units of its scene, for which Bevy's ambient light of 80 cd/m² is far too bright: the
+//! plugin sets [`GlobalAmbientLight`] to none.
 
 mod manifest;
 mod probes;
@@ -245,8 +246,9 @@ impl Parts<'_, '_> {
         }
     }
 
-    /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light. It then lights what
-    /// moves, and casts shadows only if `has_volume`: without one it is the sole light there, which must come through to what stands in its shadow.
+    /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light.
+    /// It then lights what moves, and casts shadows only if `has_volume`: without one it is the sole light there,
+    /// which must come through to what stands in its shadow.
     fn settle_light(&mut self, light: Entity, is_baked: bool, has_volume: bool) {
         // Its light ends nowhere; that of Bevy's loader ends after 20 units.
         let range = 1e4;

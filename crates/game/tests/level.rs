@@ -1,4 +1,5 @@
-//! Loads a level that `sunroom bake tests/level.xml -o tests/level --texels-per-unit 4 --atlas-size 64 --probe-size 16 --probe-spacing 1` has written, without a graphics card.
+//! Loads a level that `sunroom bake tests/level.xml -o tests/level --texels-per-unit 4 --atlas-size 64 --probe-size 16
+//! --probe-spacing 1` has written, without a graphics card.
 
 use std::fs;
 use std::path::Path;

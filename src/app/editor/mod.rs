@@ -1,11 +1,12 @@
 //! The editor: a window with the picture being rendered, and panels that change the scene and see it follow.
 //!
-//! A frame goes one way: the world is gathered into a plain [`model::Model`]; panels show it and say what the user did as
-//! [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture follows the film.
+//! A frame goes one way: the world is gathered into a plain [`model::Model`]; panels show it and say what the user did
+//! as [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture
+//! follows the film.
 //!
-//! The modules from the lowest to the highest, each of which imports only what stands before it: [`command`] and [`words`]; [`camera`] and
-//! [`input`]; [`session`]; [`picture`]; [`model`]; [`commands`], [`viewport`] and [`panels`]; [`window`]; [`automation`]. This file puts their
-//! systems and resources together. `tests/layering` has the table.
+//! The modules from the lowest to the highest, each of which imports only what stands before it: [`command`] and
+//! [`words`]; [`camera`] and [`input`]; [`session`]; [`picture`]; [`model`]; [`commands`], [`viewport`] and [`panels`];
+//! [`window`]; [`automation`]. This file puts their systems and resources together. `tests/layering` has the table.
 
 pub mod automation;
 pub mod camera;
@@ -374,8 +375,8 @@ impl Plugin for EditorPlugin {
     }
 }
 
-/// egui is drawn by a camera; it sees nothing else. egui smooths its edges itself: multisampling would only cost, on a software driver
-/// most of a frame's time.
+/// egui is drawn by a camera; it sees nothing else. egui smooths its edges itself: multisampling would only cost, on a
+/// software driver most of a frame's time.
 fn spawn_camera(mut commands: Commands) {
     commands.spawn((Camera2d, Msaa::Off));
 }

@@ -17,7 +17,8 @@ use crate::cli::share::CheckpointArgs;
 pub struct BakeArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Folder for the level, its lightmaps and lightmaps.json, which is made if it is not there; with --samples the file of the share
+    /// Folder for the level, its lightmaps and lightmaps.json, which is made if it is not there; with --samples the
+    /// file of the share
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Texels per unit of length [default: as many as fit in one lightmap, if all shapes do]
@@ -32,16 +33,18 @@ pub struct BakeArgs {
     /// Stop after this time, such as 500ms, 60s, 5m, at the end of a round of samples; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
-    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of texels relative to their luminance, as estimated
+    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of texels relative to their luminance, as
+    /// estimated
     #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
     pub noise: Option<f32>,
-    /// Gather only these samples of each texel, such as 0..32 (32 is not one of them); `sunroom merge` puts the shares together
+    /// Gather only these samples of each texel, such as 0..32 (32 is not one of them); `sunroom merge` puts the shares
+    /// together
     #[arg(long, value_name = "A..B", value_parser = parse::samples, conflicts_with_all = ["time", "noise", "no_denoise"])]
     pub samples: Option<Range<u32>>,
     #[command(flatten)]
     pub checkpoints: CheckpointArgs,
-    /// Leave the direct light of points, spots and directional lights to the game, which has them in the level; that of shining surfaces and of the sky
-    /// is baked all the same
+    /// Leave the direct light of points, spots and directional lights to the game, which has them in the level; that
+    /// of shining surfaces and of the sky is baked all the same
     #[arg(long)]
     pub indirect_only: bool,
     /// Bake lightmaps alone: no reflection probes and no irradiance volumes
@@ -50,14 +53,16 @@ pub struct BakeArgs {
     /// Width of each side of a reflection probe in texels, a power of two
     #[arg(long, value_name = "N", default_value_t = ProbeSettings::default().size, value_parser = probe_size, conflicts_with = "no_probes")]
     pub probe_size: u32,
-    /// Distance between neighbouring points of light of the irradiance volume, in the scene's units of length. It is for the volume around the whole level, which
-    /// is made where the scene has none of its own [default: such that there are about 4096 points]
+    /// Distance between neighbouring points of light of the irradiance volume, in the scene's units of length. It is
+    /// for the volume around the whole level, which is made where the scene has none of its own [default: such
+    /// that there are about 4096 points]
     #[arg(long, value_name = "LENGTH", value_parser = parse::density, conflicts_with = "no_probes")]
     pub probe_spacing: Option<f32>,
     /// Keep the noise instead of removing it with Open Image Denoise
     #[arg(long)]
     pub no_denoise: bool,
-    /// Seed of the random numbers; the same seed gives the same lightmaps on any number of threads [default: the scene's]
+    /// Seed of the random numbers; the same seed gives the same lightmaps on any number of threads [default: the
+    /// scene's]
     #[arg(long)]
     pub seed: Option<u32>,
     #[command(flatten)]

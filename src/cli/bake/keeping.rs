@@ -76,7 +76,8 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there is one.
+    /// Writes a checkpoint, if there is anything new. One that fails is reported, and an earlier one stays. Returns
+    /// whether there is one.
     pub fn save(&mut self, job: &BakeJob) -> bool {
         let Some((path, _)) = self.checkpoint else {
             return false;

@@ -13,7 +13,8 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Speeds of other sizes and other numbers of samples say nothing about each other. Scenes may have been called from other folders.
+    /// Speeds of other sizes and other numbers of samples say nothing about each other. Scenes may have been called
+    /// from other folders.
     fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (
@@ -60,7 +61,8 @@ impl From<&RayResult> for Subject {
     }
 }
 
-/// Finds the subject of an earlier run that is comparable: the one with the same whole name, or else the only one with the same rest.
+/// Finds the subject of an earlier run that is comparable: the one with the same whole name, or else the only one with
+/// the same rest.
 fn counterpart<'o, T>(of: &Subject, old: &'o [T]) -> Option<&'o T>
 where
     Subject: From<&'o T>,

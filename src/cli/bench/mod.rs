@@ -1,7 +1,8 @@
-//! `sunroom bench`: how fast this machine and this version are, as tables and as JSON that a later run can be compared with.
+//! `sunroom bench`: how fast this machine and this version are, as tables and as JSON that a later run can be compared
+//! with.
 //!
-//! Machines are shared and noisy: figures are medians over rounds, and a comparison means something only between runs on a machine that had
-//! nothing else to do.
+//! Machines are shared and noisy: figures are medians over rounds, and a comparison means something only between runs
+//! on a machine that had nothing else to do.
 
 mod args;
 mod compare;
@@ -59,7 +60,8 @@ pub fn run(args: BenchArgs) -> ExitCode {
     }
 }
 
-/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before. `measured`: the files that are measured.
+/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before. `measured`:
+/// the files that are measured.
 fn compared(
     common: &CommonArgs,
     measured: &[PathBuf],

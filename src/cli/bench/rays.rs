@@ -1,9 +1,10 @@
-//! Measures rays against one mesh: the rates with one and with all threads, the build, the memory, and whether every answer is right. Rays go one
-//! at a time, and sixteen together as those of renders go after the first bounce, in lanes beforehand.
+//! Measures rays against one mesh: the rates with one and with all threads, the build, the memory, and whether every
+//! answer is right. Rays go one at a time, and sixteen together as those of renders go after the first bounce, in lanes
+//! beforehand.
 //!
-//! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of each ray its origin
-//! and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none) and the triangle's index (u32, all ones
-//! for none).
+//! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of
+//! each ray its origin and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none)
+//! and the triangle's index (u32, all ones for none).
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -261,7 +262,8 @@ impl Clock {
     }
 }
 
-/// The rate in 10^6 items a second. Items are dealt out evenly, and each thread repeats its own until enough time has passed.
+/// The rate in 10^6 items a second. Items are dealt out evenly, and each thread repeats its own until enough time has
+/// passed.
 fn items_rate<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
     let share = items.len().div_ceil(threads);
     std::thread::scope(|scope| {

@@ -64,7 +64,8 @@ impl<'a> Plan<'a> {
             report::line(format_args!("{} ...", scene.display()));
             match measure_scene(scene, self.args) {
                 Ok(result) => results.renders.push(result),
-                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there, and none is overwritten.
+                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there, and
+                // none is overwritten.
                 Err(error) if self.args.scenes.is_empty() && !error.is::<ExportError>() => {
                     report::line(format_args!("  left out: {error}"))
                 }

@@ -39,7 +39,8 @@ pub struct RenderResult {
     pub cpu_seconds: Option<f64>,
     pub msamples_per_s: f64,
     pub mrays_per_s: f64,
-    /// The relative error: the mean over the pixels of the squared error divided by the squared picture plus 0.01, see [`super::renders`].
+    /// The relative error: the mean over the pixels of the squared error divided by the squared picture plus 0.01, see
+    /// [`super::renders`].
     pub rel_mse: f64,
     /// `rel_mse` times `seconds`: what a user pays for a given noise.
     pub cost: f64,

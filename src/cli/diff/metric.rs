@@ -108,8 +108,8 @@ impl Threshold {
         Ok(Self { metric, limit })
     }
 
-    /// A sentence if the pictures differ too much. A figure that is not known, or a picture with pixels that are no numbers, is as bad as one beyond the
-    /// limit.
+    /// A sentence if the pictures differ too much. A figure that is not known, or a picture with pixels that are no
+    /// numbers, is as bad as one beyond the limit.
     pub fn broken_by(&self, figures: &Figures) -> Option<String> {
         let Self { metric, limit } = *self;
         let name = metric.name();

@@ -1,6 +1,7 @@
 //! `sunroom diff`: how much a picture differs from another, in figures, as pictures, and as a page.
 //!
-//! Exit codes are those of `diff` and `cmp`: 0 alike enough, 1 too different, 2 wrong usage or a file that cannot be read or written.
+//! Exit codes are those of `diff` and `cmp`: 0 alike enough, 1 too different, 2 wrong usage or a file that cannot be
+//! read or written.
 
 mod chosen;
 mod figures;
@@ -32,7 +33,8 @@ pub struct DiffArgs {
     /// Layer or channel of EXR files to compare, such as Albedo, depth or Normal.Y [default: the picture itself]
     #[arg(long, value_name = "NAME", value_parser = parse::layer)]
     layer: Option<String>,
-    /// End with code 1 if a figure is greater: mean (of the ratio's distance from 1), mse, relmse, flip or z; flip if none is named
+    /// End with code 1 if a figure is greater: mean (of the ratio's distance from 1), mse, relmse, flip or z; flip if
+    /// none is named
     #[arg(long, value_name = "[METRIC=]VALUE", value_parser = Threshold::above)]
     fail_above: Vec<Threshold>,
     /// End with code 1 if a figure is smaller: psnr or ssim

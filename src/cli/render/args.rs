@@ -28,8 +28,8 @@ fn integrator_names() -> impl TypedValueParser<Value = PathPlugin> {
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given several times [default: a new file
-    /// beside the scene, of the kind that the film names, or .exr]
+    /// Image file: .exr, .hdr or .pfm (linear), .png or .jpg (sRGB); `-` is PNG on standard output; may be given
+    /// several times [default: a new file beside the scene, of the kind that the film names, or .exr]
     #[arg(short, long, value_name = "OUT")]
     pub output: Vec<PathBuf>,
     /// Camera to render with, by its id or its index from 0 on [default: the first]
@@ -41,7 +41,8 @@ pub struct RenderArgs {
     /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
-    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of pixels relative to their luminance, as estimated
+    /// Stop at this noise, such as 0.01 or 1%: the root mean square error of pixels relative to their luminance, as
+    /// estimated
     #[arg(long, value_name = "NOISE", value_parser = parse::noise)]
     pub noise: Option<f32>,
     /// Send more samples where the noise is
@@ -87,15 +88,16 @@ pub struct RenderArgs {
     /// Acceleration structure
     #[arg(long, value_enum, default_value_t = Accel::Sah)]
     pub accel: Accel,
-    /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside these), ptracer (paths from the
-    /// lights alone) or auto (path, guided path or bdpt, whichever pays for the scene)
+    /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside
+    /// these), ptracer (paths from the lights alone) or auto (path, guided path or bdpt, whichever pays for the
+    /// scene)
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     pub integrator: Option<PathPlugin>,
     /// Clamp what is brighter than this percentile of the samples, such as 99.9: less noise, and too little light
     #[arg(long, value_name = "PERCENTILE", value_parser = parse::percentile)]
     pub clamp: Option<f32>,
-    /// Guide the paths of `path`, and of `auto` in any case where that is `path`, to where light comes from, as photons show: less noise where light comes around corners, and
-    /// more time for each sample
+    /// Guide the paths of `path`, and of `auto` in any case where that is `path`, to where light comes from, as
+    /// photons show: less noise where light comes around corners, and more time for each sample
     #[arg(long)]
     pub guided: bool,
     /// How light is looked for by path, volpath and volpathmis
@@ -104,7 +106,8 @@ pub struct RenderArgs {
     /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations
     #[arg(long)]
     pub schlick: bool,
-    /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default: sobol]
+    /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default:
+    /// sobol]
     #[arg(long, value_enum)]
     pub sampler: Option<SamplerName>,
     #[command(flatten)]

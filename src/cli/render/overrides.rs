@@ -98,7 +98,8 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     Ok(())
 }
 
-/// Where the paths of these settings are not guided, as the end of a sentence; None if they are, or if only `auto` can say.
+/// Where the paths of these settings are not guided, as the end of a sentence; None if they are, or if only `auto` can
+/// say.
 fn why_unguided(integrator: &IntegratorSettings, has_media: bool) -> Option<String> {
     let name = integrator.plugin.name();
     let strategy = match integrator.strategy {

@@ -29,13 +29,15 @@ pub struct SubmitArgs {
     /// The frames of an animation, such as 1..120
     #[arg(long, value_name = "FIRST..LAST", value_parser = frames)]
     pub frames: Option<RangeInclusive<u32>>,
-    /// The time that a task should take on a machine like this one, on which a few seconds are rendered or baked to measure it
+    /// The time that a task should take on a machine like this one, on which a few seconds are rendered or baked to
+    /// measure it
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
     pub task_time: Duration,
     /// Divide the samples of each frame, or of the bake, into this number of ranges, and measure nothing
     #[arg(long, value_name = "COUNT", conflicts_with = "task_time", value_parser = clap::value_parser!(u32).range(1..))]
     pub shares: Option<u32>,
-    /// Cut each frame into columns and rows of crops as well, such as 4x2 [default: where ranges of samples alone would be longer than --task-time]
+    /// Cut each frame into columns and rows of crops as well, such as 4x2 [default: where ranges of samples alone
+    /// would be longer than --task-time]
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse::grid)]
     pub crops: Option<[u32; 2]>,
     /// Remove the noise of the merged pictures

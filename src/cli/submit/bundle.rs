@@ -11,8 +11,9 @@ pub struct Member {
     pub place: PathBuf,
 }
 
-/// Gives every file a place such that files that lie beside each other do so in the bundle. `scene` and `files` are absolute and without links; files in a folder of
-/// `assets`, where scenes look for meshes, go to the folder `assets` beside the scene's, where they look as well. Returns the place of the scene too.
+/// Gives every file a place such that files that lie beside each other do so in the bundle. `scene` and `files` are
+/// absolute and without links; files in a folder of `assets`, where scenes look for meshes, go to the folder `assets`
+/// beside the scene's, where they look as well. Returns the place of the scene too.
 pub fn arrange(scene: &Path, files: &[PathBuf], assets: &[PathBuf]) -> (PathBuf, Vec<Member>) {
     let scene_folder = scene.parent().unwrap_or(Path::new("/"));
     let in_assets = |file: &Path| -> Option<PathBuf> {

@@ -1,6 +1,7 @@
 //! `sunroom submit`: a folder with a scene, its files, and a job that renders or bakes it on many machines.
 //!
-//! Two scripts do the work, one for a task and one for a merge. What starts them is a template for each system: Open Job Description, Slurm, GNU parallel.
+//! Two scripts do the work, one for a task and one for a merge. What starts them is a template for each system: Open
+//! Job Description, Slurm, GNU parallel.
 
 mod args;
 mod bundle;

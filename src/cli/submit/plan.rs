@@ -6,12 +6,14 @@ use sunroom::render::part::Crop;
 use sunroom::render::passes::chunk_of;
 use sunroom::render::tile::TILE;
 
-/// The least side in pixels of a crop that the user has not asked for. A smaller crop costs more to start than to render.
+/// The least side in pixels of a crop that the user has not asked for. A smaller crop costs more to start than to
+/// render.
 const LEAST_CROP: u32 = 256;
 /// The factor by which a task may exceed the time that is asked for, before crops divide it further.
 const TOLERANCE: f64 = 1.25;
 
-/// The tasks of a job. Task `n` renders range `n % ranges` of crop `n / ranges % crops` of the frames of group `n / ranges / crops`.
+/// The tasks of a job. Task `n` renders range `n % ranges` of crop `n / ranges % crops` of the frames of group `n /
+/// ranges / crops`.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Plan {
     /// The numbers of the frames; 0 is the one picture of a still.
@@ -38,8 +40,9 @@ pub struct Whole {
 }
 
 impl Plan {
-    /// Divides frames, each of which takes `frame_seconds`, into tasks of about `task_seconds`: either a frame is divided, or a task gets several frames. A frame is
-    /// divided by its samples as long as these can be cut into ranges short enough, and beyond that it is cropped as well.
+    /// Divides frames, each of which takes `frame_seconds`, into tasks of about `task_seconds`: either a frame is
+    /// divided, or a task gets several frames. A frame is divided by its samples as long as these can be cut into
+    /// ranges short enough, and beyond that it is cropped as well.
     pub fn of_times(whole: Whole, frame_seconds: f64, task_seconds: f64) -> Result<Self, String> {
         let count = f64::from(whole.frames.end() - whole.frames.start()) + 1.0;
         let frames_a_task = match whole.grid {
@@ -65,8 +68,8 @@ impl Plan {
         })
     }
 
-    /// Divides the samples of each frame into this number of ranges, or fewer where pictures cannot be cut so often. An error says that the picture has too few tiles
-    /// for the crops that are asked for.
+    /// Divides the samples of each frame into this number of ranges, or fewer where pictures cannot be cut so often. An
+    /// error says that the picture has too few tiles for the crops that are asked for.
     pub fn of_shares(whole: Whole, shares: u32) -> Result<Self, String> {
         Ok(Self {
             frames: whole.frames,
@@ -88,7 +91,8 @@ impl Plan {
     }
 }
 
-/// The columns and rows of crops for this number of tasks of about equal length: no more than needed, because crops take unequal times, and ranges of samples equal ones.
+/// The columns and rows of crops for this number of tasks of about equal length: no more than needed, because crops
+/// take unequal times, and ranges of samples equal ones.
 fn grid_for(size: [u32; 2], spp: u32, shares: u32) -> [u32; 2] {
     let most = size.map(|side| (side / LEAST_CROP).max(1));
     let is_short = |&[columns, rows]: &[u32; 2]| {

@@ -36,7 +36,8 @@ struct Options<T: clap::Args> {
 }
 
 impl Work {
-    /// What the tasks of this job understand by their options. None may be given twice, and some options do not go with those that each task adds.
+    /// What the tasks of this job understand by their options. None may be given twice, and some options do not go with
+    /// those that each task adds.
     pub fn of(args: &SubmitArgs) -> Result<Self, Failure> {
         let mut words = vec![args.scene.scene.clone().into_os_string()];
         if let Some(frames) = &args.frames {
@@ -71,7 +72,8 @@ impl Work {
         }
     }
 
-    /// The samples of each pixel or texel, and the width and the height of a frame in pixels; a bake is not divided by its places, and counts as one pixel.
+    /// The samples of each pixel or texel, and the width and the height of a frame in pixels; a bake is not divided by
+    /// its places, and counts as one pixel.
     pub fn extent(&self, args: &SubmitArgs, world: &mut World) -> Result<(u32, [u32; 2]), Failure> {
         let options = match self {
             Self::Render(options) => options,

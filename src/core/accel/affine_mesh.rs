@@ -1,5 +1,5 @@
-//! Meshes that are an affine image of a square or of a cube, as most walls, floors and boxes are. One test finds the face that a ray meets,
-//! and the place on the face says which of its two triangles is hit.
+//! Meshes that are an affine image of a square or of a cube, as most walls, floors and boxes are. One test finds the
+//! face that a ray meets, and the place on the face says which of its two triangles is hit.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
@@ -14,8 +14,8 @@ pub(super) struct AffineMesh {
     pub faces: Vec<Face>,
 }
 
-/// Two triangles that make up a parallelogram. A place on it is given by two coordinates: on a cube's face across an axis those along the two
-/// axes that follow it in turn, on the square x and y.
+/// Two triangles that make up a parallelogram. A place on it is given by two coordinates: on a cube's face across an
+/// axis those along the two axes that follow it in turn, on the square x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face([Half; 2]);
 
@@ -67,8 +67,8 @@ impl AffineMesh {
     }
 }
 
-/// Finds the transform that takes the corners of the square or cube to the points, and the corner that belongs to each point. `between` is the
-/// corner of one face between `s` and `t`.
+/// Finds the transform that takes the corners of the square or cube to the points, and the corner that belongs to each
+/// point. `between` is the corner of one face between `s` and `t`.
 fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(DAffine3, Vec<DVec3>)> {
     let middle = points.iter().sum::<DVec3>() / points.len() as f64;
     let third = |x: DVec3, y: DVec3, z: DVec3| if is_cube { z } else { x.cross(y).normalize() };
@@ -93,7 +93,8 @@ fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(
     (points.iter().zip(&signs).all(fits) && placed.is_finite()).then_some((placed, signs))
 }
 
-/// The farthest that a corner may be off, in units of half an edge. Boxes so thin that their corners are mere rounding exceed it.
+/// The farthest that a corner may be off, in units of half an edge. Boxes so thin that their corners are mere rounding
+/// exceed it.
 const MOST_OFF: f64 = 1e-4;
 
 /// Pairs the triangles that make up a face. `signs` are the coordinates of the corners.

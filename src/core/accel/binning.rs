@@ -1,5 +1,5 @@
-//! Binned evaluation of the surface area heuristic over all three axes (Wald, On fast construction of SAH-based bounding volume
-//! hierarchies, 2007).
+//! Binned evaluation of the surface area heuristic over all three axes (Wald, On fast construction of SAH-based
+//! bounding volume hierarchies, 2007).
 
 use wide::{f32x4, i32x4};
 
@@ -7,7 +7,8 @@ use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 
 const MAX_BINS: usize = 16;
 
-/// The layout of bins: equal slices along each axis of a box, around the centres or, for spatial splits, around the primitives.
+/// The layout of bins: equal slices along each axis of a box, around the centres or, for spatial splits, around the
+/// primitives.
 pub(super) struct Grid {
     origin: f32x4,
     scale: f32x4,
@@ -123,8 +124,8 @@ impl Bins {
         self
     }
 
-    /// Finds the cheapest boundary. `of_left` has the bins of what lies on its left side, `of_right` those of its right. None if no cost is a
-    /// number.
+    /// Finds the cheapest boundary. `of_left` has the bins of what lies on its left side, `of_right` those of its
+    /// right. None if no cost is a number.
     pub fn cheapest([of_left, of_right]: [&Self; 2], grid: &Grid, align: usize, scale: f32) -> Option<Boundary> {
         let mut right_costs = [f32x4::ZERO; MAX_BINS];
         let mut side = Side::EMPTY;

@@ -29,8 +29,9 @@ pub struct Blas {
     blocks: Table<TriangleBlock>,
     /// The expected work of a ray when the hierarchy was built, before any refitting.
     cost_when_built: f32,
-    /// Rays that begin in this box prefetch triangles and go on while they wait. It is the box around everything, or empty if the mesh fits into
-    /// a cache. Rays from outside are coherent and hit what they meet first, so they do not profit.
+    /// Rays that begin in this box prefetch triangles and go on while they wait. It is the box around everything, or
+    /// empty if the mesh fits into a cache. Rays from outside are coherent and hit what they meet first, so they
+    /// do not profit.
     prefetch_within: Aabb,
     /// Whether the vertex normals equal those of the triangles, so that they need not be looked up.
     pub(super) has_flat_normals: bool,
@@ -39,7 +40,8 @@ pub struct Blas {
 }
 
 impl Blas {
-    /// Triangles without area are left out, and so are those with corners that are not finite or do not exist: no ray can hit them.
+    /// Triangles without area are left out, and so are those with corners that are not finite or do not exist: no ray
+    /// can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
         let cut = |index, part: &Aabb, plane| cut_triangle(mesh.corners(index as usize), part, plane);
         let bvh = Bvh::over(
@@ -53,8 +55,8 @@ impl Blas {
         Self::with_hierarchy(mesh, bvh, cost_when_built)
     }
 
-    /// The same hierarchy around `mesh`, which has the same triangles with moved vertices. None if the triangles differ, or if a new hierarchy
-    /// would be much better, as it is where many leaves hold parts of triangles.
+    /// The same hierarchy around `mesh`, which has the same triangles with moved vertices. None if the triangles
+    /// differ, or if a new hierarchy would be much better, as it is where many leaves hold parts of triangles.
     pub fn refit(&self, mesh: Arc<MeshData>) -> Option<Self> {
         let is_regular = |mesh: &MeshData, index| mesh.regular_corners(index).is_some();
         let is_held_as_before = |index| is_regular(&mesh, index) == is_regular(&self.mesh, index);
@@ -103,7 +105,8 @@ impl Blas {
         &self.bvh
     }
 
-    /// The transform from the square [-1, 1]² in the plane z = 0 to the mesh, if the mesh is two triangles that make up its image.
+    /// The transform from the square [-1, 1]² in the plane z = 0 to the mesh, if the mesh is two triangles that make up
+    /// its image.
     pub(crate) fn local_from_square(&self) -> Option<DAffine3> {
         let mesh = self.affine.as_ref().filter(|mesh| mesh.faces.len() == 1)?;
         Some(mesh.placed)
@@ -126,8 +129,8 @@ impl Blas {
         self.bvh.bytes() + size_of_val(self.blocks())
     }
 
-    /// Checks the structure as [`Bvh::validate`] does, but a triangle may be in several leaves if their boxes cover it together. That is checked at
-    /// some of its points.
+    /// Checks the structure as [`Bvh::validate`] does, but a triangle may be in several leaves if their boxes cover it
+    /// together. That is checked at some of its points.
     pub fn validate(&self) -> Result<(), String> {
         let mut boxes = vec![Vec::new(); self.mesh.triangles.len()];
         self.bvh.validate_structure(|triangle, leaf| {
@@ -227,7 +230,8 @@ impl Blas {
         }
     }
 
-    /// The corners of the triangle that was hit, from its block: it is in a cache, because the ray has just been tested against it.
+    /// The corners of the triangle that was hit, from its block: it is in a cache, because the ray has just been tested
+    /// against it.
     #[inline(always)]
     pub(super) fn corners(&self, hit: &Hit) -> [Vec3; 3] {
         match self.blocks.get(hit.slot as usize / LANES) {

@@ -1,7 +1,7 @@
 //! Builds a hierarchy: first a binary tree from the top down, which `collapse` then makes wide.
 //!
-//! The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel, and the result does not depend on
-//! the threads.
+//! The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel, and the
+//! result does not depend on the threads.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -24,7 +24,8 @@ pub enum SplitMethod {
     Sah,
 }
 
-/// From this depth of the binary tree on sets are halved by count, which ends within [`MAX_DEPTH`] for any u32 number of primitives.
+/// From this depth of the binary tree on sets are halved by count, which ends within [`MAX_DEPTH`] for any u32 number
+/// of primitives.
 const MEDIAN_DEPTH: usize = 64;
 /// No wide node is deeper than the binary tree.
 pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 33;
@@ -33,8 +34,8 @@ pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 33;
 const PARALLEL: usize = 4096;
 const PARALLEL_BINNING: usize = 1 << 16;
 
-/// A spatial split is only tried if at least this share of a set's cost would be saved by cutting the overlap of its halves in the middle. The
-/// search for planes takes long, and most sets gain little.
+/// A spatial split is only tried if at least this share of a set's cost would be saved by cutting the overlap of its
+/// halves in the middle. The search for planes takes long, and most sets gain little.
 const WORTH_CUTTING: f32 = 0.07;
 /// Smaller sets are not split by planes either, since their leaves would be filled less.
 const LEAST_CUT: usize = 256;
@@ -44,12 +45,13 @@ struct Builder<'a> {
     leaf_size: usize,
     /// Cuts primitives, where leaves may hold parts of them.
     cut: Option<&'a Cut<'a>>,
-    /// A factor that makes areas independent of the scene's unit, so that they stay within f32 in huge and tiny scenes.
+    /// A factor that makes areas independent of the scene's unit, so that they stay within f32 in huge and tiny
+    /// scenes.
     scale: f32,
 }
 
-/// Builds over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all. With `cut` several leaves may hold
-/// the same primitive, each with a box around a part of it.
+/// Builds over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all. With `cut`
+/// several leaves may hold the same primitive, each with a box around a part of it.
 pub(super) fn build(
     count: usize,
     bounds: impl Fn(usize) -> Aabb + Sync,
@@ -208,14 +210,16 @@ impl Builder<'_> {
         })
     }
 
-    /// Partitions at the cheapest boundary between bins, `None` if all centres fall into one bin or no cost is a number.
+    /// Partitions at the cheapest boundary between bins, `None` if all centres fall into one bin or no cost is a
+    /// number.
     fn split_between_centers(&self, prims: &mut [PrimRef], set: &PrimSet) -> Option<(Boundary, Halves)> {
         let grid = Grid::new(set);
         let bins = in_chunks(prims, |chunk| Bins::fill(&grid, chunk), Bins::merge);
         let boundary = Bins::cheapest([&bins, &bins], &grid, self.leaf_size, self.scale)?;
         let Boundary { axis, bin, .. } = boundary;
 
-        // Every step exchanges two references, needed or not: a branch would cost more, since processors cannot predict the side.
+        // Every step exchanges two references, needed or not: a branch would cost more, since processors cannot predict
+        // the side.
         let (mut left, mut right) = (PrimSet::EMPTY, PrimSet::EMPTY);
         for next in 0..prims.len() {
             let prim = prims[next];
@@ -243,7 +247,8 @@ fn in_chunks<T: Send>(
     chunks.map(&of_chunk).reduce_with(merge).expect("there are chunks")
 }
 
-/// Splits into halves of equal count along the axis on which the centres spread most. The index decides between equal centres.
+/// Splits into halves of equal count along the axis on which the centres spread most. The index decides between equal
+/// centres.
 fn split_in_half(prims: &mut [PrimRef], set: &PrimSet) -> Halves {
     let [x, y, z, _] = set.centers.extent().to_array();
     let axis = Vec3::new(x, y, z).max_position();

@@ -49,7 +49,8 @@ impl PrimRef {
     }
 }
 
-/// A box in one vector: the negated lower corner and the upper corner, each followed by an unused lane. A union is then a single maximum.
+/// A box in one vector: the negated lower corner and the upper corner, each followed by an unused lane. A union is then
+/// a single maximum.
 #[derive(Clone, Copy)]
 pub(super) struct SimdAabb(f32x8);
 

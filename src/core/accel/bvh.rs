@@ -35,8 +35,8 @@ pub struct BvhStats {
     pub leaves: usize,
     /// The greatest depth of a node; the root is at depth 1.
     pub max_depth: usize,
-    /// Expected work of a random ray that meets the root's box: the sum over all children of (box area / root area), times the number of
-    /// primitives for leaves.
+    /// Expected work of a random ray that meets the root's box: the sum over all children of (box area / root area),
+    /// times the number of primitives for leaves.
     pub sah_cost: f32,
     /// The memory in bytes.
     pub bytes: usize,
@@ -56,8 +56,8 @@ pub struct BvhBox {
 }
 
 impl Bvh {
-    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested together. Boxes that are
-    /// empty or have a NaN hold nothing that a ray could hit and are left out.
+    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested
+    /// together. Boxes that are empty or have a NaN hold nothing that a ray could hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
         Self::over(bounds.len(), |index| bounds[index], None, method, leaf_size)
     }
@@ -108,8 +108,9 @@ impl Bvh {
             .count()
     }
 
-    /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using dynamic bounding volume
-    /// hierarchies, 2007). No box that the tree holds may be empty or have a NaN. The tree is the slower the more the boxes moved apart.
+    /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using
+    /// dynamic bounding volume hierarchies, 2007). No box that the tree holds may be empty or have a NaN. The tree
+    /// is the slower the more the boxes moved apart.
     pub(super) fn refit(&self, bounds: impl Fn(usize) -> Aabb + Sync) -> Self {
         let mut fitted = self.clone();
         fitted.nodes.par_iter_mut().for_each(|node| {
@@ -221,8 +222,9 @@ impl Bvh {
         stats
     }
 
-    /// The work that the surface area heuristic expects of a random ray that meets the box around everything. It sums over all child boxes the
-    /// share of the box's area in that of the whole, times 1 for a node, or times the sum of `of_primitive` for a leaf. Zero if that is no number.
+    /// The work that the surface area heuristic expects of a random ray that meets the box around everything. It sums
+    /// over all child boxes the share of the box's area in that of the whole, times 1 for a node, or times the sum
+    /// of `of_primitive` for a leaf. Zero if that is no number.
     pub fn expected_work(&self, of_primitive: impl Fn(u32) -> f64) -> f64 {
         let root_area = f64::from(self.bounds().half_area());
         let mut work = 0.0;
@@ -245,8 +247,9 @@ impl Bvh {
         if work.is_finite() { work } else { 0.0 }
     }
 
-    /// Checks the structure against the boxes it was built from: every box that can be hit is in exactly one leaf, each child is within its
-    /// parent's box, there is no cycle, and the depth is within what the traversal's stack holds.
+    /// Checks the structure against the boxes it was built from: every box that can be hit is in exactly one leaf, each
+    /// child is within its parent's box, there is no cycle, and the depth is within what the traversal's stack
+    /// holds.
     pub fn validate(&self, bounds: &[Aabb]) -> Result<(), String> {
         let mut seen = vec![false; bounds.len()];
         self.validate_structure(|primitive, leaf| {
@@ -269,7 +272,8 @@ impl Bvh {
         Ok(())
     }
 
-    /// [`Bvh::validate`] without the content of leaves. `visit` checks that: it gets each primitive with its leaf's box.
+    /// [`Bvh::validate`] without the content of leaves. `visit` checks that: it gets each primitive with its leaf's
+    /// box.
     pub(super) fn validate_structure(
         &self,
         mut visit: impl FnMut(u32, &Aabb) -> Result<(), String>,

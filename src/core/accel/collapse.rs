@@ -1,8 +1,9 @@
 //! Turns a binary tree into one of wide nodes.
 //!
-//! There are many ways to merge a binary tree's inner nodes into nodes of eight children. This takes the one whose nodes have the least total
-//! surface, found from the leaves up by dynamic programming (Ylitie, Karras and Laine, Efficient incoherent ray traversal on GPUs through
-//! compressed wide BVHs, 2017, section 3.3). Leaves stay as they are.
+//! There are many ways to merge a binary tree's inner nodes into nodes of eight children. This takes the one whose
+//! nodes have the least total surface, found from the leaves up by dynamic programming (Ylitie, Karras and Laine,
+//! Efficient incoherent ray traversal on GPUs through compressed wide BVHs, 2017, section 3.3). Leaves stay as they
+//! are.
 
 use std::ops::Range;
 
@@ -69,8 +70,9 @@ enum BranchKind {
     Inner {
         /// The index of the right child.
         right: u32,
-        /// The number of slots that go to the left child if this branch gets two, three, ... slots of a wide node above. Zero if a wide node of
-        /// its own is better, which takes one slot. Such a node has all slots to give, so the last number is never zero.
+        /// The number of slots that go to the left child if this branch gets two, three, ... slots of a wide node
+        /// above. Zero if a wide node of its own is better, which takes one slot. Such a node has all slots to
+        /// give, so the last number is never zero.
         left_slots: [u8; WIDTH - 1],
     },
 }
@@ -143,8 +145,8 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Fills the wide node `node` at `depth` with the children below the first of `branches`, and appends everything below them. `branches` is the
-    /// range of the whole subtree.
+    /// Fills the wide node `node` at `depth` with the children below the first of `branches`, and appends everything
+    /// below them. `branches` is the range of the whole subtree.
     fn fill(&self, tree: &mut Tree, node: usize, branches: Range<usize>, depth: usize) {
         tree.depth = tree.depth.max(depth);
         let mut children = ArrayVec::<usize, WIDTH>::new();

@@ -1,10 +1,12 @@
 //! A hierarchy over shapes that follows edits of some of them, so that an edit costs what it changes.
 //!
-//! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which is built anew for every edit.
-//! Rays hit the same as in a hierarchy that is built anew over everything. Only distances may be rounded otherwise, because other shapes share a block.
+//! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which
+//! is built anew for every edit. Rays hit the same as in a hierarchy that is built anew over everything. Only distances
+//! may be rounded otherwise, because other shapes share a block.
 //!
-//! The more shapes are beside it, the longer rays take. A hierarchy that [is worn](Tlas::is_worn) is [built anew](Tlas::rebuilt) on another thread, and edits that
-//! were made meanwhile are made again on the result ([`Tlas::after_edits`]).
+//! The more shapes are beside it, the longer rays take. A hierarchy that [is worn](Tlas::is_worn) is [built
+//! anew](Tlas::rebuilt) on another thread, and edits that were made meanwhile are made again on the result
+//! ([`Tlas::after_edits`]).
 
 use super::build::SplitMethod;
 use super::bvh::Bvh;
@@ -43,12 +45,14 @@ impl Tlas {
         Self::over(instances, self.groups.clone(), self.placements.clone(), method)
     }
 
-    /// This hierarchy, which was [rebuilt](Self::rebuilt) from `old`, after the edits that lead from `old` to `now`. None as in [`Self::edited`].
+    /// This hierarchy, which was [rebuilt](Self::rebuilt) from `old`, after the edits that lead from `old` to `now`.
+    /// None as in [`Self::edited`].
     pub fn after_edits(&self, old: &Self, now: &Self) -> Option<Self> {
         self.edited(&now.instances.edits_since(&old.instances))
     }
 
-    /// The hierarchy after edits of single shapes. None where it is better built anew: it is small, or much of it has been edited.
+    /// The hierarchy after edits of single shapes. None where it is better built anew: it is small, or much of it has
+    /// been edited.
     pub fn edited(&self, edits: &ShapeEdits) -> Option<Self> {
         let count = self.instances.len();
         if !self.is_edited_in_place() {
@@ -109,8 +113,9 @@ impl Tlas {
         edited.put_beside(loose).then(|| edited.counted(self, edits))
     }
 
-    /// Takes the shapes `touched`, by their old numbers, out of their blocks, and gives the others their new numbers. Returns the places of the
-    /// blocks that have changed, counted with the placements before them, and their bounds.
+    /// Takes the shapes `touched`, by their old numbers, out of their blocks, and gives the others their new numbers.
+    /// Returns the places of the blocks that have changed, counted with the placements before them, and their
+    /// bounds.
     fn leave_blocks(&mut self, old: &Self, edits: &ShapeEdits, touched: &[u32]) -> Vec<(u32, Aabb)> {
         if let Some(loose) = &old.loose {
             self.blocks.truncate(loose.blocks);

@@ -1,4 +1,5 @@
-//! Hierarchies that follow edits of single primitives: leaves are taken out or fitted, and a second hierarchy is put beside the first.
+//! Hierarchies that follow edits of single primitives: leaves are taken out or fitted, and a second hierarchy is put
+//! beside the first.
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
@@ -33,8 +34,8 @@ impl Bvh {
         }
     }
 
-    /// The hierarchy without the one that [`Self::put_beside`] has put beside it. `nodes` and `leaves` are the numbers of nodes and of entries of the
-    /// order that it had before.
+    /// The hierarchy without the one that [`Self::put_beside`] has put beside it. `nodes` and `leaves` are the numbers
+    /// of nodes and of entries of the order that it had before.
     pub(super) fn without_beside(&self, nodes: usize, leaves: usize) -> Self {
         Self {
             nodes: self.nodes[..nodes].to_vec(),
@@ -43,7 +44,8 @@ impl Bvh {
         }
     }
 
-    /// Calls `edit` for the primitive of each leaf of a hierarchy by [`Self::under_root`] and fits the boxes. Leaves must be of one primitive.
+    /// Calls `edit` for the primitive of each leaf of a hierarchy by [`Self::under_root`] and fits the boxes. Leaves
+    /// must be of one primitive.
     pub(super) fn edit_leaves(&mut self, edit: impl Fn(u32) -> LeafEdit) {
         let mut is_changed = vec![false; self.nodes.len()];
         // Children come after their parents.

@@ -75,7 +75,8 @@ pub struct MeshHit {
 pub struct SurfacePoint {
     /// The point on the surface, which rays that leave it move off by `error`.
     pub position: Vec3,
-    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin` wants.
+    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin`
+    /// wants.
     pub error: f32,
     /// Unit length.
     pub geometric_normal: Vec3,
@@ -83,14 +84,16 @@ pub struct SurfacePoint {
     pub shading_normal: Vec3,
     /// Zero, as the derivatives, with [`Detail::Plain`].
     pub uv: Vec2,
-    /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
-    /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
+    /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of
+    /// spheres (`dp_du`) and the centres of disks; any two tangents where a mesh's texture coordinates are
+    /// degenerate. Normals that are flipped do not change them.
     pub dp_du: Vec3,
     /// See `dp_du`.
     pub dp_dv: Vec3,
 }
 
-/// The parts of a [`SurfacePoint`] that are wanted. Those that depend on texture coordinates can cost as much as all the rest.
+/// The parts of a [`SurfacePoint`] that are wanted. Those that depend on texture coordinates can cost as much as all
+/// the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// Position and normals alone.

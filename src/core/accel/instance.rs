@@ -104,7 +104,8 @@ impl Instance {
 
     /// `ray` in local space, with the same `t`.
     ///
-    /// The translation is taken off first: for an origin near the instance that is exact, however far both are from the world's origin.
+    /// The translation is taken off first: for an origin near the instance that is exact, however far both are from the
+    /// world's origin.
     #[inline(always)]
     pub(crate) fn local_ray(&self, ray: &Ray) -> Ray {
         let linear = &self.local_from_world.matrix3;
@@ -124,7 +125,8 @@ impl Instance {
         local_to(rays, &rows, self.world_from_local.translation.into())
     }
 
-    /// World bounds without a margin for rounding, for people to see and to measure by. Of a mesh they are those of its local box.
+    /// World bounds without a margin for rounding, for people to see and to measure by. Of a mesh they are those of its
+    /// local box.
     pub fn exact_bounds(&self) -> Aabb {
         let linear = &self.world_from_local.matrix3;
         let center = Vec3::from(self.world_from_local.translation);
@@ -164,7 +166,8 @@ impl Instance {
         }
     }
 
-    /// The nearest hit of the world ray with this instance, which is the `number`-th. `COUNT` adds the work within a mesh to `stats`.
+    /// The nearest hit of the world ray with this instance, which is the `number`-th. `COUNT` adds the work within a
+    /// mesh to `stats`.
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, number: u32, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
         let ray = &self.local_ray(ray);

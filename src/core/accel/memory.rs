@@ -6,7 +6,8 @@ use std::ops::{Deref, DerefMut};
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
-/// Prefetches the cache line at the start of `value`. It only saves time, and does nothing on processors other than x86.
+/// Prefetches the cache line at the start of `value`. It only saves time, and does nothing on processors other than
+/// x86.
 #[inline(always)]
 pub(super) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]
@@ -21,7 +22,8 @@ pub(super) const CACHE: usize = 4 << 20;
 /// The bytes of cache that all cores share.
 pub(super) const SHARED_CACHE: usize = 64 << 20;
 
-/// A list of fixed length. A large one lies in large pages, since the processor's table of pages (TLB) covers too few of the usual size.
+/// A list of fixed length. A large one lies in large pages, since the processor's table of pages (TLB) covers too few
+/// of the usual size.
 #[derive(Debug)]
 pub(super) enum Table<T> {
     Small(Vec<T>),

@@ -18,7 +18,8 @@ real_struct! {
         pub world_from_local: Matrix<R>,
         pub translation: R::Vec3,
         pub local_from_world: Matrix<R>,
-        /// The bound on the rounding of the translation, as in [`super::rounding::Rounding`]. Its other bounds follow from the matrices.
+        /// The bound on the rounding of the translation, as in [`super::rounding::Rounding`]. Its other bounds follow
+        /// from the matrices.
         pub of_translation: R::Vec3,
         /// -1 where the geometric normal of a triangle is turned around by a mirror, else 1.
         pub hand: R,
@@ -163,8 +164,8 @@ impl VertexNormals {
 }
 
 impl<R: Real> VertexNormals<R> {
-    /// The interpolated normal, not flipped, or `geometric` where there is none. Each normal is taken to the world and normalised first, as if the mesh
-    /// had been stored transformed.
+    /// The interpolated normal, not flipped, or `geometric` where there is none. Each normal is taken to the world and
+    /// normalised first, as if the mesh had been stored transformed.
     #[inline(always)]
     fn at_weights(&self, place: &Place<R>, [u, v]: [R; 2], geometric: R::Vec3) -> R::Vec3 {
         let mean = |[a, b, c]: [R::Vec3; 3]| a * (R::ONE - u - v) + b * u + c * v;
@@ -198,7 +199,8 @@ impl Instance {
         }
     }
 
-    /// The unit shading normal of the triangle of a mesh at the weights of its corners 1 and 2, not flipped. None where that is the geometric normal.
+    /// The unit shading normal of the triangle of a mesh at the weights of its corners 1 and 2, not flipped. None where
+    /// that is the geometric normal.
     #[inline(always)]
     pub(super) fn vertex_normal(&self, triangle: u32, weights: [f32; 2]) -> Option<Vec3> {
         let normals = VertexNormals::at(self, triangle)?;
@@ -219,7 +221,8 @@ impl<R: Real> Place<R> {
         unit_or::<R>(self.world_normal(local.normal), R::Vec3::same(Vec3::Z))
     }
 
-    /// The local error in world units, with the rounding of the transform to the world and of the next ray's transform back.
+    /// The local error in world units, with the rounding of the transform to the world and of the next ray's transform
+    /// back.
     #[inline(always)]
     pub fn error(&self, local: &LocalSurface<R>) -> R {
         let (out, back) = (self.world_from_local.abs(), self.local_from_world.abs());
@@ -228,7 +231,8 @@ impl<R: Real> Place<R> {
         (out.times(in_local) + image * R::splat(gamma(4)) + self.of_translation).max_element()
     }
 
-    /// Transforms a normal by the inverse transpose. The result is not of unit length, but neither overflows nor vanishes for sensible transforms.
+    /// Transforms a normal by the inverse transpose. The result is not of unit length, but neither overflows nor
+    /// vanishes for sensible transforms.
     #[inline(always)]
     fn world_normal(&self, local: R::Vec3) -> R::Vec3 {
         self.local_from_world

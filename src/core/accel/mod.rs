@@ -1,5 +1,6 @@
-//! Finds what a ray meets, with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]), and one over the instances placed
-//! in the world ([`Tlas`]). Between them there may be one over the shapes of a group that is placed many times.
+//! Finds what a ray meets, with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]), and one
+//! over the instances placed in the world ([`Tlas`]). Between them there may be one over the shapes of a group that is
+//! placed many times.
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 

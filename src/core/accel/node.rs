@@ -1,7 +1,8 @@
 //! The wide node and its box test.
 //!
-//! Eight child boxes in structure-of-arrays form, one per vector lane. The test is the slab method, made conservative by widening the
-//! exit distance (PBR 4th ed. section 6.8.2). Directions are inverted so that no component is infinite, hence no product is NaN.
+//! Eight child boxes in structure-of-arrays form, one per vector lane. The test is the slab method, made conservative
+//! by widening the exit distance (PBR 4th ed. section 6.8.2). Directions are inverted so that no component is infinite,
+//! hence no product is NaN.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -16,7 +17,8 @@ use crate::math::{Aabb, Ray, Vector};
 
 pub(super) const WIDTH: usize = 8;
 
-/// Up to eight children, which fill the slots from the first on. Empty slots have boxes infinitely far away, which no ray meets.
+/// Up to eight children, which fill the slots from the first on. Empty slots have boxes infinitely far away, which no
+/// ray meets.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Node {
@@ -149,8 +151,8 @@ impl Node {
     }
 }
 
-/// The farthest distance at which a box may begin that holds a hit at `t_max`, whatever the rounding of both. Without the padding the order of
-/// the traversal would decide which of two triangles is found where they touch.
+/// The farthest distance at which a box may begin that holds a hit at `t_max`, whatever the rounding of both. Without
+/// the padding the order of the traversal would decide which of two triangles is found where they touch.
 #[inline(always)]
 pub(super) fn padded(t_max: f32) -> f32 {
     t_max * T_MAX_PADDING
@@ -170,8 +172,9 @@ pub(super) struct RaySlabs {
 impl RaySlabs {
     /// `None` if the ray can hit nothing: it is not finite, has no direction, or its interval is empty.
     ///
-    /// A zero direction component gets the largest finite inverse. A ray that runs within a face must not leave the box at 0 * inverse = 0,
-    /// so on such an axis both faces lie a little farther out. The distances to them are then beyond all others, with the right signs.
+    /// A zero direction component gets the largest finite inverse. A ray that runs within a face must not leave the box
+    /// at 0 * inverse = 0, so on such an axis both faces lie a little farther out. The distances to them are then
+    /// beyond all others, with the right signs.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let is_valid = ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != Vec3::ZERO && ray.t_max > 0.0;

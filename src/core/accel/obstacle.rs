@@ -11,7 +11,8 @@ pub enum Obstacle {
     Opaque,
 }
 
-/// What rays meet, a bit for each lane. Of a ray that meets an opaque shape it is not known whether it meets clear ones.
+/// What rays meet, a bit for each lane. Of a ray that meets an opaque shape it is not known whether it meets clear
+/// ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obstacles {
     /// The rays that meet a shape that is not clear.

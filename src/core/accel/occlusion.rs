@@ -1,7 +1,8 @@
 //! Whether anything is in the way of rays, and whether light may pass straight through all of it.
 //!
-//! Most shadow rays that meet a pane of glass meet a wall as well. The search for any hit therefore goes on behind shapes that are called clear, and only
-//! rays that meet nothing but these have to be followed from one hit to the next. Shapes are counted as by [`Tlas::shape_index`].
+//! Most shadow rays that meet a pane of glass meet a wall as well. The search for any hit therefore goes on behind
+//! shapes that are called clear, and only rays that meet nothing but these have to be followed from one hit to the
+//! next. Shapes are counted as by [`Tlas::shape_index`].
 
 use super::obstacle::{Obstacle, Obstacles};
 use super::placement::Placement;
@@ -10,7 +11,8 @@ use super::tlas::{Item, Tlas};
 use crate::math::Ray;
 use crate::math::lanes::each_lane;
 
-/// The search for an opaque shape is given up after so many clear ones: in a tree of leaves with holes it would go through all of them.
+/// The search for an opaque shape is given up after so many clear ones: in a tree of leaves with holes it would go
+/// through all of them.
 const MOST_CLEAR: u32 = 4;
 
 impl Tlas {
@@ -27,13 +29,14 @@ impl Tlas {
         self.obstacles(rays, active, |_| false).opaque
     }
 
-    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind [`MOST_CLEAR`] of these it may
-    /// miss an opaque one.
+    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind
+    /// [`MOST_CLEAR`] of these it may miss an opaque one.
     pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         self.obstacle_from(0, ray, &is_clear)
     }
 
-    /// [`Self::obstacle`] for each of the lanes in `active`. In small scenes it does not miss an opaque shape behind many clear ones.
+    /// [`Self::obstacle`] for each of the lanes in `active`. In small scenes it does not miss an opaque shape behind
+    /// many clear ones.
     pub fn obstacles(&self, rays: &RayLanes, active: u32, is_clear: impl Fn(usize) -> bool) -> Obstacles {
         let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {

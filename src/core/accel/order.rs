@@ -1,7 +1,7 @@
 //! Sorts the children that a ray meets from far to near, so that a traversal can push them on its stack as they are.
 //!
-//! The sort of eight lanes has no branches (bitonic: Batcher, Sorting networks and their applications, 1968), because processors cannot
-//! predict how many children are met and in which order.
+//! The sort of eight lanes has no branches (bitonic: Batcher, Sorting networks and their applications, 1968), because
+//! processors cannot predict how many children are met and in which order.
 
 use wide::{f32x8, u32x4, u32x8};
 
@@ -17,10 +17,12 @@ pub(super) struct FarToNear {
 
 /// The lowest bits of an entry distance, which hold the number of a lane instead.
 const LANE: u32 = WIDTH as u32 - 1;
-/// Flips the bits of a distance, which has no sign, so that the order of distances is reversed. The bits of the lane stay.
+/// Flips the bits of a distance, which has no sign, so that the order of distances is reversed. The bits of the lane
+/// stay.
 const REVERSED: u32 = !LANE & i32::MAX as u32;
 
-/// Sorts `children` by `entries`, which are not negative. `met` has all bits set in the lanes that count and none in others.
+/// Sorts `children` by `entries`, which are not negative. `met` has all bits set in the lanes that count and none in
+/// others.
 #[inline(always)]
 pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) -> FarToNear {
     let met: u32x8 = bytemuck::cast(met);

@@ -93,7 +93,8 @@ impl Placement {
         }
     }
 
-    /// Transforms a surface of the group to the world. Normals go by the inverse transpose and keep their side, as in Mitsuba.
+    /// Transforms a surface of the group to the world. Normals go by the inverse transpose and keep their side, as in
+    /// Mitsuba.
     pub(super) fn place(&self, point: &SurfacePoint) -> SurfacePoint {
         let world_from_group = self.exact_world_from_group();
         let linear = world_from_group.matrix3.as_mat3();

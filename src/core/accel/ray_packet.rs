@@ -1,8 +1,9 @@
 //! Packet traversal: each box that any of sixteen rays may meet is tested against all of them at once.
 //!
-//! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are then fetched once
-//! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Incoherent rays are
-//! slower than with [`super::interleaved`]. Where surfaces coincide, a ray may hit another one of them than it would if traced by itself.
+//! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are
+//! then fetched once for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing,
+//! Eurographics 2001). Incoherent rays are slower than with [`super::interleaved`]. Where surfaces coincide, a ray may
+//! hit another one of them than it would if traced by itself.
 
 use std::ops::Range;
 
@@ -47,7 +48,8 @@ impl StackEntry {
 }
 
 impl Blas {
-    /// [`Self::intersect`] for the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that has one.
+    /// [`Self::intersect`] for the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that
+    /// has one.
     pub(super) fn intersect_packet(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
         let active = active & rays.valid_mask();
         if active.count_ones() <= FEW {
@@ -215,9 +217,9 @@ fn triangle_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
 }
 
 impl Bvh {
-    /// Traverses the hierarchy with the rays in `active`. `leaf` gets the range of a leaf's primitives in the order, the rays that may meet them,
-    /// and each ray's t_max, which it lowers to a hit; it returns the rays that hit something. With `ANY` these are done. Returns all rays that
-    /// hit something.
+    /// Traverses the hierarchy with the rays in `active`. `leaf` gets the range of a leaf's primitives in the order,
+    /// the rays that may meet them, and each ray's t_max, which it lowers to a hit; it returns the rays that hit
+    /// something. With `ANY` these are done. Returns all rays that hit something.
     #[inline(always)]
     fn walk_packet<const ANY: bool>(
         &self,
@@ -257,8 +259,8 @@ impl Bvh {
         met
     }
 
-    /// Descends with the rays in `active` together as long as [`CROWD`] of them meet the same child. Calls `alone` with the lane, the child and
-    /// the entry distance where a ray has to go on by itself.
+    /// Descends with the rays in `active` together as long as [`CROWD`] of them meet the same child. Calls `alone` with
+    /// the lane, the child and the entry distance where a ray has to go on by itself.
     #[inline(always)]
     pub(super) fn descend_packet(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
         let slabs = SlabLanes::new(rays);
@@ -345,7 +347,8 @@ impl BoxesMet {
         }
     }
 
-    /// Tests all boxes without a branch. `enter` gives the distances at which the rays enter the box of a slot, and the mask of those that do.
+    /// Tests all boxes without a branch. `enter` gives the distances at which the rays enter the box of a slot, and the
+    /// mask of those that do.
     #[inline(always)]
     fn find_by(&mut self, mask: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
         let mut slots = 0;

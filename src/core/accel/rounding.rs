@@ -7,7 +7,8 @@ use crate::math::{Aabb, gamma};
 /// The factor that widens an exit distance by the rounding of both distances.
 pub(super) const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
 
-/// The least margin around a box's faces. Times the largest inverse it is 3e20, farther than any hit that f32 could resolve.
+/// The least margin around a box's faces. Times the largest inverse it is 3e20, farther than any hit that f32 could
+/// resolve.
 pub(super) const LEAST_MARGIN: f32 = 1e-18;
 
 /// Bounds on the rounding of an instance's transforms, per coordinate, in world units.
@@ -28,8 +29,8 @@ impl Rounding {
         }
     }
 
-    /// Changes the bounds to those for a shape within `bounds` that rays meet as a whole, in a space of its own. Its size counts then, wherever the
-    /// hit is.
+    /// Changes the bounds to those for a shape within `bounds` that rays meet as a whole, in a space of its own. Its
+    /// size counts then, wherever the hit is.
     pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
         let extent = bounds.min.abs().max(bounds.max.abs());
         self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(extent));

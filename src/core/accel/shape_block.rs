@@ -1,5 +1,5 @@
-//! Spheres, rectangles and disks that lie next to each other are tested together against one ray: a shape per lane, where
-//! [`super::small_scene`] has a ray per lane.
+//! Spheres, rectangles and disks that lie next to each other are tested together against one ray: a shape per lane,
+//! where [`super::small_scene`] has a ray per lane.
 
 use std::ops::Range;
 
@@ -38,8 +38,8 @@ pub(super) struct ShapeBlock {
     disks: u32,
 }
 
-/// The indices of the shapes of a block among the instances; only the first lanes are used. They are kept apart from the block, because edits of the
-/// scene give other numbers to many shapes, of which few change.
+/// The indices of the shapes of a block among the instances; only the first lanes are used. They are kept apart from
+/// the block, because edits of the scene give other numbers to many shapes, of which few change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members([u32; LANES]);
 
@@ -64,7 +64,8 @@ impl Members {
 }
 
 impl ShapeBlock {
-    /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A linear list has no blocks.
+    /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A
+    /// linear list has no blocks.
     pub fn gather(instances: &Instances, method: SplitMethod) -> Vec<(Self, Members)> {
         if method == SplitMethod::Linear {
             return Vec::new();

@@ -3,7 +3,8 @@
 use super::shape_block::{Members, ShapeBlock};
 use super::shared_list::SharedList;
 
-/// The blocks of a hierarchy. Copies that differ in few blocks share the memory of the others, whatever numbers their shapes have.
+/// The blocks of a hierarchy. Copies that differ in few blocks share the memory of the others, whatever numbers their
+/// shapes have.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeBlocks {
     blocks: SharedList<ShapeBlock>,

@@ -1,4 +1,5 @@
-//! Tests of shapes in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in the space of their shape.
+//! Tests of shapes in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in the space of
+//! their shape.
 
 use glam::Vec3;
 
@@ -20,7 +21,8 @@ pub(super) struct ShapeHitLanes {
     pub met: Lanes,
 }
 
-/// Transforms world `rays` to spaces with origins at `places`, by the `rows` of the matrices; as [`super::instance::Instance::local_ray`].
+/// Transforms world `rays` to spaces with origins at `places`, by the `rows` of the matrices; as
+/// [`super::instance::Instance::local_ray`].
 #[inline(always)]
 pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -> RayLanes {
     let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
@@ -104,11 +106,13 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> Shap
     hit(near_counts.select(near, far), met)
 }
 
-/// Intersects the cube [-1, 1]³ by the slab method, from within if the ray at `t_min` is in it. The side of a face that a ray comes from is exact.
+/// Intersects the cube [-1, 1]³ by the slab method, from within if the ray at `t_min` is in it. The side of a face that
+/// a ray comes from is exact.
 #[inline(always)]
 pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
-    // A fused multiply-add rounds once, so that the signs are right. A zero component of the direction gets the largest inverse.
+    // A fused multiply-add rounds once, so that the signs are right. A zero component of the direction gets the largest
+    // inverse.
     let axis = |origin: Lanes, dir: Lanes| {
         let inverse = inverse_within(dir, largest);
         let half = inverse.abs();
@@ -139,8 +143,8 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     }
 }
 
-/// Rays prepared for box tests. The test is that of [`super::node`] with another order of operations, only two for each face, and a margin that
-/// makes up for their rounding.
+/// Rays prepared for box tests. The test is that of [`super::node`] with another order of operations, only two for each
+/// face, and a margin that makes up for their rounding.
 pub(super) struct SlabLanes {
     inverse: Vec3Lanes,
     /// The origins divided by the directions, for the lower and for the upper faces, which lie a little farther out.
@@ -202,8 +206,8 @@ impl SlabLanes {
         within(near, far, t_max)
     }
 
-    /// [`Self::enter`] given the planes by which all rays enter, one for each axis, those by which they leave, and their [common
-    /// signs](Self::common_signs).
+    /// [`Self::enter`] given the planes by which all rays enter, one for each axis, those by which they leave, and
+    /// their [common signs](Self::common_signs).
     #[inline(always)]
     pub fn enter_by(&self, near: Vec3Lanes, far: Vec3Lanes, down: [bool; 3], t_max: Lanes) -> (Lanes, Lanes) {
         let origins = |down: [bool; 3]| {
@@ -232,7 +236,8 @@ impl SlabLanes {
     }
 }
 
-/// One over `dir`, limited to the largest number whose product with the origin loses nothing. Zero components get that number.
+/// One over `dir`, limited to the largest number whose product with the origin loses nothing. Zero components get that
+/// number.
 #[inline(always)]
 fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
     const EXPONENT: WordLanes = WordLanes::new([0xff << 23; LANES]);

@@ -3,7 +3,8 @@
 use std::ops::Index;
 use std::sync::Arc;
 
-/// A list of which copies are cheap as long as they differ in few entries. Until it is edited it is read like a plain one.
+/// A list of which copies are cheap as long as they differ in few entries. Until it is edited it is read like a plain
+/// one.
 #[derive(Clone, Debug)]
 pub(super) struct SharedList<T> {
     /// The entries that the list was made of.
@@ -34,8 +35,8 @@ impl<T> SharedList<T> {
         &self.made
     }
 
-    /// The place of an entry in the list as it was made, and after it among new ones. Entries keep their places in edited copies, but for the first
-    /// time that they are replaced.
+    /// The place of an entry in the list as it was made, and after it among new ones. Entries keep their places in
+    /// edited copies, but for the first time that they are replaced.
     pub fn place(&self, index: usize) -> usize {
         self.edits.as_ref().map_or(index, |edits| edits.places[index] as usize)
     }
@@ -94,7 +95,8 @@ impl<T> SharedList<T> {
         edits.new.truncate(used.unwrap_or(0).saturating_sub(made));
     }
 
-    /// Takes out the entries of the numbers `removed`, ascending, and then puts in `inserted` by their numbers in the list that results, ascending.
+    /// Takes out the entries of the numbers `removed`, ascending, and then puts in `inserted` by their numbers in the
+    /// list that results, ascending.
     pub fn splice(&mut self, removed: &[u32], inserted: impl ExactSizeIterator<Item = (u32, T)>) {
         if removed.is_empty() && inserted.len() == 0 {
             return;

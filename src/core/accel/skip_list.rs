@@ -1,8 +1,10 @@
-//! The order in which a small scene tests its shapes against a batch of rays, with boxes around shapes next to each other. Where no ray of the batch
-//! meets a box, what is in it is skipped; otherwise it is tested against those that do.
+//! The order in which a small scene tests its shapes against a batch of rays, with boxes around shapes next to each
+//! other. Where no ray of the batch meets a box, what is in it is skipped; otherwise it is tested against those that
+//! do.
 //!
-//! It is a hierarchy in depth-first order. Whether a box is worth its test is the surface area heuristic (MacDonald and Booth, Heuristics for Ray
-//! Tracing Using Space Subdivision, 1990) for a batch: the chance that any of its rays meets the box.
+//! It is a hierarchy in depth-first order. Whether a box is worth its test is the surface area heuristic (MacDonald and
+//! Booth, Heuristics for Ray Tracing Using Space Subdivision, 1990) for a batch: the chance that any of its rays meets
+//! the box.
 
 use std::cmp::Ordering;
 
@@ -55,8 +57,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The next item to be tested, and the rays among `active` that are to be tested against it, a bit each: those that meet the boxes around it, whatever the
-    /// others do. `meet` gives the rays that meet a box.
+    /// The next item to be tested, and the rays among `active` that are to be tested against it, a bit each: those that
+    /// meet the boxes around it, whatever the others do. `meet` gives the rays that meet a box.
     #[inline(always)]
     pub fn next(&mut self, active: u32, meet: impl Fn(&Aabb) -> u32) -> Option<(usize, u32)> {
         loop {
@@ -128,8 +130,8 @@ pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aa
     plan.always + plan.sometimes
 }
 
-/// The place of rays that begin on `items`: the box of their centres, and half the size of the median item around it. The bounds would do worse: beside a wide
-/// ground everything in a room is small.
+/// The place of rays that begin on `items`: the box of their centres, and half the size of the median item around it.
+/// The bounds would do worse: beside a wide ground everything in a room is small.
 pub(super) fn place_of_rays(items: &[Item]) -> Aabb {
     let centers = Aabb::from_points(items.iter().map(|item| item.bounds.center()));
     let mut sizes: Vec<f32> = items.iter().map(|item| item.bounds.extent().max_element()).collect();

@@ -1,10 +1,12 @@
-//! Scenes of up to some two thousand shapes: sixteen rays at once are tested against one shape after the other, in a fixed order.
+//! Scenes of up to some two thousand shapes: sixteen rays at once are tested against one shape after the other, in a
+//! fixed order.
 //!
-//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Where there are more,
-//! [`super::skip_list`] has boxes around shapes that only few batches meet. Rectangles, spheres,
-//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so; the rays that
-//! meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes next to each other are tested in blocks.
-//! Where surfaces coincide, a ray may hit another one of them than it would if traced by itself.
+//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway.
+//! Where there are more, [`super::skip_list`] has boxes around shapes that only few batches meet. Rectangles, spheres,
+//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are
+//! tested so; the rays that meet them traverse the mesh one by one, or together if they are many and the mesh is large.
+//! Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one of them than
+//! it would if traced by itself.
 
 use glam::{Vec2, Vec3};
 
@@ -27,12 +29,12 @@ use crate::math::{Aabb, Ray};
 pub(super) const MOST_ALONE: usize = 24;
 /// The most blocks of a small scene.
 const MOST_BLOCKS: usize = 64;
-/// The most that a batch of rays may cost by the estimate, in the units of [`Item::cost`]. Most rays stop at the first of many shapes one behind the other, which
-/// the hierarchy tests from front to back.
+/// The most that a batch of rays may cost by the estimate, in the units of [`Item::cost`]. Most rays stop at the first
+/// of many shapes one behind the other, which the hierarchy tests from front to back.
 const MOST_COST: f32 = 300.0;
 
-/// Rays traverse a mesh one by one if it has no more bytes than this, which a core's cache holds beside other meshes, or if they are no more than that. Turns,
-/// which hide the waits for memory, pay for many rays in large meshes alone.
+/// Rays traverse a mesh one by one if it has no more bytes than this, which a core's cache holds beside other meshes,
+/// or if they are no more than that. Turns, which hide the waits for memory, pay for many rays in large meshes alone.
 const CACHED: usize = 512 << 10;
 const FEW_RAYS: u32 = 8;
 
@@ -58,7 +60,8 @@ struct SceneShape {
     /// Index into the instances.
     instance: u32,
     kind: Kind,
-    /// The rows of the matrix from the world, and the place in the world. Squares and cubes have their own matrix, not that of their mesh.
+    /// The rows of the matrix from the world, and the place in the world. Squares and cubes have their own matrix, not
+    /// that of their mesh.
     rows: [Vec3; 3],
     place: Vec3,
 }
@@ -282,7 +285,8 @@ impl SmallScene {
         hits
     }
 
-    /// What the rays of the lanes in `active` meet, where `is_clear` tells which instances light may pass straight through.
+    /// What the rays of the lanes in `active` meet, where `is_clear` tells which instances light may pass straight
+    /// through.
     pub fn any<const COHERENT: bool>(
         &self,
         scene: Shapes,

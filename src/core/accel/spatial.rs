@@ -1,5 +1,6 @@
-//! Spatial splits: a plane divides a set of references, and both sides hold the primitives that lie on both (Stich, Friedrich and Dietrich,
-//! Spatial splits in bounding volume hierarchies, 2009). They pay off where primitives are long, or large beside their neighbours.
+//! Spatial splits: a plane divides a set of references, and both sides hold the primitives that lie on both (Stich,
+//! Friedrich and Dietrich, Spatial splits in bounding volume hierarchies, 2009). They pay off where primitives are
+//! long, or large beside their neighbours.
 
 use glam::Vec3;
 
@@ -7,15 +8,15 @@ use super::binning::{Bins, Grid};
 use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 use crate::math::Aabb;
 
-/// A function that cuts the part of a primitive within a box by a plane across an axis, and gives the boxes around what lies before and
-/// behind the plane. The box of a side that holds nothing is empty.
+/// A function that cuts the part of a primitive within a box by a plane across an axis, and gives the boxes around what
+/// lies before and behind the plane. The box of a side that holds nothing is empty.
 pub(super) type Cut<'a> = dyn Fn(u32, &Aabb, Plane) -> [Aabb; 2] + Sync + 'a;
 
 /// The number of slabs along each axis; the planes between them are tried.
 const BINS: usize = 16;
 
-/// Two sets of bins: one counts the primitives that begin in a bin, the other those that end there. The boxes of both are those of all parts
-/// of primitives in the bin.
+/// Two sets of bins: one counts the primitives that begin in a bin, the other those that end there. The boxes of both
+/// are those of all parts of primitives in the bin.
 pub(super) struct SpatialBins {
     begins: Bins,
     ends: Bins,

@@ -1,8 +1,9 @@
 //! The world-space surface at a hit.
 //!
-//! The conventions are Mitsuba 3's. A mesh's geometric normal is that of the transformed triangle, so a mirroring transform turns it around.
-//! Vertex normals from a file go by the inverse transpose and may disagree with it; vertex normals that were computed from the triangles turn
-//! around with them. The normals of other shapes go by the inverse transpose.
+//! The conventions are Mitsuba 3's. A mesh's geometric normal is that of the transformed triangle, so a mirroring
+//! transform turns it around. Vertex normals from a file go by the inverse transpose and may disagree with it; vertex
+//! normals that were computed from the triangles turn around with them. The normals of other shapes go by the inverse
+//! transpose.
 
 use glam::{Affine3A, DAffine3, Vec2, Vec3, Vec3A};
 
@@ -19,7 +20,8 @@ use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
 use crate::math::Ray;
 
 impl Tlas {
-    /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its corners 1 and 2.
+    /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its
+    /// corners 1 and 2.
     pub fn mesh_at(&self, hit: &Hit) -> Option<&MeshData> {
         match &self.shape_at(hit).primitive {
             Primitive::Mesh(blas) => Some(blas.mesh()),
@@ -52,8 +54,8 @@ impl Tlas {
         }
     }
 
-    /// The place in another hierarchy of the same shapes, elsewhere, of the point of a shape that is at `place` here, where `hit` is. If that has no such shape,
-    /// it is `place`.
+    /// The place in another hierarchy of the same shapes, elsewhere, of the point of a shape that is at `place` here,
+    /// where `hit` is. If that has no such shape, it is `place`.
     pub fn place_in(&self, other: &Self, hit: &Hit, place: Vec3) -> Vec3 {
         let Some(its) = other.transforms_at(hit) else {
             return place;
@@ -83,7 +85,8 @@ impl Tlas {
         Some([Some(placement.world_from_group()), Some(member.world_from_local)])
     }
 
-    /// The surface at `hit` with its parametrisation, where `plain` is the surface without one, which is on a mesh in no group.
+    /// The surface at `hit` with its parametrisation, where `plain` is the surface without one, which is on a mesh in
+    /// no group.
     pub(crate) fn parametrised(&self, hit: &Hit, plain: SurfacePoint) -> SurfacePoint {
         let shape = self.shape_at(hit);
         let unflipped = shape.place().side * plain.geometric_normal;
@@ -159,8 +162,8 @@ impl Instance {
         }
     }
 
-    /// The unit shading normal in world space where rays meet the triangle of a mesh at the weights `barycentric` of its corners 1 and 2.
-    /// None where that is the geometric normal.
+    /// The unit shading normal in world space where rays meet the triangle of a mesh at the weights `barycentric` of
+    /// its corners 1 and 2. None where that is the geometric normal.
     pub fn shading_normal(&self, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
         Some(self.place().side * self.vertex_normal(triangle, barycentric.to_array())?)
     }
@@ -187,7 +190,8 @@ impl Instance {
         )
     }
 
-    /// The parametrisation, with derivatives in world space. `position` is local, `geometric` the unit normal in the world.
+    /// The parametrisation, with derivatives in world space. `position` is local, `geometric` the unit normal in the
+    /// world.
     #[inline(never)]
     fn parametrisation(&self, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
         let local = match &self.primitive {
@@ -216,7 +220,8 @@ impl Instance {
         }
     }
 
-    /// The point in the world and its error, as [`Place::position`] and [`Place::error`] give them. Vectors of four are faster for a single point.
+    /// The point in the world and its error, as [`Place::position`] and [`Place::error`] give them. Vectors of four are
+    /// faster for a single point.
     #[inline(always)]
     fn placed(&self, local: &LocalSurface) -> (Vec3, f32) {
         let error = absolute(&self.world_from_local.matrix3) * Vec3A::from(local.error)

@@ -1,8 +1,8 @@
 //! Meshes of a few triangles, against sixteen rays at once.
 //!
-//! The test is watertight: it takes signed volumes of the ray with each edge from the sum and the difference of the edge's corners (Davidovic
-//! et al., Efficient and robust edge functions, 2012). A volume is computed once for the triangles that share the edge, so that no ray passes
-//! between them. Only a ray within rounding of a corner may.
+//! The test is watertight: it takes signed volumes of the ray with each edge from the sum and the difference of the
+//! edge's corners (Davidovic et al., Efficient and robust edge functions, 2012). A volume is computed once for the
+//! triangles that share the edge, so that no ray passes between them. Only a ray within rounding of a corner may.
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -106,16 +106,19 @@ impl TinyMesh {
         self.triangles[number].index
     }
 
-    /// Calls `visit` for each triangle with the parameters at which the local `rays` meet its plane, until it returns true.
+    /// Calls `visit` for each triangle with the parameters at which the local `rays` meet its plane, until it returns
+    /// true.
     #[inline(always)]
     pub fn each_hit(&self, rays: &RayLanes, mut visit: impl FnMut(Lanes, WeightLanes, usize) -> bool) {
-        // The corners seen from the origins, and their cross products with the directions. The list is large, so it is filled in place.
+        // The corners seen from the origins, and their cross products with the directions. The list is large, so it is
+        // filled in place.
         let mut corners = ArrayVec::<[Vec3Lanes; 2], MOST_CORNERS>::new();
         for &corner in &self.corners {
             let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
             corners.push([p, p.cross(d)]);
         }
-        // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, its rounding is that of the edge's length, not of its distance.
+        // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, its rounding is that of the edge's
+        // length, not of its distance.
         let mut volumes = ArrayVec::<Lanes, MOST_EDGES>::new();
         for &[from, to] in &self.edges {
             let edge = Vec3Lanes::splat(self.corners[from] - self.corners[to]);

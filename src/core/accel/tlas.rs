@@ -21,7 +21,8 @@ use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
-/// The shapes of a scene and the groups of shapes that stand in it many times, with a hierarchy over their world bounds.
+/// The shapes of a scene and the groups of shapes that stand in it many times, with a hierarchy over their world
+/// bounds.
 ///
 /// A group is itself a `Tlas` of shapes alone, in a space of its own, shared by all its placements.
 #[derive(Clone, Debug)]
@@ -32,7 +33,8 @@ pub struct Tlas {
     pub(super) first_shape: Vec<usize>,
     pub(super) placements: Vec<Placement>,
     pub(super) blocks: ShapeBlocks,
-    /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
+    /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the
+    /// placements, then the blocks.
     pub(super) bvh: Bvh,
     /// The shapes in the order in which sixteen rays are tested against them, in scenes that [`SmallScene`] takes.
     pub(super) small_scene: Option<SmallScene>,
@@ -59,7 +61,8 @@ impl Tlas {
         Self::with_placements(instances, Vec::new(), Vec::new(), method)
     }
 
-    /// Builds over shapes and placed groups. A placement of a group that does not exist, or that has placements itself, is empty.
+    /// Builds over shapes and placed groups. A placement of a group that does not exist, or that has placements itself,
+    /// is empty.
     pub fn with_placements(
         instances: Vec<Instance>,
         groups: Vec<Arc<Tlas>>,
@@ -76,8 +79,8 @@ impl Tlas {
 
     /// [`Self::with_placements`] from shapes that need not be copied.
     pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
-        // With `Linear` the caller wants a list, so that only a short one is a small scene. Scenes of `FEWEST_EDITED` shapes or more are edited in place,
-        // which a small scene cannot follow.
+        // With `Linear` the caller wants a list, so that only a short one is a small scene. Scenes of `FEWEST_EDITED`
+        // shapes or more are edited in place, which a small scene cannot follow.
         let is_list = method == SplitMethod::Linear && instances.len() > MOST_ALONE;
         let may_be_small = placements.is_empty() && !is_list && instances.len() < FEWEST_EDITED;
         Self::made(instances, groups, placements, method, may_be_small)
@@ -132,8 +135,8 @@ impl Tlas {
         tlas
     }
 
-    /// Some of the shapes and placements alone, by [`Hit::instance`] in rising order. In the new hierarchy they count from 0 on. Numbers that there
-    /// are not are left out.
+    /// Some of the shapes and placements alone, by [`Hit::instance`] in rising order. In the new hierarchy they count
+    /// from 0 on. Numbers that there are not are left out.
     pub fn part(&self, items: &[u32], method: SplitMethod) -> Self {
         let items = items.iter().map(|item| *item as usize);
         let instances: Vec<Instance> = (items.clone())
@@ -207,8 +210,8 @@ impl Tlas {
         }
     }
 
-    /// The bounds that [`bounds_of`](Self::bounds_of) gives without their margin for rounding, for people to see and to measure by. A group of very many
-    /// shapes keeps its margin.
+    /// The bounds that [`bounds_of`](Self::bounds_of) gives without their margin for rounding, for people to see and to
+    /// measure by. A group of very many shapes keeps its margin.
     pub fn exact_bounds_of(&self, item: u32) -> Option<Aabb> {
         /// So many shapes are looked through for each placement.
         const MANY: usize = 256;
@@ -225,8 +228,8 @@ impl Tlas {
         Some(placement.exact_bounds(&members.fold(Aabb::EMPTY, Aabb::union)))
     }
 
-    /// World bounds of everything but the instances and placements of these numbers, in rising order, as [`Hit::instance`] counts them; empty if there is nothing
-    /// else.
+    /// World bounds of everything but the instances and placements of these numbers, in rising order, as
+    /// [`Hit::instance`] counts them; empty if there is nothing else.
     pub fn bounds_without(&self, left_out: &[u32]) -> Aabb {
         let found = Cell::new(Aabb::EMPTY);
         let add = |number: u32, bounds: Aabb| {
@@ -343,15 +346,16 @@ impl Tlas {
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
-    /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the placements and blocks.
+    /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the
+    /// placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
         stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.bytes();
         stats
     }
 
-    /// [`Bvh::expected_work`] of all hierarchies together: in a leaf a mesh or a group counts the expected work of its own hierarchy, and each
-    /// shape of a block counts one.
+    /// [`Bvh::expected_work`] of all hierarchies together: in a leaf a mesh or a group counts the expected work of its
+    /// own hierarchy, and each shape of a block counts one.
     pub fn expected_work(&self) -> f64 {
         // The work of a mesh is computed once, however many instances it has.
         let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
@@ -382,8 +386,8 @@ impl Tlas {
         self.bvh.validate(&bounds)
     }
 
-    /// Whether `is_sought` says so of any instance or placement whose world bounds touch a box. It gets its number, as [`Hit::instance`] counts them, and
-    /// its bounds.
+    /// Whether `is_sought` says so of any instance or placement whose world bounds touch a box. It gets its number, as
+    /// [`Hit::instance`] counts them, and its bounds.
     pub fn any_touching(&self, sought: &Aabb, mut is_sought: impl FnMut(u32, &Aabb) -> bool) -> bool {
         let touches = |bounds: &Aabb| bounds.min.cmple(sought.max).all() && bounds.max.cmpge(sought.min).all();
         let mut is_found = |number: u32, bounds: Aabb| touches(&bounds) && is_sought(number, &bounds);
@@ -431,7 +435,8 @@ impl Tlas {
         nearest
     }
 
-    /// This is kept out of line, because most scenes have no groups, and their rays should not carry the stack of a second traversal.
+    /// This is kept out of line, because most scenes have no groups, and their rays should not carry the stack of a
+    /// second traversal.
     #[inline(never)]
     pub(super) fn closest_placed<const COUNT: bool>(
         &self,
@@ -450,7 +455,8 @@ impl Tlas {
         })
     }
 
-    /// [`Self::intersect`] for each of the lanes in `active`; None in the others. The normals are prefetched, since callers look them up next.
+    /// [`Self::intersect`] for each of the lanes in `active`; None in the others. The normals are prefetched, since
+    /// callers look them up next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.valid_mask();
         let hits = if let Some(small) = &self.small_scene {

@@ -34,12 +34,12 @@ impl AddAssign for TraversalStats {
     }
 }
 
-/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children on the stack. The last one
-/// pushes all its slots before those that are not met are dropped.
+/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children on
+/// the stack. The last one pushes all its slots before those that are not met are dropped.
 pub(super) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
 
-/// Pushes the children that are met, the nearest on top. An entry has the bits of the entry distance above those of the child. Fails, and does
-/// nothing, if less than [`WIDTH`] places are left.
+/// Pushes the children that are met, the nearest on top. An entry has the bits of the entry distance above those of the
+/// child. Fails, and does nothing, if less than [`WIDTH`] places are left.
 #[inline(always)]
 pub(super) fn push_sorted<const ROOM: usize>(
     node: &Node,
@@ -83,8 +83,9 @@ pub(super) fn push_unsorted<const ROOM: usize>(
 }
 
 impl Bvh {
-    /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and t_max, which it lowers to its
-    /// nearest hit. With `COUNT` the work is added to `stats` (the primitives of a visited leaf are counted as tested once each).
+    /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and
+    /// t_max, which it lowers to its nearest hit. With `COUNT` the work is added to `stats` (the primitives of a
+    /// visited leaf are counted as tested once each).
     #[inline(always)]
     pub fn closest<const COUNT: bool>(
         &self,
@@ -99,8 +100,8 @@ impl Bvh {
         self.walk::<false, COUNT, false>(ray, stats, leaf, |_| ());
     }
 
-    /// [`Bvh::closest`] for primitives that are in no cache: a leaf is handed to `prefetch` at once, but to `leaf` only when the next leaf has been
-    /// found. In between the traversal may visit nodes behind a hit.
+    /// [`Bvh::closest`] for primitives that are in no cache: a leaf is handed to `prefetch` at once, but to `leaf` only
+    /// when the next leaf has been found. In between the traversal may visit nodes behind a hit.
     #[inline(always)]
     pub(super) fn closest_prefetching<const COUNT: bool>(
         &self,

@@ -73,8 +73,8 @@ impl Blueprint {
         })
     }
 
-    /// All lightmaps. `watch` hears of the part that is done, from 0 to 1. An error soon after `discards` is set: an interrupt alone does not set it, since what light
-    /// there is shall be written after it.
+    /// All lightmaps. `watch` hears of the part that is done, from 0 to 1. An error soon after `discards` is set: an
+    /// interrupt alone does not set it, since what light there is shall be written after it.
     pub(super) fn lightmaps(
         &self,
         light: &Lightmaps,

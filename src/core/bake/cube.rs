@@ -1,7 +1,8 @@
 //! Pictures of all directions on the six sides of a cube, as graphics cards look them up.
 //!
-//! Source: the Vulkan specification, section "Cube Map Face Selection". A renderer that looks up directions of a right-handed space turns z around
-//! before, as Bevy does, since cube maps are left-handed. Directions here are those of the right-handed space.
+//! Source: the Vulkan specification, section "Cube Map Face Selection". A renderer that looks up directions of a
+//! right-handed space turns z around before, as Bevy does, since cube maps are left-handed. Directions here are those
+//! of the right-handed space.
 
 use glam::{Mat3A, UVec2, Vec2, Vec3};
 
@@ -9,7 +10,8 @@ use super::texels::{Texel, Texels};
 use crate::color::Rgb;
 use crate::render::outlook::Window;
 
-/// The middle of each side, and the directions in which its columns and its rows follow each other: +x, -x, +y, -y, -z and +z, since z is turned around.
+/// The middle of each side, and the directions in which its columns and its rows follow each other: +x, -x, +y, -y, -z
+/// and +z, since z is turned around.
 const SIDES: [[Vec3; 3]; 6] = [
     [Vec3::X, Vec3::Z, Vec3::NEG_Y],
     [Vec3::NEG_X, Vec3::NEG_Z, Vec3::NEG_Y],
@@ -74,8 +76,8 @@ pub(super) fn index(size: u32, side: usize, place: UVec2) -> usize {
     (side * size + place.y as usize) * size + place.x as usize
 }
 
-/// The windows of all texels of a cube of this size as they are seen from its middle `from`, in the order of [`CubePicture::texels`]. The cube may be stretched
-/// and turned.
+/// The windows of all texels of a cube of this size as they are seen from its middle `from`, in the order of
+/// [`CubePicture::texels`]. The cube may be stretched and turned.
 pub fn windows(from: Vec3, world_from_cube: &Mat3A, size: u32) -> Texels<Window> {
     let texel = |(side, place): (usize, UVec2)| Texel {
         place: UVec2::new(place.x, side as u32 * size + place.y),

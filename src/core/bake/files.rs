@@ -26,7 +26,8 @@ const LARGEST_MANIFEST: u64 = 256 << 20;
 /// How the names of all other files begin.
 const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
 
-/// The folder of a bake. Folders that were made for it are removed when it is dropped, unless there is something in them.
+/// The folder of a bake. Folders that were made for it are removed when it is dropped, unless there is something in
+/// them.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -105,7 +106,8 @@ impl Content {
         })
     }
 
-    /// Whether a bake that is ended early may replace a level with this content: it has more samples, and as many probes. So nothing is lost without a word.
+    /// Whether a bake that is ended early may replace a level with this content: it has more samples, and as many
+    /// probes. So nothing is lost without a word.
     pub fn may_replace(&self, there: &Self) -> bool {
         self.samples > there.samples && self.probes >= there.probes
     }

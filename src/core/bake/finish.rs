@@ -28,7 +28,8 @@ pub struct Denoising<'a> {
     pub cancel: &'a AtomicBool,
 }
 
-/// Texels inside of walls get light from neighbours so far away, and no farther: what filters reach, but not the room beyond the wall.
+/// Texels inside of walls get light from neighbours so far away, and no farther: what filters reach, but not the room
+/// beyond the wall.
 const INTO_WALLS: usize = 2;
 /// The gaps between charts are filled so far.
 const INTO_GAPS: usize = 8;

@@ -35,7 +35,8 @@ pub struct Arrived {
 
 /// A place that light is gathered at.
 pub trait Site: Copy + Send + Sync {
-    /// A sample for each of the sites with its random numbers, in their order. None if `cancel` was set in the meantime.
+    /// A sample for each of the sites with its random numbers, in their order. None if `cancel` was set in the
+    /// meantime.
     fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>>;
 
     /// The same at another place beside it.

@@ -1,4 +1,5 @@
-//! A small picture of a lightmap while its light is gathered. It is made in a moment: nothing is denoised, and gaps are not filled.
+//! A small picture of a lightmap while its light is gathered. It is made in a moment: nothing is denoised, and gaps are
+//! not filled.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -15,7 +16,8 @@ use crate::color::Rgb;
 pub struct Glimpse {
     /// Width and height.
     pub size: UVec2,
-    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies, or only what is inside of walls, whose light is not known yet.
+    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies, or only what is
+    /// inside of walls, whose light is not known yet.
     pub white: Vec<Option<Rgb>>,
 }
 

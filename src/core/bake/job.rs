@@ -1,7 +1,8 @@
-//! A bake as a job: a level is prepared, its light is gathered in rounds that can be watched and cancelled, and pictures are made of it.
+//! A bake as a job: a level is prepared, its light is gathered in rounds that can be watched and cancelled, and
+//! pictures are made of it.
 //!
-//! A callback is told of its progress, on the thread that runs it, between pieces of work of about half a second. It can look at the job meanwhile: its
-//! lightmaps can be shown as they are.
+//! A callback is told of its progress, on the thread that runs it, between pieces of work of about half a second. It
+//! can look at the job meanwhile: its lightmaps can be shown as they are.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -116,8 +117,8 @@ pub struct BakeJob {
 }
 
 impl BakeJob {
-    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch` hears of the progress, and of what is being done in
-    /// words.
+    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch`
+    /// hears of the progress, and of what is being done in words.
     pub fn prepare(
         source: BakeSource,
         settings: &BakeSettings,
@@ -233,8 +234,9 @@ impl BakeJob {
         self.baked.as_ref()
     }
 
-    /// What a camera sees of the level with so many pixels, without what shines if `hides_emitters`. An error if the memory budget has no room. It takes a ray or two
-    /// for each pixel, and the first call prepares the surfaces, which have light if [`BakeSource::is_seen`]. The outer walls of `sight` are those of the scene of
+    /// What a camera sees of the level with so many pixels, without what shines if `hides_emitters`. An error if the
+    /// memory budget has no room. It takes a ray or two for each pixel, and the first call prepares the surfaces,
+    /// which have light if [`BakeSource::is_seen`]. The outer walls of `sight` are those of the scene of
     /// the job, whatever they are.
     pub fn see(
         &self,
@@ -286,8 +288,8 @@ impl BakeJob {
         self.lights.iter().map(|light| light.invalid).sum()
     }
 
-    /// Gathers the light of the lightmaps and finishes them, and then those of each probe. It ends soon after `cancel` is set, and goes on where it was if it is
-    /// called again.
+    /// Gathers the light of the lightmaps and finishes them, and then those of each probe. It ends soon after `cancel`
+    /// is set, and goes on where it was if it is called again.
     pub fn run(&mut self, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> Result<BakeEnding, BakeError> {
         let target = limits.target();
         if self.baked.is_none() {
@@ -321,7 +323,8 @@ impl BakeJob {
         }
     }
 
-    /// After a job was cancelled: finishes lightmaps of the light that they have. Probes that are not finished are left out. An error if texels have no light.
+    /// After a job was cancelled: finishes lightmaps of the light that they have. Probes that are not finished are left
+    /// out. An error if texels have no light.
     pub fn finish_so_far(&mut self, watch: Watch) -> Result<(), BakeError> {
         match self.lights[0].samples() {
             0 => Err(BakeError::Cancelled),
@@ -330,7 +333,8 @@ impl BakeJob {
         }
     }
 
-    /// Gathers light until a limit is reached; false if it was cancelled. `number` counts the lightmaps and then the probes.
+    /// Gathers light until a limit is reached; false if it was cancelled. `number` counts the lightmaps and then the
+    /// probes.
     pub(super) fn gather(
         &mut self,
         number: usize,

@@ -1,6 +1,8 @@
-//! Writes pictures, cubes and volumes as KTX 2.0, the container that graphics cards are given textures in: half floats, four channels.
+//! Writes pictures, cubes and volumes as KTX 2.0, the container that graphics cards are given textures in: half floats,
+//! four channels.
 //!
-//! Source: the KTX File Format Specification 2.0.4, and the Khronos Data Format Specification 1.3.1, chapter 5, for the descriptor.
+//! Source: the KTX File Format Specification 2.0.4, and the Khronos Data Format Specification 1.3.1, chapter 5, for the
+//! descriptor.
 
 use glam::{UVec2, UVec3};
 use half::f16;

@@ -1,8 +1,9 @@
 //! Gives the meshes of a glTF file that is being made a place in lightmaps.
 //!
-//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that is seen from both sides is baked on the
-//! side that light comes to; if light comes to both, each side becomes a surface of its own. Nodes whose meshes have the same size in the world share a mesh
-//! and lie in rectangles of their own.
+//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that
+//! is seen from both sides is baked on the side that light comes to; if light comes to both, each side becomes a
+//! surface of its own. Nodes whose meshes have the same size in the world share a mesh and lie in rectangles of their
+//! own.
 
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
@@ -43,7 +44,8 @@ pub struct BakedNode {
     pub path: String,
     /// The lightmap, counted from 0.
     pub lightmap: u32,
-    /// The rectangle of the lightmap that the second texture coordinates of the mesh span: left, top, right and bottom, in [0, 1].
+    /// The rectangle of the lightmap that the second texture coordinates of the mesh span: left, top, right and
+    /// bottom, in [0, 1].
     pub rect: [f32; 4],
 }
 
@@ -97,9 +99,9 @@ struct Sheet {
     triangles: usize,
 }
 
-/// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a surface in the world that light comes
-/// to: it gets the corners of its triangles, and answers for front and back. It fails after `cancel` is set and tells of its
-/// progress as [`unwrap`] does.
+/// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a
+/// surface in the world that light comes to: it gets the corners of its triangles, and answers for front and back. It
+/// fails after `cancel` is set and tells of its progress as [`unwrap`] does.
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,
@@ -279,7 +281,8 @@ impl Group {
                 };
                 let sized = || places.iter().map(|place| in_size.transform_point3((*place).into()));
                 let extent = sized().fold(0.0f32, |extent, place| extent.max(place.abs().max_element()));
-                // Front and back lie apart, so that no edge has four triangles. Nothing but the layout uses these places.
+                // Front and back lie apart, so that no edge has four triangles. Nothing but the layout uses these
+                // places.
                 let aside = match is_back && sheets.len() == 2 {
                     true => Vec3::X * 4.0 * extent,
                     false => Vec3::ZERO,

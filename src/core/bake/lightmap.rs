@@ -1,9 +1,11 @@
 //! Gathers light at texels.
 //!
-//! A sample is a pure function of the scene, the settings, the texel's place and the sample's index. Each texel adds its samples up in the fixed groups of
-//! [`crate::render::passes`], as pictures do: any number of threads, any interruption and any division into shares give the same bits.
+//! A sample is a pure function of the scene, the settings, the texel's place and the sample's index. Each texel adds
+//! its samples up in the fixed groups of [`crate::render::passes`], as pictures do: any number of threads, any
+//! interruption and any division into shares give the same bits.
 //!
-//! Texels are worked on in blocks. The blocks of a round follow each other in any order, so that light can be kept in the middle of a round.
+//! Texels are worked on in blocks. The blocks of a round follow each other in any order, so that light can be kept in
+//! the middle of a round.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -34,8 +36,8 @@ pub struct TexelSum {
 pub struct Lightmaps {
     /// The index of the first sample of each texel.
     pub(super) first: u32,
-    /// The sums of each texel. If the first sample is number 0, there is one list; or else there is one for each group of samples, since the sums before
-    /// them, to which they will be added, are not known.
+    /// The sums of each texel. If the first sample is number 0, there is one list; or else there is one for each group
+    /// of samples, since the sums before them, to which they will be added, are not known.
     pub(super) groups: Vec<Vec<TexelSum>>,
     /// The index after the last sample of the texels of each block.
     pub(super) ends: Vec<u32>,
@@ -45,7 +47,8 @@ pub struct Lightmaps {
     pub invalid: u64,
 }
 
-/// The dimension of the place of a sample within its texel. No path uses it, and the first dimensions, which are spread over neighbouring pixels, take longer to compute.
+/// The dimension of the place of a sample within its texel. No path uses it, and the first dimensions, which are spread
+/// over neighbouring pixels, take longer to compute.
 const PLACE: u32 = u32::MAX;
 /// Texels that a thread takes at once, sixteen for each lane.
 pub(super) const BLOCK: usize = 256;
@@ -91,13 +94,15 @@ impl Lightmaps {
         sum as f64 / self.ends.len().max(1) as f64
     }
 
-    /// The end of the round under way, for as many samples as end at `target`: a round is a group of samples, or the rest of it.
+    /// The end of the round under way, for as many samples as end at `target`: a round is a group of samples, or the
+    /// rest of it.
     pub fn round_end(&self, target: u32) -> u32 {
         chunk_of(self.reached()).end.min(target)
     }
 
-    /// Adds samples to at most so many blocks of texels that have none yet of the round that ends at `end`, see [`Self::round_end`]. Returns whether the round
-    /// is complete. Blocks that are under way when `cancel` is set are dropped.
+    /// Adds samples to at most so many blocks of texels that have none yet of the round that ends at `end`, see
+    /// [`Self::round_end`]. Returns whether the round is complete. Blocks that are under way when `cancel` is set
+    /// are dropped.
     pub fn go_on<S: Site>(
         &mut self,
         gathering: &Gathering,
@@ -135,7 +140,8 @@ impl Lightmaps {
         self.reached() >= end
     }
 
-    /// Adds `count` samples to each texel. If `cancel` is set meanwhile, the answer is false, and some texels have them.
+    /// Adds `count` samples to each texel. If `cancel` is set meanwhile, the answer is false, and some texels have
+    /// them.
     pub fn add<S: Site>(&mut self, gathering: &Gathering, texels: &Texels<S>, count: u32, cancel: &AtomicBool) -> bool {
         let target = self.reached().saturating_add(count);
         while self.reached() < target && !self.ends.is_empty() {
@@ -147,7 +153,8 @@ impl Lightmaps {
         true
     }
 
-    /// Adds the light of a share whose samples follow on these, which begin with number 0. False if they do not, or if it has other texels.
+    /// Adds the light of a share whose samples follow on these, which begin with number 0. False if they do not, or if
+    /// it has other texels.
     pub fn append(&mut self, share: Self) -> bool {
         let follows = self.first == 0 && self.ends.iter().all(|end| *end == share.first);
         if !follows || self.texel_count() != share.texel_count() {
@@ -190,8 +197,9 @@ impl Lightmaps {
         mean.clamp(-BRIGHTEST, BRIGHTEST).as_vec3()
     }
 
-    /// The root mean square over the texels of the estimated standard error of their luminance relative to that luminance, judged in the dark as
-    /// [`crate::render::noise`] judges pictures; None without two samples or any light.
+    /// The root mean square over the texels of the estimated standard error of their luminance relative to that
+    /// luminance, judged in the dark as [`crate::render::noise`] judges pictures; None without two samples or any
+    /// light.
     pub fn noise(&self) -> Option<f32> {
         let texels = self.texel_count();
         if self.samples() < 2 || texels == 0 {
@@ -212,8 +220,9 @@ impl Lightmaps {
         (light > 0.0).then(|| (squares / texels as f64).sqrt() as f32)
     }
 
-    /// Whether a texel lies inside of something: most paths from it meet the back of a surface, and none has found light. Not all do, since what is inside may
-    /// be cut by other surfaces. A surface that lets light through, or that is seen from behind in the light, is no wall.
+    /// Whether a texel lies inside of something: most paths from it meet the back of a surface, and none has found
+    /// light. Not all do, since what is inside may be cut by other surfaces. A surface that lets light through, or
+    /// that is seen from behind in the light, is no wall.
     pub fn is_buried(&self, texel: usize) -> bool {
         self.are_buried(texel..texel + 1)
     }

@@ -12,7 +12,8 @@ const LEAST_SAMPLES: u32 = 16;
 /// What ends the gathering of light: the limit that is reached first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeLimits {
-    /// Samples of each texel. None is [`USUAL_SAMPLES`], or no limit where there is another one. Probes go by this number alone.
+    /// Samples of each texel. None is [`USUAL_SAMPLES`], or no limit where there is another one. Probes go by this
+    /// number alone.
     pub samples: Option<u32>,
     /// The time for lightmaps.
     pub time: Option<Duration>,

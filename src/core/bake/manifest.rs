@@ -40,7 +40,8 @@ pub struct Manifest {
     pub reflection_probes: Vec<ReflectionFiles>,
     /// The light for what has no lightmap.
     pub irradiance_volumes: Vec<VolumeFiles>,
-    /// The [checksums](crate::files::checksum) of all other files by name: they tell whether the files are of one bake.
+    /// The [checksums](crate::files::checksum) of all other files by name: they tell whether the files are of one
+    /// bake.
     pub crc32: BTreeMap<String, String>,
 }
 
@@ -71,7 +72,8 @@ pub struct ReflectionFiles {
     pub diffuse: String,
 }
 
-/// The file of an irradiance volume. Its light is all but what comes straight from point lights, spots and directional lights.
+/// The file of an irradiance volume. Its light is all but what comes straight from point lights, spots and directional
+/// lights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VolumeFiles {
     /// The name in the scene.

@@ -54,7 +54,8 @@ pub struct Merged {
     _memory: Reservation,
 }
 
-/// Puts shares together, in whatever order they come. `force` is for those of other scenes, settings or versions, as long as they have the same texels.
+/// Puts shares together, in whatever order they come. `force` is for those of other scenes, settings or versions, as
+/// long as they have the same texels.
 pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
     let mut parts: Vec<(String, &PathBuf, PartHeader)> = Vec::new();
     for path in paths {

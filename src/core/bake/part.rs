@@ -1,7 +1,9 @@
-//! Checkpoints and shares of a bake: the exact sums of the samples so far, from which a bake goes on, or which are put together.
+//! Checkpoints and shares of a bake: the exact sums of the samples so far, from which a bake goes on, or which are put
+//! together.
 //!
-//! The file is `SUNBAKE` and a line feed, the version of the format, what the bake is of, in a share everything that its files need but the light, the sums, and
-//! a checksum of all of it. Numbers are stored least significant byte first.
+//! The file is `SUNBAKE` and a line feed, the version of the format, what the bake is of, in a share everything that
+//! its files need but the light, the sums, and a checksum of all of it. Numbers are stored least significant byte
+//! first.
 
 use std::io;
 use std::path::Path;
@@ -191,7 +193,8 @@ pub fn read_part(path: &Path) -> Result<Part, PartError> {
     decode(&files::read(path, LARGEST_DATA)?)
 }
 
-/// Reads the content of a file. All of its numbers are finite, and it takes no more memory than a small multiple of its length.
+/// Reads the content of a file. All of its numbers are finite, and it takes no more memory than a small multiple of its
+/// length.
 pub fn decode(file: &[u8]) -> Result<Part, PartError> {
     let mut bytes = Reader(content(file)?);
     let header = header(&mut bytes)?;

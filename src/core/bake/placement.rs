@@ -16,7 +16,8 @@ const THINNEST: f32 = 1.0 / 64.0;
 /// So many places along each axis are tried for the middle of a reflection probe, with so many samples.
 const TRIALS: u32 = 9;
 const SAMPLES: u32 = 16;
-/// A place is in a room if more than so much of what is seen from there are surfaces, of a picture of this size. Above a floor under the sky it is half.
+/// A place is in a room if more than so much of what is seen from there are surfaces, of a picture of this size. Above
+/// a floor under the sky it is half.
 const ENCLOSED: f32 = 2.0 / 3.0;
 const OUTLOOK: u32 = 16;
 /// Axes of a box may be so far from a right angle, as a cosine.
@@ -48,8 +49,9 @@ pub fn around(bounds: &Aabb) -> Option<Affine3A> {
     })
 }
 
-/// The box for a reflection probe of a whole level: around all of it, and around the place next to its middle that does not lie inside of something. It reaches
-/// farther than the level where that place is not the middle itself. None if there is no such place, or if `cancel` was set.
+/// The box for a reflection probe of a whole level: around all of it, and around the place next to its middle that does
+/// not lie inside of something. It reaches farther than the level where that place is not the middle itself. None if
+/// there is no such place, or if `cancel` was set.
 pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A, cancel: &AtomicBool) -> Option<Affine3A> {
     let grid = Grid {
         world_from_box: *world_from_level,
@@ -69,7 +71,8 @@ pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A, cancel: &Atomi
     Some(Affine3A::from_mat3_translation(scale.into(), place))
 }
 
-/// Whether most of what is seen from the middle of a box are surfaces, as in a room. Else it is sky, which stands on no side of a box.
+/// Whether most of what is seen from the middle of a box are surfaces, as in a room. Else it is sky, which stands on no
+/// side of a box.
 pub fn is_enclosed(scene: &RenderScene, world_from_box: &Affine3A) -> bool {
     let windows = windows(world_from_box.translation.into(), &world_from_box.matrix3, OUTLOOK).texels;
     let (mut met, mut whole) = (0.0, 0.0);
@@ -110,7 +113,8 @@ pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementErr
     }
 }
 
-/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set, the answer may be that it does.
+/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set, the answer may be that it
+/// does.
 pub fn check_sight(
     gathering: &Gathering,
     world_from_box: &Affine3A,

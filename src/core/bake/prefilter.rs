@@ -1,11 +1,12 @@
 //! Filters a picture of all directions for surfaces of every roughness, as Bevy's `EnvironmentMapLight` looks it up.
 //!
-//! The light that a rough mirror sends back is looked up in a smaller level of the picture for each roughness (Karis, Real Shading in Unreal Engine 4, 2013: the
-//! split sum): the mean over the directions of light, weighted by what a GGX microfacet surface reflects from there to a viewer straight above it. Diffuse
-//! surfaces look up the mean weighted by the cosine, irradiance divided by pi.
+//! The light that a rough mirror sends back is looked up in a smaller level of the picture for each roughness (Karis,
+//! Real Shading in Unreal Engine 4, 2013: the split sum): the mean over the directions of light, weighted by what a GGX
+//! microfacet surface reflects from there to a viewer straight above it. Diffuse surfaces look up the mean weighted by
+//! the cosine, irradiance divided by pi.
 //!
-//! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, texels are taken together by fours, sixteens and so on, as Barnes
-//! and Hut take far bodies together.
+//! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, texels are taken
+//! together by fours, sixteens and so on, as Barnes and Hut take far bodies together.
 
 use std::sync::atomic::Ordering;
 
@@ -61,8 +62,9 @@ pub fn is_size(size: u32) -> bool {
     size.is_power_of_two() && SIZES.contains(&size)
 }
 
-/// Filters a picture of radiance. The cube is stretched and turned by `world_from_cube`: a direction of it that is looked up is that of the cube, and the angles
-/// that the filters go by are those of the world. The size is one of [`SIZES`], a power of two. None if the work was cancelled.
+/// Filters a picture of radiance. The cube is stretched and turned by `world_from_cube`: a direction of it that is
+/// looked up is that of the cube, and the angles that the filters go by are those of the world. The size is one of
+/// [`SIZES`], a power of two. None if the work was cancelled.
 pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A, work: &mut Work) -> Option<Prefiltered> {
     let pyramid = Pyramid::new(&picture, world_from_cube);
     let levels = (picture.size / SMALLEST).ilog2();
@@ -112,15 +114,17 @@ fn width_of(alpha: Option<f32>) -> f32 {
     alpha.map_or(0.5, |alpha| 2.0 * alpha)
 }
 
-/// About how many nodes a mean visits, but for a factor: the integral of 1 / (width + distance)^2 over the hemisphere, flattened.
+/// About how many nodes a mean visits, but for a factor: the integral of 1 / (width + distance)^2 over the hemisphere,
+/// flattened.
 fn nodes_of_mean(width: f32) -> f64 {
     let (width, farthest) = (f64::from(width), std::f64::consts::SQRT_2);
     ((width + farthest) / width).ln() - farthest / (width + farthest)
 }
 
-/// What a GGX surface of this roughness reflects to a viewer straight above it of light from a direction with this cosine to the normal, times that cosine and but
-/// for a factor: D G2, with the height-correlated masking of Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014),
-/// equation 99. The cosine of the half vector follows from that of the light.
+/// What a GGX surface of this roughness reflects to a viewer straight above it of light from a direction with this
+/// cosine to the normal, times that cosine and but for a factor: D G2, with the height-correlated masking of Heitz,
+/// Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014), equation 99. The cosine of the half
+/// vector follows from that of the light.
 fn reflected(alpha: f32, cosine: f32) -> f32 {
     let square = alpha * alpha;
     let half = 0.5 * (1.0 + cosine);
@@ -153,8 +157,8 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// The mean over all directions, weighted by what `weight` says of their cosine to `normal`, above 0. Near the normal the weight changes over
-    /// an angle of `width`, and farther away over the distance from there.
+    /// The mean over all directions, weighted by what `weight` says of their cosine to `normal`, above 0. Near the
+    /// normal the weight changes over an angle of `width`, and farther away over the distance from there.
     fn mean(&self, normal: Vec3, width: f32, weight: impl Fn(f32) -> f32) -> Rgb {
         let (mut light, mut whole) = (Rgb::ZERO, 0.0);
         let top = self.levels.len() - 1;

@@ -1,9 +1,11 @@
-//! What a game shows of a level that is lit by its lightmaps alone: for each pixel the albedo of the first surface times the irradiance of its texels over pi,
-//! and what it sends out itself. What has no lightmap shows what is behind it or in it: glass is passed straight on, and metals are smooth mirrors. All else
-//! without a lightmap, such as what moves, is black.
+//! What a game shows of a level that is lit by its lightmaps alone: for each pixel the albedo of the first surface
+//! times the irradiance of its texels over pi, and what it sends out itself. What has no lightmap shows what is behind
+//! it or in it: glass is passed straight on, and metals are smooth mirrors. All else without a lightmap, such as what
+//! moves, is black.
 //!
-//! A ray through the middle of each pixel finds the surface. A second one finds the same place on the surfaces that have texels, which are triangles also where
-//! the scene has a sphere; so the two lie apart by up to some texels. The light can be gathered on while the view stays: only [`SeenPixels::lit`] is done again.
+//! A ray through the middle of each pixel finds the surface. A second one finds the same place on the surfaces that
+//! have texels, which are triangles also where the scene has a sphere; so the two lie apart by up to some texels. The
+//! light can be gathered on while the view stays: only [`SeenPixels::lit`] is done again.
 
 use std::collections::HashMap;
 use std::f32::consts::FRAC_1_PI;
@@ -119,8 +121,8 @@ impl BakedSurfaces {
         })
     }
 
-    /// What `camera` sees of the scene in each of so many pixels; skies are black and shapes that shine are passed if `hides_emitters`. An error if the memory
-    /// budget has no room.
+    /// What `camera` sees of the scene in each of so many pixels; skies are black and shapes that shine are passed if
+    /// `hides_emitters`. An error if the memory budget has no room.
     pub fn see(
         &self,
         scene: &RenderScene,

@@ -27,7 +27,8 @@ const SAMPLES_OF_POINTS: u32 = 8;
 pub struct ProbeSettings {
     /// The width of each side of a reflection probe, a power of two among [`super::prefilter::SIZES`].
     pub size: u32,
-    /// The distance of the points of the volume around the level, where the scene has none; None is one that gives about 4096 points.
+    /// The distance of the points of the volume around the level, where the scene has none; None is one that gives
+    /// about 4096 points.
     pub spacing: Option<f32>,
 }
 
@@ -220,7 +221,8 @@ pub(super) struct Plan {
     pub warnings: Vec<String>,
 }
 
-/// The probes of the scene, and those around the whole level where it has none of a kind. No ray is traced before it is known that there is memory for them.
+/// The probes of the scene, and those around the whole level where it has none of a kind. No ray is traced before it is
+/// known that there is memory for them.
 pub(super) fn plan(
     asked: &[AskedProbe],
     settings: &ProbeSettings,

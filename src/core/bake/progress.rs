@@ -87,7 +87,8 @@ impl Work<'_> {
     }
 }
 
-/// Does work on a thread of its own, and calls `watch` here with what it told last, at least every fifth of a second once it has told anything.
+/// Does work on a thread of its own, and calls `watch` here with what it told last, at least every fifth of a second
+/// once it has told anything.
 pub(super) fn watched<T: Send>(work: impl FnOnce(Told) -> T + Send, watch: &mut dyn FnMut(f64, &str)) -> T {
     std::thread::scope(|scope| {
         let (teller, told) = mpsc::channel();

@@ -11,8 +11,9 @@ use crate::color::Rgb;
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 use crate::render::outlook::Window;
 
-/// The texels of the probe of a box, which is a cube from -0.5 to 0.5 in its own space. The picture is one of directions of that space, so that a
-/// renderer which follows a reflected ray to the side of the box finds there what is on it.
+/// The texels of the probe of a box, which is a cube from -0.5 to 0.5 in its own space. The picture is one of
+/// directions of that space, so that a renderer which follows a reflected ray to the side of the box finds there what
+/// is on it.
 pub fn outlook(world_from_box: &Affine3A, size: u32) -> Texels<Window> {
     windows(world_from_box.translation.into(), &world_from_box.matrix3, size)
 }
@@ -20,7 +21,8 @@ pub fn outlook(world_from_box: &Affine3A, size: u32) -> Texels<Window> {
 /// The part of the work that removing noise is, more or less.
 const DENOISING: f64 = 0.1;
 
-/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light. None if the work was cancelled.
+/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light. None if the work was
+/// cancelled.
 pub fn finish(
     world_from_box: &Affine3A,
     size: u32,

@@ -14,8 +14,9 @@ use crate::render::part::Origin;
 use crate::render::passes::chunks_in;
 
 impl BakeJob {
-    /// Makes the job a share of these samples of each texel of a lightmap, and of as many times more for the points of volumes. A group of samples begins at the
-    /// first one, see [`crate::render::passes::is_cut`]. Nothing is gathered yet.
+    /// Makes the job a share of these samples of each texel of a lightmap, and of as many times more for the points of
+    /// volumes. A group of samples begins at the first one, see [`crate::render::passes::is_cut`]. Nothing is
+    /// gathered yet.
     pub fn begin_share(&mut self, samples: [u32; 2]) -> Result<(), BakeError> {
         let [first, end] = samples;
         let texels_and_groups = self.blueprint.texel_counts().zip(0..).map(|(texels, number)| {
@@ -34,7 +35,8 @@ impl BakeJob {
         Ok(())
     }
 
-    /// Gathers all light up to this sample of each texel of a lightmap, and finishes nothing. False if it was cancelled.
+    /// Gathers all light up to this sample of each texel of a lightmap, and finishes nothing. False if it was
+    /// cancelled.
     pub fn gather_share(&mut self, end: u32, cancel: &AtomicBool, watch: Watch) -> bool {
         (0..self.lights.len()).all(|number| {
             let end = self.blueprint.samples_of(number, end);
@@ -63,8 +65,9 @@ impl BakeJob {
         Ok(())
     }
 
-    /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on with. `samples` are those that are asked
-    /// for, and `samples_of_whole` is the number that the whole bake has, if that is known.
+    /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on
+    /// with. `samples` are those that are asked for, and `samples_of_whole` is the number that the whole bake has,
+    /// if that is known.
     pub fn save(
         &self,
         path: &Path,

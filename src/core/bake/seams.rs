@@ -1,8 +1,9 @@
 //! Makes the values on both sides of a seam equal, where a smooth surface is cut into charts.
 //!
-//! Both sides are compared at points along the seam, and each difference is shared out among the texels that are mixed there, in proportion to their
-//! weights. Doing this in turn for all points (the method of Kaczmarz) comes to the picture nearest to the first one in which the sides agree, which is what
-//! Iwanicki, Lighting Technology of The Last of Us (SIGGRAPH 2013), finds by least squares.
+//! Both sides are compared at points along the seam, and each difference is shared out among the texels that are mixed
+//! there, in proportion to their weights. Doing this in turn for all points (the method of Kaczmarz) comes to the
+//! picture nearest to the first one in which the sides agree, which is what Iwanicki, Lighting Technology of The Last
+//! of Us (SIGGRAPH 2013), finds by least squares.
 
 use std::collections::HashMap;
 
@@ -20,7 +21,8 @@ pub struct Seam {
     pub other: [Vec2; 2],
 }
 
-/// The passes over all seams. After 16 a seam that lies askew still differs by 2.5 % of the first difference, after 64 by less than 1 %.
+/// The passes over all seams. After 16 a seam that lies askew still differs by 2.5 % of the first difference, after 64
+/// by less than 1 %.
 const PASSES: usize = 64;
 /// The cosine of the largest angle between the normals on both sides of a seam of a smooth surface.
 const SMOOTH: f32 = 0.99;
@@ -133,7 +135,8 @@ pub fn even_out(picture: &mut [Rgb], size: UVec2, seams: &[Seam]) {
 mod tests {
     use super::*;
 
-    /// A picture whose left half is 1 and whose right half is 2, evened out along a seam between them, and the values of both sides along it.
+    /// A picture whose left half is 1 and whose right half is 2, evened out along a seam between them, and the values
+    /// of both sides along it.
     fn evened(seam: Seam) -> (Vec<Rgb>, Vec<[f32; 2]>) {
         let size = UVec2::new(16, 8);
         let half = |index: u32| Rgb::splat(if index % 16 < 8 { 1.0 } else { 2.0 });

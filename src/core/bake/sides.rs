@@ -15,7 +15,8 @@ const PATHS: u32 = 16;
 /// The dimension of the place of a point; the paths from there use others.
 const PLACE: u32 = 0;
 
-/// Whether any light comes to the front and to the back of these triangles, as far as some points on them tell. Once `cancel` is set the answer is no.
+/// Whether any light comes to the front and to the back of these triangles, as far as some points on them tell. Once
+/// `cancel` is set the answer is no.
 pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]], cancel: &AtomicBool) -> (bool, bool) {
     let regular: Vec<([Vec3; 3], Vec3)> = triangles
         .iter()

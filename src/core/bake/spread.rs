@@ -1,8 +1,9 @@
 //! The part of each texel in which light is gathered.
 //!
-//! A texel has the mean of the light over its part of the surface: each sample has a place of its own there, or else the edges of shadows would be as jagged as the
-//! texels. The square of a texel is divided into 4 x 4 cells, and those count whose corners lie on the surface and are in sight of the texel's own place. So neither what
-//! stands on a surface darkens the texels around its foot, nor does light of the far side of a wall come through.
+//! A texel has the mean of the light over its part of the surface: each sample has a place of its own there, or else
+//! the edges of shadows would be as jagged as the texels. The square of a texel is divided into 4 x 4 cells, and those
+//! count whose corners lie on the surface and are in sight of the texel's own place. So neither what stands on a
+//! surface darkens the texels around its foot, nor does light of the far side of a wall come through.
 
 use glam::{Vec2, Vec3};
 
@@ -90,7 +91,8 @@ impl Spread {
         self.cells &= corners.cells();
     }
 
-    /// The place of a sample with these numbers from 0 to 1; None if the texel has no cells, and light is gathered at the place that it has.
+    /// The place of a sample with these numbers from 0 to 1; None if the texel has no cells, and light is gathered at
+    /// the place that it has.
     pub fn place(&self, u: Vec2) -> Option<Vec3> {
         if self.cells == u16::MAX {
             return Some(self.at(u));

@@ -1,9 +1,9 @@
 //! The texels that surfaces cover, and the place of each in the world.
 //!
-//! A texel belongs to the triangle that is nearest to its centre, and its place is the point of the triangle nearest to that. Every texel that a triangle
-//! touches is covered, so that filtering between texels never meets one that has no light. Where vertex normals bend a surface, the place
-//! moves out to the curved one that they stand for, as in Hanika, Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle
-//! would start inside.
+//! A texel belongs to the triangle that is nearest to its centre, and its place is the point of the triangle nearest to
+//! that. Every texel that a triangle touches is covered, so that filtering between texels never meets one that has no
+//! light. Where vertex normals bend a surface, the place moves out to the curved one that they stand for, as in Hanika,
+//! Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle would start inside.
 //!
 //! The samples of a texel are spread over the part of it that the surface covers, see [`super::spread`].
 
@@ -26,9 +26,11 @@ pub struct BakeSurface {
     pub page: u32,
     /// The vertices.
     pub positions: Vec<Vec3>,
-    /// Unit normals of the vertices, on the side that light is gathered on; zero for those of flat triangles, and empty if all are flat.
+    /// Unit normals of the vertices, on the side that light is gathered on; zero for those of flat triangles, and
+    /// empty if all are flat.
     pub normals: Vec<Vec3>,
-    /// The places of the vertices in the lightmap, in texels from its upper left corner. Charts lie apart by two texels or more.
+    /// The places of the vertices in the lightmap, in texels from its upper left corner. Charts lie apart by two
+    /// texels or more.
     pub coordinates: Vec<Vec2>,
     /// The corners of the triangles, counter-clockwise as seen from the side that light is gathered on.
     pub triangles: Vec<[u32; 3]>,
@@ -58,7 +60,8 @@ pub struct Texels<S = Receiver> {
 
 /// Half the diagonal of a texel, and a little more.
 const REACH: f32 = 0.7072;
-/// What lies on the border of a triangle moves inwards by so much of a texel, so that it is not in the wall that may stand there.
+/// What lies on the border of a triangle moves inwards by so much of a texel, so that it is not in the wall that may
+/// stand there.
 const INSET: f32 = 0.05;
 /// A weight so far below 0 is still on the edge of the triangle.
 const ON_EDGE: f32 = 1e-4;
@@ -79,8 +82,9 @@ struct Nearest {
 /// Rows of a lightmap that a thread takes at once.
 const BAND: u32 = 64;
 
-/// Finds the texels of so many pages of `size` that the surfaces cover. What lies outside of the pages, and triangles without an area in the lightmap
-/// or in the world, cover none. It ends soon after `cancel` is set, and then some are missing.
+/// Finds the texels of so many pages of `size` that the surfaces cover. What lies outside of the pages, and triangles
+/// without an area in the lightmap or in the world, cover none. It ends soon after `cancel` is set, and then some are
+/// missing.
 pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel: &AtomicBool) -> Texels {
     let mut of_page: Vec<Vec<&BakeSurface>> = vec![Vec::new(); pages as usize];
     for surface in surfaces {
@@ -126,8 +130,8 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel:
     all
 }
 
-/// The numbers of the surface and of each triangle that has an area in the lightmap and may touch the rows of a band, band by band. They keep their order,
-/// because of triangles that are equally near to a texel it has the first one.
+/// The numbers of the surface and of each triangle that has an area in the lightmap and may touch the rows of a band,
+/// band by band. They keep their order, because of triangles that are equally near to a texel it has the first one.
 fn triangles_in_bands(surfaces: &[&BakeSurface], size: UVec2, cancel: &AtomicBool) -> Vec<Vec<[u32; 2]>> {
     let mut bands = vec![Vec::new(); size.y.div_ceil(BAND) as usize];
     for (index, surface) in (0..).zip(surfaces) {
@@ -283,7 +287,8 @@ impl<'a> Band<'a> {
     }
 }
 
-/// The places of a texel, of whose cells none is known yet: on a plane through the place of the texel, that of its nearest triangle or of a curved surface.
+/// The places of a texel, of whose cells none is known yet: on a plane through the place of the texel, that of its
+/// nearest triangle or of a curved surface.
 fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) -> Spread {
     let weights = clamped(weights);
     let corners = surface.triangles[triangle].map(|corner| corner as usize);
@@ -313,7 +318,8 @@ fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
         .as_vec3()
 }
 
-/// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the weights of the corners there.
+/// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the
+/// weights of the corners there.
 fn cover(triangle: &Triangle, mut found: impl FnMut(UVec2, f32, Vec3)) {
     let corners = triangle.at;
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;

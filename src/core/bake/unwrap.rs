@@ -1,7 +1,8 @@
 //! A second set of texture coordinates for meshes, in which no two places of their surfaces share a texel.
 //!
-//! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of threads. Here are the limits: what
-//! an atlas may be, and what becomes of meshes that have no surface, are broken, or are large.
+//! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of
+//! threads. Here are the limits: what an atlas may be, and what becomes of meshes that have no surface, are broken, or
+//! are large.
 
 mod error;
 mod input;
@@ -30,8 +31,8 @@ pub const ATLAS_SIZES: std::ops::RangeInclusive<u32> = 16..=16384;
 pub struct UnwrapSettings {
     /// The width of a lightmap, and its largest height; in [`ATLAS_SIZES`].
     pub atlas_size: u32,
-    /// Texels per unit of length, above 0; None is as many as fit in one lightmap. If one has no room for all pieces of the level however small they are,
-    /// there are several.
+    /// Texels per unit of length, above 0; None is as many as fit in one lightmap. If one has no room for all pieces
+    /// of the level however small they are, there are several.
     pub texels_per_unit: Option<f32>,
     /// Texels around each chart that hold nothing of another.
     pub padding: u32,
@@ -86,17 +87,19 @@ pub struct LayoutRectangle {
     pub max: Vec2,
 }
 
-/// Bytes for each texel of a lightmap while it is made: its place with what light is gathered at, the place alone, where its samples lie, its sums, and the
-/// pictures of it.
+/// Bytes for each texel of a lightmap while it is made: its place with what light is gathered at, the place alone,
+/// where its samples lie, its sums, and the pictures of it.
 pub(super) const TEXEL_BYTES: u64 = {
     let gathered = size_of::<Texel>() + size_of::<Texel<()>>() + size_of::<Spread>() + size_of::<TexelSum>();
     gathered as u64 + PICTURE_BYTES
 };
-/// Bytes for each texel of the pictures that are made of a lightmap, with those that are filtered. Before, the search for texels takes less.
+/// Bytes for each texel of the pictures that are made of a lightmap, with those that are filtered. Before, the search
+/// for texels takes less.
 const PICTURE_BYTES: u64 = 128;
 const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
-/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends soon after `cancel` is set: at the end of a piece of a few thousand triangles, of the
-/// search for the neighbours of all triangles of a mesh, or of an attempt to place all charts.
+/// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends soon after `cancel` is set:
+/// at the end of a piece of a few thousand triangles, of the search for the neighbours of all triangles of a mesh, or
+/// of an attempt to place all charts.
 pub fn unwrap(
     meshes: &[UnwrapMesh],
     settings: &UnwrapSettings,
@@ -209,8 +212,8 @@ fn too_many(texels: f64, meshes: &[UnwrapMesh]) -> UnwrapError {
     }
 }
 
-/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone, the one with the largest extent first:
-/// `alone` gives the error of a mesh.
+/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone,
+/// the one with the largest extent first: `alone` gives the error of a mesh.
 fn too_large(
     meshes: &[UnwrapMesh],
     settings: &UnwrapSettings,

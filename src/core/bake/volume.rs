@@ -1,7 +1,7 @@
 //! Irradiance volumes: the light that comes from six sides to the points of a grid, for what moves among them.
 //!
-//! The six numbers of a point are an ambient cube (Mitchell, McTaggart, Green: Shading in Valve's Source Engine, 2006): irradiance divided by pi on surfaces that
-//! face along the axes of the world, of which those in between are mixed.
+//! The six numbers of a point are an ambient cube (Mitchell, McTaggart, Green: Shading in Valve's Source Engine, 2006):
+//! irradiance divided by pi on surfaces that face along the axes of the world, of which those in between are mixed.
 
 use glam::{Affine3A, UVec2, UVec3, Vec3};
 
@@ -12,7 +12,8 @@ use crate::render::irradiance::Receiver;
 
 /// The normals of the six sides.
 const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-/// The most points along an axis. Graphics cards have room for 2048 texels along each side of a texture, which has a point three times.
+/// The most points along an axis. Graphics cards have room for 2048 texels along each side of a texture, which has a
+/// point three times.
 pub(super) const MOST_ALONG: u32 = 512;
 /// The most points of a volume.
 pub const MOST_POINTS: u32 = 1 << 18;
@@ -103,11 +104,12 @@ impl Grid {
             .collect()
     }
 
-    /// The texture that Bevy's `IrradianceVolume` looks up, of so many texels along each axis: irradiance divided by pi. Points inside of something have the
-    /// light of the points around them.
+    /// The texture that Bevy's `IrradianceVolume` looks up, of so many texels along each axis: irradiance divided by
+    /// pi. Points inside of something have the light of the points around them.
     ///
-    /// `irradiance_volume.wgsl` of Bevy 0.19 reads it in this order: along x the points; along y those for normals with a positive component, then those for
-    /// negative ones (the other way around than its documentation has it); along z those for x, y and z.
+    /// `irradiance_volume.wgsl` of Bevy 0.19 reads it in this order: along x the points; along y those for normals with
+    /// a positive component, then those for negative ones (the other way around than its documentation has it);
+    /// along z those for x, y and z.
     pub fn texture(&self, light: &Lightmaps) -> (UVec3, Vec<Rgb>) {
         let buried = self.buried(light);
         let own = |point: usize| [0, 1, 2, 3, 4, 5].map(|side| light.light(6 * point + side) / std::f32::consts::PI);

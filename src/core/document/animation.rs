@@ -7,10 +7,11 @@
 //! </animation>
 //! ```
 //!
-//! The element has the form that Mitsuba 0.6 read for transforms. Here every value may have keys. Times are in seconds. Before the first key and after
-//! the last one the value stays what it is there.
+//! The element has the form that Mitsuba 0.6 read for transforms. Here every value may have keys. Times are in seconds.
+//! Before the first key and after the last one the value stays what it is there.
 //!
-//! A document always shows one moment: its properties have the values of that moment, and [`Document::at`] makes the document of another one.
+//! A document always shows one moment: its properties have the values of that moment, and [`Document::at`] makes the
+//! document of another one.
 
 mod between;
 
@@ -48,8 +49,8 @@ impl Interpolation {
 }
 
 impl Track {
-    /// The value at this time in seconds. A key is reached at the moments that have its time in single precision, too: the time of a frame may be a rounding
-    /// before the key that a file has for this frame.
+    /// The value at this time in seconds. A key is reached at the moments that have its time in single precision, too:
+    /// the time of a frame may be a rounding before the key that a file has for this frame.
     pub fn at(&self, time: f64) -> Value {
         let reached = time.max(key_time(time));
         let after = self.keys.partition_point(|key| key.time <= reached);
@@ -66,10 +67,11 @@ impl Track {
         }
     }
 
-    /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys are of another type.
+    /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys
+    /// are of another type.
     ///
-    /// Whole turns stay whole: where keys are half a turn or more apart, and the steps of the new one are of other kinds, what it changes becomes one
-    /// more step of all keys, which moves nothing in the others.
+    /// Whole turns stay whole: where keys are half a turn or more apart, and the steps of the new one are of other
+    /// kinds, what it changes becomes one more step of all keys, which moves nothing in the others.
     pub fn with_key(&self, time: f64, value: Value) -> Option<Self> {
         let time = key_time(time);
         let mut track = self.clone();
@@ -119,8 +121,8 @@ impl Track {
             .any(|[one, other]| are_alike(one, other) && one.iter().zip(other).any(far))
     }
 
-    /// The steps `now` of a new key in the kinds that all keys have; `old` are the steps there so far. If these kinds cannot say them, all keys get one
-    /// more step.
+    /// The steps `now` of a new key in the kinds that all keys have; `old` are the steps there so far. If these kinds
+    /// cannot say them, all keys get one more step.
     fn with_steps_like(&mut self, old: &[TransformOp], now: Vec<TransformOp>) -> Vec<TransformOp> {
         if are_alike(old, &now) || !self.keys.iter().all(|key| are_alike(steps_of(key), old)) {
             return now;
@@ -190,7 +192,8 @@ impl Track {
 }
 
 impl Document {
-    /// The document as it is at a time in seconds: every property with keys has the value of that time. Objects without keys are shared.
+    /// The document as it is at a time in seconds: every property with keys has the value of that time. Objects without
+    /// keys are shared.
     pub fn at(&self, time: f64) -> Self {
         let mut document = Self { time, ..self.clone() };
         if let Some(root) = posed(&self.root, time) {
@@ -242,7 +245,8 @@ pub fn is_animated(object: &Object) -> bool {
     object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(is_animated)
 }
 
-/// The addresses of the objects under `root`, and of itself, for which [`is_animated`] is true: for all of them in the time of one walk.
+/// The addresses of the objects under `root`, and of itself, for which [`is_animated`] is true: for all of them in the
+/// time of one walk.
 pub fn animated_objects(root: &Object) -> HashSet<usize> {
     fn note(object: &Object, animated: &mut HashSet<usize>) -> bool {
         let mut is_animated = object.properties.iter().any(|property| property.keys.is_some());

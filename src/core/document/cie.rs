@@ -1,4 +1,5 @@
-//! Colorimetric data of the CIE: the 1931 2 degree observer and the standard illuminant D65, every 5 nm from 360 nm to 830 nm.
+//! Colorimetric data of the CIE: the 1931 2 degree observer and the standard illuminant D65, every 5 nm from 360 nm to
+//! 830 nm.
 
 pub const FIRST_NM: f64 = 360.0;
 pub const STEP_NM: f64 = 5.0;

@@ -1,7 +1,7 @@
 //! Very many instances of one group in a row, kept as places in space and a range of the text in place of a tree.
 //!
-//! A tree of a million instances takes more than half a gigabyte, although they are not edited one by one. The parser therefore packs them while it
-//! reads ([`Packer`]); writing the scene makes the tree again (`unpack`).
+//! A tree of a million instances takes more than half a gigabyte, although they are not edited one by one. The parser
+//! therefore packs them while it reads ([`Packer`]); writing the scene makes the tree again (`unpack`).
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use super::suggest::did_you_mean;
 
-/// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with messages.
+/// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with
+/// messages.
 pub(crate) const MAX_STORED: usize = 1000;
-/// The most messages with suggestions and places of other things. The search for them takes time in proportion to the file.
+/// The most messages with suggestions and places of other things. The search for them takes time in proportion to the
+/// file.
 const MAX_HELPED: usize = 100;
 
 /// The file of a document (the main one or an include); an index into [`Diagnostics::sources`].
@@ -29,9 +31,11 @@ pub struct Span {
 /// A file's text, kept so that messages can show the line they speak of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
-    /// The path that the file was opened by. It is shown in messages, and relative names in the file start from its folder.
+    /// The path that the file was opened by. It is shown in messages, and relative names in the file start from its
+    /// folder.
     pub path: PathBuf,
-    /// The text without a byte order mark. It is not copied from the memory that it was read into, since scenes may have 200 MB.
+    /// The text without a byte order mark. It is not copied from the memory that it was read into, since scenes may
+    /// have 200 MB.
     pub text: Arc<String>,
     /// Whether the file begins with one.
     pub byte_order_mark: bool,
@@ -94,8 +98,8 @@ impl Diagnostics {
         self.push(Severity::Error, Some(span), message.into(), None);
     }
 
-    /// Adds a message unless the same one was said about the same place. If the list is full, an error takes the place of a milder message and
-    /// everything else is only counted.
+    /// Adds a message unless the same one was said about the same place. If the list is full, an error takes the place
+    /// of a milder message and everything else is only counted.
     pub fn push(&mut self, severity: Severity, span: Option<Span>, message: String, help: Option<String>) {
         let diagnostic = Diagnostic {
             severity,
@@ -148,7 +152,8 @@ impl Diagnostics {
         self.list.len() >= MAX_HELPED
     }
 
-    /// The help "did you mean ...?" for a name that is none of the candidates, unless there are so many messages that this one gets no help.
+    /// The help "did you mean ...?" for a name that is none of the candidates, unless there are so many messages that
+    /// this one gets no help.
     pub fn did_you_mean<'c>(&self, name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<String> {
         match self.has_many() {
             true => None,
@@ -178,7 +183,8 @@ impl Diagnostics {
         self.sources.get(id.0 as usize)
     }
 
-    /// Shortens the texts to what the messages show and what locating `places` takes: the lines up to the last of these.
+    /// Shortens the texts to what the messages show and what locating `places` takes: the lines up to the last of
+    /// these.
     pub fn shorten_texts(&mut self, places: impl Iterator<Item = Span>) {
         let mut needed = vec![None; self.sources.len()];
         let of_messages = self.list.iter().filter_map(|message| message.span);

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::{Child, Document, Object};
 
-/// The objects that have ids. A parsed document has each id once, and no reference in it leads in a circle; one that leads nowhere has been
-/// reported.
+/// The objects that have ids. A parsed document has each id once, and no reference in it leads in a circle; one that
+/// leads nowhere has been reported.
 #[derive(Debug, Default)]
 pub struct Index<'a> {
     by_id: HashMap<&'a str, &'a Object>,

@@ -9,8 +9,8 @@ use super::object::MAX_DEPTH;
 use super::value::quote;
 use super::{Child, Diagnostics, Index, Object, Severity, Span};
 
-/// The most objects of a scene in which every reference is replaced by a copy. References to references to references, each twice, grow
-/// exponentially; readers that follow them need a bound.
+/// The most objects of a scene in which every reference is replaced by a copy. References to references to references,
+/// each twice, grow exponentially; readers that follow them need a bound.
 const MAX_EXPANDED: u64 = 50_000_000;
 
 /// The help about a circle names at most this many references.
@@ -24,9 +24,9 @@ pub struct Alias {
     pub span: Span,
 }
 
-/// Makes references to an alias name the object's own id, reports references to nothing (they stay), and removes and reports those that close a
-/// circle or nest too deep. `not_read`: an include whose file could not be read; it may declare what is missing, so that references to nothing are
-/// only counted then.
+/// Makes references to an alias name the object's own id, reports references to nothing (they stay), and removes and
+/// reports those that close a circle or nest too deep. `not_read`: an include whose file could not be read; it may
+/// declare what is missing, so that references to nothing are only counted then.
 pub fn link(
     root: &mut Object,
     ids: &HashMap<SmolStr, Span>,
@@ -145,8 +145,8 @@ struct Walk<'a, 'd> {
 }
 
 impl<'a> Walk<'a, '_> {
-    /// Measures what is below an object. Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`], and tags in tags add at most
-    /// as much again.
+    /// Measures what is below an object. Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`],
+    /// and tags in tags add at most as much again.
     fn measure(&mut self, object: &'a Object, depth: usize) -> Extent {
         if let Some(id) = &object.id {
             self.open.insert(id);
@@ -195,8 +195,8 @@ impl<'a> Walk<'a, '_> {
         Some(measured)
     }
 
-    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help, unless there are so many
-    /// messages that it is left out: finding a place takes time in proportion to the file.
+    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help, unless
+    /// there are so many messages that it is left out: finding a place takes time in proportion to the file.
     fn report_circle(&mut self, id: &'a str, span: Span) {
         // The object is open since the reference that led to it, or since it was met where it is declared.
         let first = self.followed.iter().position(|&(followed, _)| followed == id);
@@ -225,7 +225,8 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-/// Gives the references at `cut` the empty id, which no object has. If they were removed, the parts that need them would be reported as well.
+/// Gives the references at `cut` the empty id, which no object has. If they were removed, the parts that need them
+/// would be reported as well.
 fn disconnect(object: &mut Object, cut: &HashSet<Span>) {
     for child in &mut object.children {
         match child {

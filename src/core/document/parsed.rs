@@ -27,16 +27,19 @@ pub struct Document {
     pub crowds: Vec<Crowd>,
     /// The moment in seconds whose values the properties have.
     pub time: f64,
-    /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
+    /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s,
+    /// absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
-    /// Whether the text uses `$length_unit`, or has a `<default>` of that name that is no unit. Then the unit of the scene must be neither added nor
-    /// removed.
+    /// Whether the text uses `$length_unit`, or has a `<default>` of that name that is no unit. Then the unit of the
+    /// scene must be neither added nor removed.
     pub uses_unit_name: bool,
-    /// Whether the document was made from a file of another format. Spans then tell where things come from, but there is no such text.
+    /// Whether the document was made from a file of another format. Spans then tell where things come from, but there
+    /// is no such text.
     pub imported: bool,
-    /// The id of the light that stands in where nothing lights the scene of a file of another format. It is no part of the file's content.
+    /// The id of the light that stands in where nothing lights the scene of a file of another format. It is no part of
+    /// the file's content.
     pub stand_in_light: Option<String>,
     /// Permits the files that the scene may read.
     pub access: Access,
@@ -62,8 +65,8 @@ impl Document {
         }
     }
 
-    /// The paths that a file named at `span` may have, most likely first: beside the file that names it, beside the main file, then in the search
-    /// folders, the last one first. An absolute name is its own only candidate.
+    /// The paths that a file named at `span` may have, most likely first: beside the file that names it, beside the
+    /// main file, then in the search folders, the last one first. An absolute name is its own only candidate.
     pub(crate) fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
         let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));

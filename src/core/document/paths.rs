@@ -10,8 +10,9 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
-/// folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that does not exist, stays.
+/// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only for
+/// another drive, and for a folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that
+/// does not exist, stays.
 pub fn file_name(path: &Path, folder: &Path) -> String {
     let root = |path: &Path| {
         let parts = path.components();
@@ -40,8 +41,8 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
     if name.is_empty() { ".".to_owned() } else { name }
 }
 
-/// The absolute path, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders. Below a folder
-/// that does not exist the path stays as it is.
+/// The absolute path, with the folder's links and `..` resolved but not the file's own link: editors replace files, not
+/// folders. Below a folder that does not exist the path stays as it is.
 pub fn settle(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut folders = absolute.ancestors().skip(1);
@@ -55,8 +56,9 @@ pub fn settle(path: &Path) -> PathBuf {
     }
 }
 
-/// The path that [`settle`] makes of `name` in `folder`, if `access` covers it. Otherwise the path as it is named, but for the `..` it begins with:
-/// neither messages nor written files may tell where links lead that the scene must not follow.
+/// The path that [`settle`] makes of `name` in `folder`, if `access` covers it. Otherwise the path as it is named, but
+/// for the `..` it begins with: neither messages nor written files may tell where links lead that the scene must not
+/// follow.
 pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
     let joined = folder.join(name);
     if access.covers(&joined) {

@@ -186,7 +186,8 @@ fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> 
     Some(TransformOp::LookAt { origin, target, up })
 }
 
-/// The up direction where the file gives none: the first tangent of Duff et al., "Building an Orthonormal Basis, Revisited" (2017).
+/// The up direction where the file gives none: the first tangent of Duff et al., "Building an Orthonormal Basis,
+/// Revisited" (2017).
 fn any_up(n: Vec3) -> Vec3 {
     let sign = 1.0_f32.copysign(n.z);
     let a = -1.0 / (sign + n.z);

@@ -1,7 +1,7 @@
 //! Reads the parameters of one plugin, and notices those that were not read.
 //!
-//! `Reader` knows value types; the caller knows the parameters. The names the caller asks for are the dictionary against which the
-//! file's names are held in [`Reader::finish`].
+//! `Reader` knows value types; the caller knows the parameters. The names the caller asks for are the dictionary
+//! against which the file's names are held in [`Reader::finish`].
 //!
 //! ```text
 //! let mut diagnostics = document.diagnostics.clone();
@@ -24,7 +24,8 @@ use super::value::format_float;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
 use crate::color::Rgb;
 
-/// Reads the parameters of one object. Every getter returns None when the parameter is absent or unusable; the latter has been reported.
+/// Reads the parameters of one object. Every getter returns None when the parameter is absent or unusable; the latter
+/// has been reported.
 pub struct Reader<'a, 'd> {
     index: &'d Index<'a>,
     object: &'a Object,
@@ -120,7 +121,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, |number| format_float(*number))
     }
 
-    /// A number in `range` where a texture may be as well. A colour whose components are in `range` counts as their mean, as in Mitsuba.
+    /// A number in `range` where a texture may be as well. A colour whose components are in `range` counts as their
+    /// mean, as in Mitsuba.
     pub fn mean_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<f32> {
         let components = self.get(name, "a float, a colour or a texture", |value| match value {
             Value::Rgb(colour) => Some(colour.to_array()),
@@ -210,8 +212,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         Some(colour)
     }
 
-    /// The colour of a light: as [`Self::rgb`], but a `<spectrum>` of one number means that power at every wavelength, which is
-    /// slightly purple beside the white of Rec. 709 (so in Mitsuba's RGB mode); a `<float>` means white.
+    /// The colour of a light: as [`Self::rgb`], but a `<spectrum>` of one number means that power at every wavelength,
+    /// which is slightly purple beside the white of Rec. 709 (so in Mitsuba's RGB mode); a `<float>` means white.
     pub fn emission(&mut self, name: &str) -> Option<Rgb> {
         match self.value(name) {
             Some(Value::Spectrum(number)) => Some(*number * equal_energy_white()),
@@ -227,7 +229,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// Notes parameters that exist but have no effect here, so that there is no warning about them, whether property or child.
+    /// Notes parameters that exist but have no effect here, so that there is no warning about them, whether property or
+    /// child.
     pub fn ignore(&mut self, names: &[&str]) {
         for name in names {
             self.value(name);
@@ -235,7 +238,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
-    /// Says of which other plugin parameters are that may be looked for here by mistake, for the help of [`Self::finish`]: `owner` is such as `the sampler`.
+    /// Says of which other plugin parameters are that may be looked for here by mistake, for the help of
+    /// [`Self::finish`]: `owner` is such as `the sampler`.
     pub fn belongs_to(&mut self, owner: &'static str, names: &[&'static str]) {
         self.elsewhere.extend(names.iter().map(|&name| (name, owner)));
     }
@@ -257,7 +261,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         read
     }
 
-    /// Reads another object with the same index and diagnostics. Unlike [`Self::nested`] it leaves it to `read` whether it finishes with it.
+    /// Reads another object with the same index and diagnostics. Unlike [`Self::nested`] it leaves it to `read` whether
+    /// it finishes with it.
     pub fn apart<T>(&mut self, object: &'a Object, read: impl FnOnce(Reader<'a, '_>) -> T) -> T {
         read(Reader::new(self.index, object, self.diagnostics))
     }
@@ -269,8 +274,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         inside.filter(move |child| child.category == category)
     }
 
-    /// The number of plugins of a kind that another object consists of, itself included, each counted as often as it is referred to: references can make a
-    /// short file mean very many. It is counted up to a little more than `most`.
+    /// The number of plugins of a kind that another object consists of, itself included, each counted as often as it is
+    /// referred to: references can make a short file mean very many. It is counted up to a little more than `most`.
     pub fn count_inside(&self, object: &'a Object, category: Category, most: usize) -> usize {
         let mut count = 0;
         let mut waiting = vec![object];
@@ -341,7 +346,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
-    /// The children that were not read, with what they stand for. A reference that leads nowhere has been reported where it was read.
+    /// The children that were not read, with what they stand for. A reference that leads nowhere has been reported
+    /// where it was read.
     fn unread_children(&self) -> impl Iterator<Item = (&'a Child, &'a Object)> {
         let children = self.object.children.iter().zip(&self.child_read);
         let unread = children.filter(|(_, read)| !**read);

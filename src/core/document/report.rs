@@ -63,8 +63,8 @@ impl Diagnostics {
         line
     }
 
-    /// The messages with the lines that they are about, for people; a count follows if there are more. Messages are not wrapped, so that names of
-    /// files stay whole.
+    /// The messages with the lines that they are about, for people; a count follows if there are more. Messages are not
+    /// wrapped, so that names of files stay whole.
     pub fn render(&self, color: bool) -> String {
         let theme = GraphicalTheme {
             characters: ThemeCharacters::unicode(),
@@ -93,8 +93,8 @@ impl Diagnostics {
         text
     }
 
-    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without a place or in a
-    /// foreign file.
+    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without
+    /// a place or in a foreign file.
     pub fn excerpt(&self, diagnostic: &Diagnostic) -> Option<String> {
         let span = diagnostic.span?;
         let source = self.source(span.source).filter(|_| !self.is_foreign(span.source))?;
@@ -137,7 +137,8 @@ impl Diagnostics {
         source.is_some_and(|source| self.is_outside(&source.path))
     }
 
-    /// Whether a file is outside the folder of the main file. A scene may name any file, so no text of such a file is shown.
+    /// Whether a file is outside the folder of the main file. A scene may name any file, so no text of such a file is
+    /// shown.
     pub(in crate::document) fn is_outside(&self, path: &Path) -> bool {
         let folder = self.sources.first().and_then(|main| main.path.parent());
         !Access::within(folder.map(Path::to_owned)).covers(path)

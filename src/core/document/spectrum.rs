@@ -1,7 +1,8 @@
 //! Turns spectra, given as wavelengths and values or as the temperature of a black body, into linear Rec. 709 colours.
 //!
-//! A renderer of three colours has to integrate a spectrum when it reads it. As in Mitsuba's RGB mode a reflectance is seen under D65
-//! (so that white stays 1, 1, 1), and a light's spectrum is taken as it is (so that equal energy is slightly purple).
+//! A renderer of three colours has to integrate a spectrum when it reads it. As in Mitsuba's RGB mode a reflectance is
+//! seen under D65 (so that white stays 1, 1, 1), and a light's spectrum is taken as it is (so that equal energy is
+//! slightly purple).
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -17,7 +18,8 @@ const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
 /// The number of places that the integral sums over, fine enough for lists with 1 nm steps.
 const STEPS: usize = 1000;
 
-/// The quantity that a spectrum describes. It decides under which light the spectrum is seen and which colours are possible.
+/// The quantity that a spectrum describes. It decides under which light the spectrum is seen and which colours are
+/// possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Radiance and the like: no light but its own, no upper bound.
@@ -106,7 +108,8 @@ impl SampledSpectrum {
         Self::new(pairs)
     }
 
-    /// Parses values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
+    /// Parses values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of
+    /// numbers.
     pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, SpectrumError> {
         let values = parse_numbers(values)?;
         // The range may be longer than the largest number of 32 bits.
@@ -170,7 +173,8 @@ pub struct BlackBody {
 }
 
 impl BlackBody {
-    /// The colour of its radiance, as [`SampledSpectrum::to_rgb`]. The spectral radiance is in W/(m^2 sr nm) by Planck's law.
+    /// The colour of its radiance, as [`SampledSpectrum::to_rgb`]. The spectral radiance is in W/(m^2 sr nm) by
+    /// Planck's law.
     pub fn to_rgb(self, role: Role) -> (Vec3, bool) {
         // The defining constants of the SI.
         const SPEED_OF_LIGHT: f64 = 299_792_458.0;
@@ -189,7 +193,8 @@ impl BlackBody {
     }
 }
 
-/// The colour of a spectrum whose `value` is called with wavelengths (nm) in increasing order, and whether it was clamped.
+/// The colour of a spectrum whose `value` is called with wavelengths (nm) in increasing order, and whether it was
+/// clamped.
 fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
     let range = STEP_NM * (SAMPLES - 1) as f64;
     let mut xyz = DVec3::ZERO;

@@ -3,8 +3,8 @@
 /// The longest name that gets a suggestion: the cost is quadratic in its length.
 const LONGEST: usize = 48;
 
-/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters, rounded up, differ. None if
-/// `name` is itself a candidate.
+/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters,
+/// rounded up, differ. None if `name` is itself a candidate.
 pub fn closest<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let length = name.chars().count();
     if length == 0 || length > LONGEST {
@@ -27,7 +27,8 @@ pub fn did_you_mean<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str
     closest(name, candidates).map(|candidate| format!("did you mean `{candidate}`?"))
 }
 
-/// The edit distance (optimal string alignment): insertions, deletions, substitutions and swaps of neighbours cost one each; case does not count.
+/// The edit distance (optimal string alignment): insertions, deletions, substitutions and swaps of neighbours cost one
+/// each; case does not count.
 fn distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.chars().flat_map(char::to_lowercase).collect();
     let b: Vec<char> = b.chars().flat_map(char::to_lowercase).collect();

@@ -7,8 +7,8 @@ use glam::{Affine3A, DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 pub enum TransformOp {
     /// A shift by this vector.
     Translate(Vec3),
-    /// A rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that is not 1, the step also
-    /// scales and shears, as in Mitsuba 3.
+    /// A rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that
+    /// is not 1, the step also scales and shears, as in Mitsuba 3.
     Rotate {
         /// The direction of the axis through the origin.
         axis: Vec3,
@@ -63,22 +63,25 @@ impl TransformOp {
     }
 }
 
-/// The direction from `origin` to `target`, of length 1; None if they are the same point. Double precision holds the square of every length
-/// that single precision has.
+/// The direction from `origin` to `target`, of length 1; None if they are the same point. Double precision holds the
+/// square of every length that single precision has.
 pub fn direction(origin: Vec3, target: Vec3) -> Option<DVec3> {
     (target.as_dvec3() - origin.as_dvec3()).try_normalize()
 }
 
-/// The direction to the left of a camera that looks along `forward`, of length 1; None if `up` is zero or along `forward`.
+/// The direction to the left of a camera that looks along `forward`, of length 1; None if `up` is zero or along
+/// `forward`.
 pub(crate) fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
     up.as_dvec3().try_normalize()?.cross(forward).try_normalize()
 }
 
-/// The difference from 1 below which the squared length of an axis is taken for rounding of single precision, or of six digits.
+/// The difference from 1 below which the squared length of an axis is taken for rounding of single precision, or of six
+/// digits.
 const UNIT: f32 = 1e-6;
 
-/// Rodrigues' formula, cos I + (1 - cos) a a^T + sin [a]x, with the axis as it is. Mitsuba 3 does not normalise the axis either (found by
-/// reading back the matrices of its shapes), so files that have such an axis show the same picture.
+/// Rodrigues' formula, cos I + (1 - cos) a a^T + sin [a]x, with the axis as it is. Mitsuba 3 does not normalise the
+/// axis either (found by reading back the matrices of its shapes), so files that have such an axis show the same
+/// picture.
 fn rotation(axis: Vec3, angle: f32) -> Affine3A {
     if axis == Vec3::ZERO {
         return Affine3A::IDENTITY;
@@ -95,8 +98,8 @@ fn rotation(axis: Vec3, angle: f32) -> Affine3A {
 mod tests {
     use super::*;
 
-    /// The matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row. A rotation acts through its matrix alone: the matrix places a shape, and
-    /// its inverse turns the normals, whatever steps it is made of.
+    /// The matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row. A rotation acts through its matrix alone: the
+    /// matrix places a shape, and its inverse turns the normals, whatever steps it is made of.
     #[test]
     fn axes_of_any_length_give_the_matrices_of_mitsuba() {
         let cases = [

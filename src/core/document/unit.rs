@@ -1,6 +1,7 @@
 //! The unit of length of a scene, which a file says as `<default name="length_unit" value="cm"/>`.
 //!
-//! It is a `default` because other readers of the format accept names there that they do not know. In the tree it is a property of the scene.
+//! It is a `default` because other readers of the format accept names there that they do not know. In the tree it is a
+//! property of the scene.
 
 use super::{Category, Object};
 

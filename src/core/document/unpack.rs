@@ -10,7 +10,8 @@ use super::parse::parse_children;
 use super::{Child, Crowd, Diagnostics, Document, Object};
 
 impl Crowd {
-    /// The instances as children of the scene. `diagnostics` are those of the document that the crowd is part of, which have the text.
+    /// The instances as children of the scene. `diagnostics` are those of the document that the crowd is part of, which
+    /// have the text.
     pub fn children(&self, diagnostics: &Diagnostics) -> Vec<Child> {
         match &self.content {
             Content::Tree(children) => children.clone(),

@@ -1,7 +1,7 @@
 //! Writes a [`Document`] as XML text that reads back to the same tree.
 //!
-//! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as they are; one
-//! that was relative to an include or to another folder has to be made so by the caller before.
+//! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as
+//! they are; one that was relative to an include or to another folder has to be made so by the caller before.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -44,7 +44,8 @@ pub fn to_xml(document: &Document) -> Result<String, WriteError> {
     Ok(writer.text)
 }
 
-/// A part of a scene file, for a place in an existing one: lines after the first begin with `margin`, the last one is not ended.
+/// A part of a scene file, for a place in an existing one: lines after the first begin with `margin`, the last one is
+/// not ended.
 pub(super) fn to_block(child: &Child, margin: &str, layout: &Layout) -> Result<String, WriteError> {
     let mut writer = Writer {
         inside: 1,

@@ -1,5 +1,5 @@
-//! The folders that a scene may read files from. A trusted scene may read every folder; an untrusted one reads only its own folder and the
-//! folders that the user has allowed.
+//! The folders that a scene may read files from. A trusted scene may read every folder; an untrusted one reads only its
+//! own folder and the folders that the user has allowed.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -75,8 +75,8 @@ impl Access {
         }
     }
 
-    /// Whether messages may show text of a file. Text of a file outside the scene's folder is not shown: messages are passed on, and a scene may
-    /// name a private file.
+    /// Whether messages may show text of a file. Text of a file outside the scene's folder is not shown: messages are
+    /// passed on, and a scene may name a private file.
     pub fn may_quote(&self, path: &Path) -> bool {
         let Some(own) = &self.own else {
             return true;
@@ -84,7 +84,8 @@ impl Access {
         resolved(path, |_| true).is_some_and(|path| path.starts_with(own))
     }
 
-    /// Permits this folder as well; files in it no longer count as refused. A file in place of a folder stands for itself.
+    /// Permits this folder as well; files in it no longer count as refused. A file in place of a folder stands for
+    /// itself.
     pub fn allow(&mut self, folder: &Path) {
         if let Some(folders) = &mut self.folders {
             let folder = Folder::new(folder);
@@ -96,8 +97,8 @@ impl Access {
         }
     }
 
-    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its name. A refused one that
-    /// exists is remembered.
+    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its
+    /// name. A refused one that exists is remembered.
     pub fn permits(&self, path: &Path) -> bool {
         let permitted = self.covers(path);
         if !permitted && path.exists() {
@@ -109,8 +110,9 @@ impl Access {
         permitted
     }
 
-    /// The first of these places where there is a file that may be read. A device or a pipe is found where there is no file: reading it says
-    /// what it is. If there is neither, a file in one of the places that are refused is remembered; the result does not depend on it.
+    /// The first of these places where there is a file that may be read. A device or a pipe is found where there is no
+    /// file: reading it says what it is. If there is neither, a file in one of the places that are refused is
+    /// remembered; the result does not depend on it.
     pub fn find<'p>(&self, places: &'p [PathBuf]) -> Option<&'p PathBuf> {
         let permitted = || places.iter().filter(|path| self.covers(path));
         let found = permitted().find(|path| path.is_file());
@@ -123,8 +125,8 @@ impl Access {
         found
     }
 
-    /// Gives the answer of [`Self::permits`], and remembers nothing. A path that leads through other places is refused also if it ends in a
-    /// permitted folder: the answer must not tell whether those places exist.
+    /// Gives the answer of [`Self::permits`], and remembers nothing. A path that leads through other places is refused
+    /// also if it ends in a permitted folder: the answer must not tell whether those places exist.
     pub fn covers(&self, path: &Path) -> bool {
         match &self.folders {
             Some(folders) => place_in(folders, path).is_some(),
@@ -143,7 +145,8 @@ impl Access {
         self.opened(path, limit).map(drop).inspect(|()| note_read(path))
     }
 
-    /// Opens a permitted file, as [`reading::open`] does. What is opened is the file that was found to be permitted, whatever takes its place meanwhile.
+    /// Opens a permitted file, as [`reading::open`] does. What is opened is the file that was found to be permitted,
+    /// whatever takes its place meanwhile.
     pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
         self.opened(path, limit).inspect(|_| note_read(path))
     }
@@ -205,8 +208,9 @@ fn canonical(folder: &Path) -> PathBuf {
         .unwrap_or_else(|| folder.to_owned())
 }
 
-/// Makes a path absolute and follows its links, also those that lead to nothing. The part that does not exist stays as it is. None if that part
-/// leads upwards, or if the path leads through more than [`MOST_LINKS`] links or a place that `may_pass` refuses; nothing is looked up there.
+/// Makes a path absolute and follows its links, also those that lead to nothing. The part that does not exist stays as
+/// it is. None if that part leads upwards, or if the path leads through more than [`MOST_LINKS`] links or a place that
+/// `may_pass` refuses; nothing is looked up there.
 fn resolved(path: &Path, may_pass: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     let mut absolute = std::path::absolute(path).ok()?;
     'links: for _ in 0..=MOST_LINKS {
@@ -382,7 +386,8 @@ mod tests {
         }
     }
 
-    /// Files and folders are swapped for links that lead out while they are opened: what is read is never what the links lead to.
+    /// Files and folders are swapped for links that lead out while they are opened: what is read is never what the
+    /// links lead to.
     #[cfg(unix)]
     #[test]
     fn what_is_swapped_while_it_is_opened_is_not_read() {

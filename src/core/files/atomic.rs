@@ -1,9 +1,10 @@
 //! Replaces files as a whole or not at all, and removes what killed programs leave behind.
 //!
-//! The new content is written to a temporary file beside the target, which is then renamed. A program that is killed in between leaves the
-//! temporary file. Every writer therefore holds a lock on its temporary file, and a later write into the same folder removes those that
-//! are old and not locked. The lock makes that safe for two programs that write into one folder at the same time; `O_TMPFILE` would not
-//! help, for a file without a name cannot replace one, and not every system and file system has it.
+//! The new content is written to a temporary file beside the target, which is then renamed. A program that is killed in
+//! between leaves the temporary file. Every writer therefore holds a lock on its temporary file, and a later write into
+//! the same folder removes those that are old and not locked. The lock makes that safe for two programs that write into
+//! one folder at the same time; `O_TMPFILE` would not help, for a file without a name cannot replace one, and not every
+//! system and file system has it.
 
 use std::collections::HashSet;
 use std::fs::{self, DirEntry, File};
@@ -21,16 +22,17 @@ use super::set::finish_all;
 pub(super) const PREFIX: &str = ".sunroom-";
 const SUFFIX: &str = ".part";
 
-/// Temporary files younger than this are never removed, since another program may have made one and not locked it yet. That takes
-/// microseconds; an hour allows for a suspended program and for the clock of a file server.
+/// Temporary files younger than this are never removed, since another program may have made one and not locked it yet.
+/// That takes microseconds; an hour allows for a suspended program and for the clock of a file server.
 const LEFTOVER_AGE: Duration = Duration::from_secs(3600);
 
 /// The most links that are followed to a file, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
-/// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure the old content is
-/// there. A symbolic link stays one, also one to a file that is not there yet; an old file keeps its permissions. Folders, devices and pipes
-/// are refused, and so are files that the program has read, if that was [asked for](super::keep_reads).
+/// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure
+/// the old content is there. A symbolic link stays one, also one to a file that is not there yet; an old file keeps its
+/// permissions. Folders, devices and pipes are refused, and so are files that the program has read, if that was [asked
+/// for](super::keep_reads).
 ///
 /// The first write of a process into a folder also removes the temporary files that killed programs have left there.
 pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
@@ -46,8 +48,8 @@ pub fn write_atomically_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> 
     Ok(())
 }
 
-/// Whether [`write_atomically`] can replace this file, as far as that can be known before there is something to write. The error is the one
-/// that the write would have.
+/// Whether [`write_atomically`] can replace this file, as far as that can be known before there is something to write.
+/// The error is the one that the write would have.
 pub fn check_writable(path: &Path) -> io::Result<()> {
     Target::new(path)?.temporary_file().map(drop)
 }
@@ -294,8 +296,8 @@ mod tests {
         }
     }
 
-    /// Root is allowed to replace a device by renaming a file; the writer must refuse before that. A pipe stands for a device, so that a fault
-    /// costs the machine none.
+    /// Root is allowed to replace a device by renaming a file; the writer must refuse before that. A pipe stands for a
+    /// device, so that a fault costs the machine none.
     #[cfg(unix)]
     #[test]
     fn devices_stay_devices() {

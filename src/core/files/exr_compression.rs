@@ -62,8 +62,9 @@ impl ExrCompression {
         !matches!(self, Self::Pxr24 | Self::Dwaa | Self::Dwab)
     }
 
-    /// Whether floats in channels whose names end in `.Y` are taken for luminances and stored with the loss that the eye forgives in colours: the
-    /// method decides by the last part of a name, whatever the layer is (`Classifier` in OpenEXR's `internal_dwa_classifier.h`).
+    /// Whether floats in channels whose names end in `.Y` are taken for luminances and stored with the loss that the
+    /// eye forgives in colours: the method decides by the last part of a name, whatever the layer is (`Classifier`
+    /// in OpenEXR's `internal_dwa_classifier.h`).
     pub fn takes_y_for_luminance(self) -> bool {
         matches!(self, Self::Dwaa | Self::Dwab)
     }

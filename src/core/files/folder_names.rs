@@ -26,7 +26,8 @@ enum Folder {
 }
 
 impl FolderNames {
-    /// Whether there may be something at this path. False only where there is nothing for certain. Folders that `access` refuses are not looked into.
+    /// Whether there may be something at this path. False only where there is nothing for certain. Folders that
+    /// `access` refuses are not looked into.
     pub fn may_have(&mut self, path: &Path, access: &Access) -> bool {
         let (Some(parent), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return true;

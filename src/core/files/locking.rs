@@ -14,8 +14,8 @@ pub struct FolderLock {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FolderBusy;
 
-/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, no lock is taken, and that is no error: locks only help
-/// other programs that take them, too.
+/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, no lock is taken, and that is
+/// no error: locks only help other programs that take them, too.
 pub fn lock_folder(folder: &Path, longest: Duration) -> Result<FolderLock, FolderBusy> {
     // Only a folder is opened, which neither blocks nor has effects.
     let opened = folder.is_dir().then(|| File::open(folder).ok());

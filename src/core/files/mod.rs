@@ -1,9 +1,10 @@
-//! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces files as a whole, and [`FileSet`] several
-//! that belong together.
+//! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces
+//! files as a whole, and [`FileSet`] several that belong together.
 //!
 //! What a scene names is opened through its [`Access`], which may be limited to some folders.
 //!
-//! No other module opens a file for reading (`tests/layering` holds that), so that no device, pipe or endless file is read anywhere.
+//! No other module opens a file for reading (`tests/layering` holds that), so that no device, pipe or endless file is
+//! read anywhere.
 
 mod access;
 mod atomic;

@@ -1,5 +1,5 @@
-//! Opens regular files of a bounded length. Devices, pipes, sockets and folders are refused, also behind symbolic links, and opening one never
-//! blocks.
+//! Opens regular files of a bounded length. Devices, pipes, sockets and folders are refused, also behind symbolic
+//! links, and opening one never blocks.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
@@ -150,8 +150,9 @@ fn open_without_blocking(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// [`open`] for an absolute path without links: the file that is opened lies where the path says, also if others move and replace files meanwhile. A link
-/// that has taken the place of any part of the path is an error, see [`FileError::is_link`].
+/// [`open`] for an absolute path without links: the file that is opened lies where the path says, also if others move
+/// and replace files meanwhile. A link that has taken the place of any part of the path is an error, see
+/// [`FileError::is_link`].
 #[cfg(unix)]
 pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileError> {
     use std::os::fd::OwnedFd;

@@ -1,5 +1,5 @@
-//! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can tell what a scene consists of, and
-//! replaces none of it.
+//! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can
+//! tell what a scene consists of, and replaces none of it.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fs::File;
@@ -39,7 +39,8 @@ pub fn note_read(path: &Path) {
     }
 }
 
-/// Whether this file was read and is not to be replaced, under whatever name it was. The path is given as the links to it lead.
+/// Whether this file was read and is not to be replaced, under whatever name it was. The path is given as the links to
+/// it lead.
 pub(super) fn is_kept(path: &Path) -> bool {
     if !KEPT.load(Ordering::Relaxed) {
         return false;
@@ -69,7 +70,8 @@ impl Opened {
         }
     }
 
-    /// Whether a file was read. It looks at no other files: there may be very many, and a program may ask at each picture that it writes.
+    /// Whether a file was read. It looks at no other files: there may be very many, and a program may ask at each
+    /// picture that it writes.
     fn has(&self, path: &Path) -> bool {
         let Some(file) = Identity::of(path) else {
             return false;

@@ -1,13 +1,15 @@
-//! Replaces several files that belong together: a level and its lightmaps, a glTF file and its buffer, a scene and its meshes.
+//! Replaces several files that belong together: a level and its lightmaps, a glTF file and its buffer, a scene and its
+//! meshes.
 //!
-//! All new contents are first written beside their places, which is where disks become full and where time goes. Then a note is made that says
-//! which file goes where, and the files are renamed, the one that names the others last. Before the first rename all files are the old ones. From
-//! there on, all will be the new ones: a program that is killed among the renames leaves the note, and who reads or replaces the set next
-//! finishes it ([`finish_set`]). That takes no space on the disk. The note is removed at the end, and with the new files if not even the first
-//! rename can be done.
+//! All new contents are first written beside their places, which is where disks become full and where time goes. Then a
+//! note is made that says which file goes where, and the files are renamed, the one that names the others last. Before
+//! the first rename all files are the old ones. From there on, all will be the new ones: a program that is killed among
+//! the renames leaves the note, and who reads or replaces the set next finishes it ([`finish_set`]). That takes no
+//! space on the disk. The note is removed at the end, and with the new files if not even the first rename can be done.
 //!
-//! The note lies in the folder of the file that names the others. It may come from others with that folder, so it can only do what those
-//! could do themselves: rename files within the folder and below it, where the files that are replaced or removed are as they were when it was made.
+//! The note lies in the folder of the file that names the others. It may come from others with that folder, so it can
+//! only do what those could do themselves: rename files within the folder and below it, where the files that are
+//! replaced or removed are as they were when it was made.
 
 use std::collections::HashSet;
 use std::fs::{self, File, Metadata, TryLockError};
@@ -54,7 +56,8 @@ fn failed(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
     |source| WriteError { path, source }
 }
 
-/// New contents of files, which replace the old ones together. Until then they lie beside them, and are removed with this value.
+/// New contents of files, which replace the old ones together. Until then they lie beside them, and are removed with
+/// this value.
 #[derive(Debug)]
 pub struct FileSet {
     main: PathBuf,
@@ -94,7 +97,8 @@ impl FileSet {
         self.outdated.push(path.to_owned());
     }
 
-    /// Replaces the files. After an error before the first of them all are as they were; a later one is mended by [`finish_set`], if it can be.
+    /// Replaces the files. After an error before the first of them all are as they were; a later one is mended by
+    /// [`finish_set`], if it can be.
     pub fn replace(self) -> Result<(), WriteError> {
         self.replace_until(usize::MAX)
     }
@@ -105,7 +109,8 @@ impl FileSet {
         self.files.sort_by_key(|(path, _)| *path == self.main);
         let main = Target::new(&self.main).map_err(failed(&self.main))?;
         let folder = main.folder().to_owned();
-        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its reader will be told.
+        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its
+        // reader will be told.
         for note in notes_of_others(&main.path) {
             let _ = finish(&note, &Access::everywhere());
         }
@@ -175,7 +180,8 @@ impl Stamp {
         }
     }
 
-    /// The stamp of a plain file; None if the path has no plain file. A link does not count as the file that it leads to.
+    /// The stamp of a plain file; None if the path has no plain file. A link does not count as the file that it leads
+    /// to.
     fn of(path: &Path) -> Option<Self> {
         let about = fs::symlink_metadata(path).ok()?;
         about.is_file().then(|| Self::new(&about))
@@ -193,7 +199,8 @@ impl Stamp {
     }
 }
 
-/// A file that is to be renamed. Names are relative to the folder of the note; those of places that are not below it are absolute.
+/// A file that is to be renamed. Names are relative to the folder of the note; those of places that are not below it
+/// are absolute.
 #[derive(Debug, Serialize, Deserialize)]
 struct Rename {
     from: PathBuf,
@@ -232,8 +239,8 @@ impl Plan {
         })
     }
 
-    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot. Files elsewhere that `access` does not permit count as not
-    /// there.
+    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot. Files elsewhere
+    /// that `access` does not permit count as not there.
     fn finish(&self, folder: &Path, access: &Access) -> Result<(), String> {
         let stamp = |name: &Path| Stamp::within(folder, name, access);
         let mut renames = Vec::new();
@@ -303,7 +310,8 @@ struct Note {
 }
 
 impl Note {
-    /// Makes the note of a set; None if it needs none. Notes of others in that place are finished first, or replaced if they cannot be.
+    /// Makes the note of a set; None if it needs none. Notes of others in that place are finished first, or replaced if
+    /// they cannot be.
     fn publish(set: &FileSet, main: &Target) -> Result<Option<Self>, WriteError> {
         let is_alone = set.files.len() < 2 && set.outdated.is_empty();
         let folder = main.folder();
@@ -372,13 +380,14 @@ fn sync_folder(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Finishes what a killed program has begun: the replacement of a file and of those that belong to it. To be called before the file is read. An
-/// error says that the files do not belong together and cannot be made to.
+/// Finishes what a killed program has begun: the replacement of a file and of those that belong to it. To be called
+/// before the file is read. An error says that the files do not belong together and cannot be made to.
 pub fn finish_set(main: &Path) -> Result<(), FileError> {
     finish_set_within(main, &Access::everywhere())
 }
 
-/// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the error tells nothing of it.
+/// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the
+/// error tells nothing of it.
 pub fn finish_set_within(main: &Path, access: &Access) -> Result<(), FileError> {
     match followed(main) {
         Ok(main) => {
@@ -476,7 +485,8 @@ fn waiting_for(note: &Path, folder: &Path) -> Vec<PathBuf> {
     plan_at(note).map_or_else(Vec::new, |plan| plan.waiting(folder).collect())
 }
 
-/// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be finished.
+/// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be
+/// finished.
 pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
     let mut waiting = HashSet::new();
     for note in notes_in(folder) {

@@ -61,8 +61,8 @@ impl AttributeValues {
 }
 
 impl MeshAttribute {
-    /// The value on one of the mesh's `triangles`, interpolated between corners by their weights; a single number is a grey. Zero outside of the
-    /// mesh.
+    /// The value on one of the mesh's `triangles`, interpolated between corners by their weights; a single number is a
+    /// grey. Zero outside of the mesh.
     pub fn value(&self, triangles: &[[u32; 3]], triangle: u32, barycentric: Vec3) -> Vec3 {
         match self.domain {
             AttributeDomain::Triangle => self.element(triangle),

@@ -7,8 +7,9 @@ use glam::Vec3;
 use super::mesh::MeshData;
 
 impl MeshData {
-    /// The number of edges that do not have as many triangles on one side as on the other; 0 for a mesh without holes. Vertices at the same place
-    /// count as one, because files repeat those where texture coordinates or normals differ. Triangles without area do not count.
+    /// The number of edges that do not have as many triangles on one side as on the other; 0 for a mesh without holes.
+    /// Vertices at the same place count as one, because files repeat those where texture coordinates or normals
+    /// differ. Triangles without area do not count.
     pub fn open_edges(&self) -> usize {
         let vertices = self.welded();
         let mut edges: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * self.triangles.len());

@@ -1,8 +1,9 @@
-//! Reads the numbers of text files. Plain and short ones are read faster than by the standard library, with the very same result.
+//! Reads the numbers of text files. Plain and short ones are read faster than by the standard library, with the very
+//! same result.
 //!
-//! A decimal of up to 15 digits and its power of ten are exact in an `f64`, so that one product or quotient of them is rounded once (Clinger,
-//! "How to read floating point numbers accurately", 1990). Rounding that once more to `f32` goes wrong only where the `f64` lies half-way
-//! between two `f32`.
+//! A decimal of up to 15 digits and its power of ten are exact in an `f64`, so that one product or quotient of them is
+//! rounded once (Clinger, "How to read floating point numbers accurately", 1990). Rounding that once more to `f32` goes
+//! wrong only where the `f64` lies half-way between two `f32`.
 
 /// Powers of ten that are exact in `f64`.
 const POWERS_OF_TEN: [f64; 23] = [
@@ -10,8 +11,8 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// Reads the number at the beginning of `text`, and gives its length, as `str::parse` does. `None` if it is no number, or one that takes more care
-/// than is taken here.
+/// Reads the number at the beginning of `text`, and gives its length, as `str::parse` does. `None` if it is no number,
+/// or one that takes more care than is taken here.
 #[inline]
 pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     let sign = usize::from(text.first() == Some(&b'-'));
@@ -52,8 +53,8 @@ pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     Some((if sign == 1 { -value } else { value }, end))
 }
 
-/// The longest number at the beginning of `text`, whatever follows it: 3.1 of `3.1+e2`, 0.5 of `0.5f`. None if there is no digit, and before a
-/// comma: `1,5` is a number of another language, of which 1 would be a wrong reading.
+/// The longest number at the beginning of `text`, whatever follows it: 3.1 of `3.1+e2`, 0.5 of `0.5f`. None if there is
+/// no digit, and before a comma: `1,5` is a number of another language, of which 1 would be a wrong reading.
 pub(super) fn longest_number(text: &[u8]) -> Option<f32> {
     let is_sign = |place: usize| matches!(text.get(place), Some(b'+' | b'-'));
     let digits_from = |place: usize| {

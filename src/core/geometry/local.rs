@@ -6,7 +6,8 @@ use crate::math::Real;
 
 /// A hit at ray parameter `t` (the world's `t`: local rays are not renormalised).
 ///
-/// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others: unused, zero.
+/// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others:
+/// unused, zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalHit {
     /// The parameter of the ray, within its bounds.
@@ -22,18 +23,20 @@ pub struct LocalHit {
 pub struct LocalSurface<R: Real = f32> {
     /// The point on the surface within rounding. It is never computed as origin + t dir.
     pub position: R::Vec3,
-    /// The bound, per coordinate, on how far `position` is off the surface as the intersection test sees it. Displacement within the surface is not
-    /// counted: it cannot make a ray that leaves meet the surface again.
+    /// The bound, per coordinate, on how far `position` is off the surface as the intersection test sees it.
+    /// Displacement within the surface is not counted: it cannot make a ray that leaves meet the surface again.
     pub error: R::Vec3,
     /// The geometric normal, not of unit length.
     pub normal: R::Vec3,
 }
 
-/// A point in Mitsuba 3's parametrisation of its shape, in local space. It is not part of [`LocalSurface`], because most paths do not need it.
+/// A point in Mitsuba 3's parametrisation of its shape, in local space. It is not part of [`LocalSurface`], because
+/// most paths do not need it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Parametrisation {
     pub uv: Vec2,
-    /// The derivatives of `position` by u and by v. Both are zero where the parametrisation is degenerate on a whole triangle.
+    /// The derivatives of `position` by u and by v. Both are zero where the parametrisation is degenerate on a whole
+    /// triangle.
     pub dp_du: Vec3,
     pub dp_dv: Vec3,
 }

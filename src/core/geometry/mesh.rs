@@ -11,21 +11,22 @@ use crate::memory::{self, Held, Shortage};
 
 /// An indexed triangle mesh in its own local space, as it was loaded.
 ///
-/// `normals` and `uvs` are empty or as long as `positions`, `material_of_triangle` is empty or as long as `triangles`. Positions are finite,
-/// every vertex index is below `positions.len()`, every material index below `materials.len()`; loaders guarantee it. Triangles may be
-/// degenerate.
+/// `normals` and `uvs` are empty or as long as `positions`, `material_of_triangle` is empty or as long as `triangles`.
+/// Positions are finite, every vertex index is below `positions.len()`, every material index below `materials.len()`;
+/// loaders guarantee it. Triangles may be degenerate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// The vertices.
     pub positions: Vec<Vec3>,
-    /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are computed, as Mitsuba does.
-    /// A shape with `face_normals` ignores them.
+    /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are
+    /// computed, as Mitsuba does. A shape with `face_normals` ignores them.
     pub normals: Vec<Vec3>,
-    /// Whether the file has no normals and all of them were computed from the triangles. They then follow the order of the corners: a
-    /// mirroring transform turns them around with the triangles, as in Mitsuba, which computes them after the transform.
+    /// Whether the file has no normals and all of them were computed from the triangles. They then follow the order of
+    /// the corners: a mirroring transform turns them around with the triangles, as in Mitsuba, which computes them
+    /// after the transform.
     pub has_computed_normals: bool,
-    /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for
-    /// `ply`): see [`MeshData::flip_tex_coords`].
+    /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there
+    /// by default, false for `ply`): see [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
     /// The vertex indices of the corners, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -39,8 +40,8 @@ pub struct MeshData {
     pub memory: Held,
 }
 
-/// Bytes per triangle of an acceleration structure while it is built. Built, it takes a little more than half of that (the Stanford dragon:
-/// 57 bytes; the whole process grows by 120 bytes per triangle with mesh and structure).
+/// Bytes per triangle of an acceleration structure while it is built. Built, it takes a little more than half of that
+/// (the Stanford dragon: 57 bytes; the whole process grows by 120 bytes per triangle with mesh and structure).
 pub(super) const HIERARCHY_BYTES: u64 = 100;
 
 /// A material of an MTL library, as numbers. The scene decides what they mean as a BSDF.
@@ -93,7 +94,8 @@ impl MeshData {
         ]
     }
 
-    /// The corners of a triangle that a ray can hit: None if one of them does not exist or is not finite, or where it has no area.
+    /// The corners of a triangle that a ray can hit: None if one of them does not exist or is not finite, or where it
+    /// has no area.
     pub fn regular_corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
         let [a, b, c] = self.triangles[triangle].map(|corner| self.positions.get(corner as usize).copied());
         Some([a?, b?, c?]).filter(|&corners| is_regular(corners))
@@ -133,15 +135,16 @@ impl MeshData {
         self.heap_bytes() as u64 + HIERARCHY_BYTES * self.triangles.len() as u64
     }
 
-    /// This mesh with smooth normals from its own triangles in place of any it had. Vertices that only share a position stay apart:
-    /// the crease between them remains.
+    /// This mesh with smooth normals from its own triangles in place of any it had. Vertices that only share a position
+    /// stay apart: the crease between them remains.
     pub fn with_vertex_normals(mut self) -> Self {
         self.normals = angle_weighted_normals(&self.positions, &self.triangles);
         self.has_computed_normals = true;
         self
     }
 
-    /// A copy whose texture coordinates are flipped vertically, with memory of its own for itself and its acceleration structure.
+    /// A copy whose texture coordinates are flipped vertically, with memory of its own for itself and its acceleration
+    /// structure.
     pub fn with_flipped_tex_coords(&self) -> Result<Self, Shortage> {
         let memory = memory::reserve(self.memory_bytes())?.into();
         let mut copy = Self { memory, ..self.clone() };

@@ -236,7 +236,8 @@ impl Warnings {
     }
 }
 
-/// Sets texture coordinates and numbers of attributes that are not finite to zero, and limits those of attributes, which may be light; with warnings.
+/// Sets texture coordinates and numbers of attributes that are not finite to zero, and limits those of attributes,
+/// which may be light; with warnings.
 pub(crate) fn replace_not_finite(mesh: &mut MeshData, warnings: &mut Warnings) {
     for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
         *uv = Vec2::ZERO;
@@ -260,7 +261,8 @@ pub(crate) fn replace_not_finite(mesh: &mut MeshData, warnings: &mut Warnings) {
     }
 }
 
-/// Computes all normals if the file has none. Otherwise normalises them, and computes those that are zero or not finite.
+/// Computes all normals if the file has none. Otherwise normalises them, and computes those that are zero or not
+/// finite.
 pub(crate) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
     if mesh.normals.is_empty() {
         mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);

@@ -1,7 +1,8 @@
 //! Reads MTL material libraries, the companions of OBJ files.
 //!
-//! The `tobj` crate reads the statements. It stops the whole library at the first one it does not like (and panics at a colour of one or two
-//! numbers, which the format allows), so each line is looked at first: what is sound goes to it in canonical form, the rest is a warning.
+//! The `tobj` crate reads the statements. It stops the whole library at the first one it does not like (and panics at a
+//! colour of one or two numbers, which the format allows), so each line is looked at first: what is sound goes to it in
+//! canonical form, the rest is a warning.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -36,7 +37,8 @@ pub fn default_material(name: &str) -> MtlMaterial {
 
 /// The materials of one library, in the order of the file. `library` names it in the warnings.
 ///
-/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
+/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another
+/// colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
 pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
     let Statements { text, mut maps } = sound_statements(&decode(bytes), library, warnings);
     let library_name = library.replace('\\', "/");
@@ -150,7 +152,8 @@ fn is_texture(keyword: &str) -> bool {
     keyword.starts_with("map_") || matches!(keyword.as_str(), "bump" | "norm" | "disp" | "decal" | "refl")
 }
 
-/// Reads a colour. One number stands for three equal ones; values are not negative. Spectral files and XYZ are not read.
+/// Reads a colour. One number stands for three equal ones; values are not negative. Spectral files and XYZ are not
+/// read.
 fn color(values: &[&str]) -> Option<[f32; 3]> {
     let number = |text: &&str| number_in(&[*text], 0.0, f32::MAX);
     match values {

@@ -15,7 +15,8 @@ pub enum MtlModel {
     },
     /// Rough metal in the colour `kd`.
     Metal {
-        /// The square root of the spread of its facets, as the file gives it: at least [`MtlModel::LEAST_ROUGHNESS`] is meant.
+        /// The square root of the spread of its facets, as the file gives it: at least [`MtlModel::LEAST_ROUGHNESS`]
+        /// is meant.
         roughness: f32,
     },
     /// A mirror in the colour `ks`.
@@ -30,7 +31,8 @@ impl MtlModel {
 }
 
 impl MtlMaterial {
-    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Of what is no glass, the share [`MtlMaterial::d`] is there.
+    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Of what is no glass, the
+    /// share [`MtlMaterial::d`] is there.
     pub fn model(&self) -> MtlModel {
         let refracts = (self.ni - 1.0).abs() > 1e-3 && self.ni > 0.0;
         if matches!(self.illum, Some(6 | 7)) || refracts && matches!(self.illum, Some(4 | 9)) {

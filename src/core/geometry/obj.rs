@@ -1,15 +1,19 @@
-//! Reads Wavefront OBJ meshes (Wavefront, "Advanced Visualizer" manual, appendix B1): the polygons, with their MTL materials.
+//! Reads Wavefront OBJ meshes (Wavefront, "Advanced Visualizer" manual, appendix B1): the polygons, with their MTL
+//! materials.
 //!
-//! All objects and groups of a file become one mesh. Corners share a vertex where their indices of position, texture coordinate and
-//! normal agree; polygons are cut as in `polygon.rs`. Colours behind the coordinates of vertices (`v x y z r g b`, as MeshLab writes them) become the
-//! attribute `vertex_color`, taken as they are, like the floats of a PLY file. Smoothing groups, points, lines and curves are ignored.
+//! All objects and groups of a file become one mesh. Corners share a vertex where their indices of position, texture
+//! coordinate and normal agree; polygons are cut as in `polygon.rs`. Colours behind the coordinates of vertices (`v x y
+//! z r g b`, as MeshLab writes them) become the attribute `vertex_color`, taken as they are, like the floats of a PLY
+//! file. Smoothing groups, points, lines and curves are ignored.
 //!
-//! Normals follow Mitsuba 3.9.1: where the file has none, they are computed over all triangles that share a vertex, whatever `s` says, so
-//! a seam of the texture is a crease. Corners without a normal in a file that has some, and normals that are zero or not finite, get
-//! the computed one. Texture coordinates stay as they are (Mitsuba flips v by default: [`MeshData::flip_tex_coords`]).
+//! Normals follow Mitsuba 3.9.1: where the file has none, they are computed over all triangles that share a vertex,
+//! whatever `s` says, so a seam of the texture is a crease. Corners without a normal in a file that has some, and
+//! normals that are zero or not finite, get the computed one. Texture coordinates stay as they are (Mitsuba flips v by
+//! default: [`MeshData::flip_tex_coords`]).
 //!
-//! This is a reader of its own rather than the `tobj` crate, which reads the MTL: that one knows no line numbers, cannot tell which corners
-//! lack a normal, and starts a new mesh, with vertices of its own, at each object and material.
+//! This is a reader of its own rather than the `tobj` crate, which reads the MTL: that one knows no line numbers,
+//! cannot tell which corners lack a normal, and starts a new mesh, with vertices of its own, at each object and
+//! material.
 
 use std::collections::HashMap;
 use std::io;
@@ -28,13 +32,14 @@ use super::obj_vertices::SharedVertices;
 use super::polygon::triangulate;
 use super::vertex_normals::{angle_weighted_normals, unit};
 
-/// Reads a whole OBJ file by all threads. `library` fetches the MTL files it names, relative to it, with `/` between folders; one that cannot be
-/// had is a warning. Errors name the line.
+/// Reads a whole OBJ file by all threads. `library` fetches the MTL files it names, relative to it, with `/` between
+/// folders; one that cannot be had is a warning. Errors name the line.
 pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Result<LoadedMesh, MeshError> {
     load_in_stretches(bytes, STRETCH, library)
 }
 
-/// The size of a stretch in bytes: large enough to keep a thread busy, small enough for all threads to end at about the same time.
+/// The size of a stretch in bytes: large enough to keep a thread busy, small enough for all threads to end at about the
+/// same time.
 const STRETCH: usize = 1 << 18;
 /// The bytes of memory that statements take for each byte of text, without colours.
 const BYTES_PER_BYTE: u64 = 4;
@@ -140,8 +145,8 @@ impl Statements {
         self.materials = libraries.materials;
     }
 
-    /// Checks indices. They may point forward, so that is done at the end. Texture coordinates and normals of a file that defines none at all are
-    /// no error: [`Self::build`] leaves them out.
+    /// Checks indices. They may point forward, so that is done at the end. Texture coordinates and normals of a file
+    /// that defines none at all are no error: [`Self::build`] leaves them out.
     fn check_indices(&self) -> Result<(), MeshError> {
         let forgiving = |count: usize| if count == 0 { usize::MAX } else { count };
         let pools = [
@@ -335,8 +340,8 @@ fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Ve
 mod tests {
     use super::*;
 
-    /// A text with every feature of the format, and with what a stretch cannot know by itself: lines, materials in use, indices that count
-    /// backwards.
+    /// A text with every feature of the format, and with what a stretch cannot know by itself: lines, materials in use,
+    /// indices that count backwards.
     const TRICKY: &str = "\u{feff}# tricky\r\nmtllib a.mtl\\\n b.mtl\r\nv 0 0 0\rv 1 0 0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 \\\r\n0\nf 1 2 3\nusemtl red\n\
         vt 0 0\nvt 1\nvt 1 1 1\nvt nan 1\nvn 0 0 1\nvn 0 0 0\nf 1/1 2/2 3/3 4/4\nf -4/-4/-2 -3/-3/-1 -2/-2/-2\ng one\n\nusemtl none\nodd 1\n\
         f 9 10 11\nusemtl red\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvn 0 0 2\nf -4//-1 -3//-1 -2//-1 -1//-1\nmtllib c.mtl\nf 1 2\ns off\n\

@@ -29,7 +29,8 @@ impl<'l> Libraries<'l> {
         }
     }
 
-    /// Reads the library or libraries of a statement: `names` is one file name, spaces and all, or if there is no such file, several.
+    /// Reads the library or libraries of a statement: `names` is one file name, spaces and all, or if there is no such
+    /// file, several.
     pub fn add(&mut self, names: &str, place: Place, warnings: &mut Warnings) {
         let whole = names.trim_matches('"');
         let Err(error) = self.read(whole, place, warnings) else {

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// The lines of a text with their 1-based numbers, without their ends (LF, CR LF or CR). A backslash at the end of a statement joins the
-/// next line to it, under the number of the first; comments are not continued.
+/// The lines of a text with their 1-based numbers, without their ends (LF, CR LF or CR). A backslash at the end of a
+/// statement joins the next line to it, under the number of the first; comments are not continued.
 pub struct Lines<'a> {
     rest: &'a [u8],
     next_number: u32,
@@ -68,8 +68,9 @@ fn before_backslash(line: &[u8]) -> Option<&[u8]> {
     line.trim_ascii_end().strip_suffix(b"\\")
 }
 
-/// The part up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte repeated eight times, the
-/// borrows of the subtraction show the lowest byte that is zero (Warren, "Hacker's delight", 6-1).
+/// The part up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte
+/// repeated eight times, the borrows of the subtraction show the lowest byte that is zero (Warren, "Hacker's delight",
+/// 6-1).
 #[inline]
 fn length_of_line(bytes: &[u8]) -> usize {
     const ONES: u64 = u64::MAX / 255;
@@ -119,8 +120,8 @@ impl<'a> Words<'a> {
         Self { rest: line }
     }
 
-    /// The next word as `read` reads it, which gives the value and the number of bytes that it took. If it did not take the whole word, the result
-    /// is `None`, and the word stays.
+    /// The next word as `read` reads it, which gives the value and the number of bytes that it took. If it did not take
+    /// the whole word, the result is `None`, and the word stays.
     #[inline]
     pub fn next_if<T>(&mut self, read: impl Fn(&[u8]) -> Option<(T, usize)>) -> Option<T> {
         self.skip_blanks();

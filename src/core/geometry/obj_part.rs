@@ -1,7 +1,8 @@
 //! Reads the statements of a stretch of an OBJ file as they stand.
 //!
-//! What a stretch says depends on those before it in little: the numbers of its lines, and what indices that count backwards mean. So
-//! stretches are read side by side, and those where that matters once more when it is known: see [`Part::follow`].
+//! What a stretch says depends on those before it in little: the numbers of its lines, and what indices that count
+//! backwards mean. So stretches are read side by side, and those where that matters once more when it is known: see
+//! [`Part::follow`].
 
 use std::collections::HashMap;
 
@@ -298,8 +299,8 @@ impl Part {
     }
 }
 
-/// The colour behind the coordinates of a vertex, as MeshLab and Blender write it: three numbers; a fourth is its alpha, which is not kept. One number
-/// alone is a weight of the vertex, which polygons do not have.
+/// The colour behind the coordinates of a vertex, as MeshLab and Blender write it: three numbers; a fourth is its
+/// alpha, which is not kept. One number alone is a weight of the vertex, which polygons do not have.
 #[inline]
 fn color_of_vertex(words: &mut Words) -> Option<Vec3> {
     let mut next = || {
@@ -337,7 +338,8 @@ fn argument<'a>(text: &'a [u8], keyword: &[u8]) -> &'a [u8] {
     text.trim_ascii_start()[keyword.len()..].trim_ascii()
 }
 
-/// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against the whole file.
+/// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against
+/// the whole file.
 fn zero_based(text: &[u8], what: &'static str, defined: usize, place: Place) -> Result<u32, MeshError> {
     let index: i64 = std::str::from_utf8(text)
         .ok()

@@ -1,9 +1,11 @@
 //! Reads PLY meshes: ASCII and binary of both byte orders.
 //!
-//! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the list `vertex_indices` (or
-//! `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford archive has them, with -1 between strips.
-//! Colours and other values in groups become attributes of the mesh, see `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
-//! single normals that are zero or not finite are replaced likewise. The texture coordinates stay as they are.
+//! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the
+//! list `vertex_indices` (or `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford archive has
+//! them, with -1 between strips. Colours and other values in groups become attributes of the mesh, see
+//! `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared
+//! vertices, as Mitsuba does; single normals that are zero or not finite are replaced likewise. The texture coordinates
+//! stay as they are.
 //!
 //! Counts of the header are checked against the bytes really there before anything is allocated or looped over.
 
@@ -85,7 +87,8 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     })
 }
 
-/// Memory of one element in bytes: of a vertex its position, normal and texture coordinates, of a face one triangle or the first one of a fan.
+/// Memory of one element in bytes: of a vertex its position, normal and texture coordinates, of a face one triangle or
+/// the first one of a fan.
 fn bytes_per_element(name: &str) -> u64 {
     match name {
         "vertex" => 32,
@@ -174,7 +177,8 @@ fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError
     }
 }
 
-/// The properties of a vertex that are geometry, in this order. The next place takes those that are not needed, and attributes follow.
+/// The properties of a vertex that are geometry, in this order. The next place takes those that are not needed, and
+/// attributes follow.
 const SLOTS: [&[&str]; 8] = [
     &["x"],
     &["y"],
@@ -382,7 +386,8 @@ fn read_faces(
     Ok(fans)
 }
 
-/// Cuts those polygons anew that a fan does not fit. The vertices may stand behind the faces, so that this comes after all is read.
+/// Cuts those polygons anew that a fan does not fit. The vertices may stand behind the faces, so that this comes after
+/// all is read.
 fn cut_polygons(fans: &[Fan], mesh: &mut MeshData) {
     let cut = |fan: &Fan| {
         let triangles = &mesh.triangles[fan.first..][..fan.triangles];
@@ -402,7 +407,8 @@ fn cut_polygons(fans: &[Fan], mesh: &mut MeshData) {
     }
 }
 
-/// Adds the fan of a list of indices that comes next, of at least three, if it is binary and all is well; it is not passed over.
+/// Adds the fan of a list of indices that comes next, of at least three, if it is binary and all is well; it is not
+/// passed over.
 #[inline]
 fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, triangles: &mut Vec<[u32; 3]>) -> bool {
     let Some(numbers) = source.binary().filter(|_| matches!(item, Scalar::I32 | Scalar::U32)) else {

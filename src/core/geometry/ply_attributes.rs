@@ -1,11 +1,12 @@
 //! Finds the properties of a PLY element that are attributes of the mesh, under the names that Mitsuba gives them:
 //!
 //! - `r g b` or `red green blue` are `vertex_color` (`face_color` of faces);
-//! - neighbours that share a prefix and end in `_x _y _z`, `_r _g _b`, `_0 _1 _2` or `_1 _2 _3` are `vertex_PREFIX`, with `_color` behind it for
-//!   `_r _g _b`; one alone (`_x`, `_r`, `_0`, `_1`) is a number; other counts are left out, and so are properties without such an ending.
+//! - neighbours that share a prefix and end in `_x _y _z`, `_r _g _b`, `_0 _1 _2` or `_1 _2 _3` are `vertex_PREFIX`,
+//!   with `_color` behind it for `_r _g _b`; one alone (`_x`, `_r`, `_0`, `_1`) is a number; other counts are left out,
+//!   and so are properties without such an ending.
 //!
-//! Whole numbers stand for [0, 1], encoded as sRGB, as Mitsuba reads them (but for `uchar`, which its version 3.9 leaves at 0 to 255, unlike
-//! all others and its versions before). Alpha is not kept.
+//! Whole numbers stand for [0, 1], encoded as sRGB, as Mitsuba reads them (but for `uchar`, which its version 3.9
+//! leaves at 0 to 255, unlike all others and its versions before). Alpha is not kept.
 
 use std::collections::HashSet;
 
@@ -27,7 +28,8 @@ pub(super) struct Attributes {
 }
 
 impl Attributes {
-    /// Prepares for an element. `is_taken` tells which properties are something else already. About `expected` records will follow.
+    /// Prepares for an element. `is_taken` tells which properties are something else already. About `expected` records
+    /// will follow.
     pub fn new(element: &Element, domain: AttributeDomain, is_taken: impl Fn(&str) -> bool, expected: usize) -> Self {
         let mut result = Self {
             attributes: Vec::new(),

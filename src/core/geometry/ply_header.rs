@@ -1,4 +1,5 @@
-//! The text header of a PLY file: which elements follow, in which order, made of which properties (Turk, "The PLY polygon file format", 1994).
+//! The text header of a PLY file: which elements follow, in which order, made of which properties (Turk, "The PLY
+//! polygon file format", 1994).
 
 use super::mesh_file::{MeshError, Place, excerpt};
 
@@ -10,7 +11,8 @@ pub enum Format {
     BigEndian,
 }
 
-/// The number types of PLY, under both their old names (`uchar`) and the sized ones (`uint8`), and Mitsuba's 64-bit integers.
+/// The number types of PLY, under both their old names (`uchar`) and the sized ones (`uint8`), and Mitsuba's 64-bit
+/// integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     I8,
@@ -265,8 +267,8 @@ fn name_of(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Lines ending in LF, CR LF or a lone CR. A lone CR ends a line only where the first line ends so too: the first byte of a binary body may
-/// well look like one.
+/// Lines ending in LF, CR LF or a lone CR. A lone CR ends a line only where the first line ends so too: the first byte
+/// of a binary body may well look like one.
 struct HeaderLines<'a> {
     bytes: &'a [u8],
     offset: usize,

@@ -1,8 +1,8 @@
-//! Binary PLY elements whose records are all of one length, read by all threads at once: vertices without lists, and faces that are all
-//! triangles.
+//! Binary PLY elements whose records are all of one length, read by all threads at once: vertices without lists, and
+//! faces that are all triangles.
 //!
-//! It says only that something is odd (a fourth corner, an index out of range): then the reader that takes one number after the other has
-//! its turn, which knows what to say of it.
+//! It says only that something is odd (a fourth corner, an index out of range): then the reader that takes one number
+//! after the other has its turn, which knows what to say of it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -23,8 +23,8 @@ pub(super) struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    /// The records at the beginning of `body`, if every list has `items` items. `None` if there is a list although `items` is `None`, or if the
-    /// body is too short.
+    /// The records at the beginning of `body`, if every list has `items` items. `None` if there is a list although
+    /// `items` is `None`, or if the body is too short.
     pub fn new(element: &Element, items: Option<usize>, body: BinaryNumbers<'a>) -> Option<Self> {
         let mut length = 0;
         let mut offsets = Vec::with_capacity(element.properties.len());

@@ -3,8 +3,8 @@
 use super::mesh_file::{MeshError, Place, excerpt};
 use super::ply_header::Scalar;
 
-/// A source of the body's numbers, one after the other. An `f64` holds every number type of PLY exactly, except integers beyond 2⁵³ that no index
-/// or position needs.
+/// A source of the body's numbers, one after the other. An `f64` holds every number type of PLY exactly, except
+/// integers beyond 2⁵³ that no index or position needs.
 pub(super) trait Source {
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;

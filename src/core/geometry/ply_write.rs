@@ -62,7 +62,8 @@ pub fn binary_ply(mesh: &MeshData) -> Vec<u8> {
     bytes
 }
 
-/// The declarations of attributes. Colours have the names that other programs know; the endings of others tell the reader which belong together.
+/// The declarations of attributes. Colours have the names that other programs know; the endings of others tell the
+/// reader which belong together.
 fn attribute_properties(attributes: &[&MeshAttribute]) -> String {
     let declared = |attribute: &&MeshAttribute| {
         let name = attribute

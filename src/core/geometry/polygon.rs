@@ -1,15 +1,17 @@
 //! Cuts polygons into triangles.
 //!
-//! Convex polygons become the fan around their first corner, as in Mitsuba, so that bent quads crease along the same diagonal. Concave ones,
-//! where a fan would leave the outline, lose one ear after the other (Meisters, "Polygons have ears", 1975). What is neither (crossing
-//! itself, without area, of very many corners) becomes a fan too: some picture, never a hang.
+//! Convex polygons become the fan around their first corner, as in Mitsuba, so that bent quads crease along the same
+//! diagonal. Concave ones, where a fan would leave the outline, lose one ear after the other (Meisters, "Polygons have
+//! ears", 1975). What is neither (crossing itself, without area, of very many corners) becomes a fan too: some picture,
+//! never a hang.
 
 use glam::{DVec2, DVec3, Vec3};
 
 /// The most corners of a polygon for ear clipping, which looks at every pair of corners, and more in bad cases.
 const MOST_CORNERS_TO_CLIP: usize = 512;
 
-/// Calls `emit` with each triangle of a polygon, as indices into `corners`; always `corners.len() - 2` of them, in the polygon's winding.
+/// Calls `emit` with each triangle of a polygon, as indices into `corners`; always `corners.len() - 2` of them, in the
+/// polygon's winding.
 pub fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let count = corners.len();
     if count > 3
@@ -62,7 +64,8 @@ fn is_convex(outline: &[DVec2]) -> bool {
 fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     let mut left: Vec<usize> = (0..outline.len()).collect();
     let mut is_left = vec![true; outline.len()];
-    // What was found to keep a corner from being an ear. It is not looked for again while it and the neighbours of the corner are left.
+    // What was found to keep a corner from being an ear. It is not looked for again while it and the neighbours of the
+    // corner are left.
     let mut obstacles: Vec<Option<usize>> = vec![None; outline.len()];
     let mut tip = 1;
     let mut tried = 0;
@@ -89,7 +92,8 @@ fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// What keeps a corner, with its neighbours, from being an ear: a corner in their triangle, or the corner itself, where the outline turns inwards.
+/// What keeps a corner, with its neighbours, from being an ear: a corner in their triangle, or the corner itself, where
+/// the outline turns inwards.
 fn obstacle(outline: &[DVec2], left: &[usize], ear: [usize; 3]) -> Option<usize> {
     let [a, b, c] = ear.map(|i| outline[i]);
     if turn(a, b, c) <= 0.0 {
@@ -113,7 +117,8 @@ mod tests {
         triangles
     }
 
-    /// The areas of all triangles, with the sign of their winding about `normal`: equal sums of both mean no overlap, nothing outside.
+    /// The areas of all triangles, with the sign of their winding about `normal`: equal sums of both mean no overlap,
+    /// nothing outside.
     fn areas(corners: &[Vec3], normal: Vec3) -> (f32, f32) {
         let signed: Vec<f32> = triangles(corners)
             .iter()

@@ -13,8 +13,8 @@ pub fn unit_triangle() -> MeshData {
     }
 }
 
-/// The cube [-1, 1]³ with the vertex order, normals and uvs of Mitsuba's `cube`: four vertices per face, each face [0, 1]² in uv,
-/// flat normals outward, triangles counter-clockwise from outside.
+/// The cube [-1, 1]³ with the vertex order, normals and uvs of Mitsuba's `cube`: four vertices per face, each face [0,
+/// 1]² in uv, flat normals outward, triangles counter-clockwise from outside.
 pub fn unit_cube() -> MeshData {
     // The directions in which u and v grow on each face; the outward normal is v × u.
     const FACES: [(Vec3, Vec3); 6] = [

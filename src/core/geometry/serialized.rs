@@ -1,8 +1,8 @@
 //! Reads Mitsuba's `serialized` meshes: several shapes in one file, each a zlib stream (RFC 1950), versions 3 and 4.
 //!
-//! A shape holds flags, in version 4 a name, the counts, and then positions, normals, texture coordinates and colours of all vertices in
-//! single or double precision, and the triangles. The colours are passed over, as Mitsuba 3 does. A table at the file's end says where
-//! each shape begins. Normals are computed where there are none.
+//! A shape holds flags, in version 4 a name, the counts, and then positions, normals, texture coordinates and colours
+//! of all vertices in single or double precision, and the triangles. The colours are passed over, as Mitsuba 3 does. A
+//! table at the file's end says where each shape begins. Normals are computed where there are none.
 
 use std::io::Read;
 

@@ -1,7 +1,7 @@
 //! The unit sphere around the origin.
 //!
-//! The quadratic is solved in f64, with the discriminant from the cross product (no cancellation for far origins; compare PBR 4th ed.
-//! section 6.8.3) and the two roots from their product. Scalar f64 costs the same as f32 here.
+//! The quadratic is solved in f64, with the discriminant from the cross product (no cancellation for far origins;
+//! compare PBR 4th ed. section 6.8.3) and the two roots from their product. Scalar f64 costs the same as f32 here.
 
 use std::f32::consts::{PI, TAU};
 
@@ -43,8 +43,8 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     }
 }
 
-/// The parametrisation at a point of the sphere: uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z.
-/// At the poles, where nothing moves with u, v grows towards +x.
+/// The parametrisation at a point of the sphere: uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x
+/// towards +y and theta from +z. At the poles, where nothing moves with u, v grows towards +x.
 pub(crate) fn parametrisation(position: Vec3) -> Parametrisation {
     Parametrisation {
         uv: uv(position),

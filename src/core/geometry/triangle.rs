@@ -1,9 +1,10 @@
 //! One triangle: the ray test and the surface at a hit.
 //!
-//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. Those of the edges are taken
-//! where the ray is the third axis, as signed areas (Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2013): each corner
-//! is moved there in one way whatever the triangle, so the two triangles at a shared edge get exactly opposite numbers and no ray slips
-//! between them. The weights are divided by their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
+//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. Those
+//! of the edges are taken where the ray is the third axis, as signed areas (Woop, Benthin, Wald, Watertight
+//! Ray/Triangle Intersection, JCGT 2013): each corner is moved there in one way whatever the triangle, so the two
+//! triangles at a shared edge get exactly opposite numbers and no ray slips between them. The weights are divided by
+//! their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -26,7 +27,8 @@ pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Ou
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
-/// A ray prepared for the test. Axes are permuted so that the third one is that of the largest component of the direction.
+/// A ray prepared for the test. Axes are permuted so that the third one is that of the largest component of the
+/// direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TriangleRay {
     /// The axis of the scene that each of the permuted axes is.
@@ -71,8 +73,8 @@ impl TriangleRay {
         ]
     }
 
-    /// The barycentric weights of corners 0, 1, 2, times their sum, of corners [relative](Self::relative) to the origin. The ray's line meets the
-    /// triangle if none is negative, or none positive.
+    /// The barycentric weights of corners 0, 1, 2, times their sum, of corners [relative](Self::relative) to the
+    /// origin. The ray's line meets the triangle if none is negative, or none positive.
     #[inline(always)]
     pub fn weights<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 3] {
         let shear = [splat(self.shear[0]), splat(self.shear[1])];
@@ -81,8 +83,8 @@ impl TriangleRay {
         [area(b, c), area(c, a), area(a, b)]
     }
 
-    /// The numerator and the denominator of the distance to the plane of corners [relative](Self::relative) to the origin. The denominator is
-    /// negative when the ray meets the front.
+    /// The numerator and the denominator of the distance to the plane of corners [relative](Self::relative) to the
+    /// origin. The denominator is negative when the ray meets the front.
     #[inline(always)]
     pub fn plane<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 2] {
         let normal = cross(sub(b, a), sub(c, a));
@@ -134,7 +136,8 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit
     })
 }
 
-/// Whether a triangle has finite corners and an area that the test can see; others can never be hit and need not be stored.
+/// Whether a triangle has finite corners and an area that the test can see; others can never be hit and need not be
+/// stored.
 pub(crate) fn is_regular(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
@@ -149,8 +152,8 @@ pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> 
     let (edge_b, edge_c) = (b - a, c - a);
     let normal = edge_b.cross(edge_c);
 
-    // The rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) . normal, where each component
-    // of the normal is a difference of products (large for slivers).
+    // The rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) .
+    // normal, where each component of the normal is a difference of products (large for slivers).
     let size = |v: R::Vec3| v.map(R::abs);
     let interpolation = (size(a) * w.abs() + size(b) * u.abs() + size(c) * v.abs()) * R::splat(gamma(7));
     let (p, q) = (size(edge_b), size(edge_c));
@@ -169,8 +172,8 @@ pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> 
     }
 }
 
-/// The parametrisation at the weights `u`, `v` of corners 1 and 2 that takes the values `uvs` at the corners; without them uv is (u, v). Where they
-/// have no area, the derivatives are zero.
+/// The parametrisation at the weights `u`, `v` of corners 1 and 2 that takes the values `uvs` at the corners; without
+/// them uv is (u, v). Where they have no area, the derivatives are zero.
 pub(crate) fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
     let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let Some(uvs) = uvs else {
@@ -190,7 +193,8 @@ pub(crate) fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[V
     }
 }
 
-/// Slivers so thin that their computed plane is mere rounding must not push rays visibly far away; in units of the longest edge.
+/// Slivers so thin that their computed plane is mere rounding must not push rays visibly far away; in units of the
+/// longest edge.
 const MAX_PLANE_ERROR: f32 = 1e-3;
 
 #[cfg(test)]

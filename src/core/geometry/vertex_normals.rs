@@ -1,8 +1,8 @@
 //! Smooth vertex normals from the triangles around each vertex, for files that carry none.
 //!
-//! Each triangle adds its unit normal, weighted by its interior angle at the vertex (Thürmer and Wüthrich, "Computing vertex normals from
-//! polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3.9 does the same when a mesh file has no normals and
-//! `face_normals` is off, so pictures agree.
+//! Each triangle adds its unit normal, weighted by its interior angle at the vertex (Thürmer and Wüthrich, "Computing
+//! vertex normals from polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3.9 does the same when a mesh
+//! file has no normals and `face_normals` is off, so pictures agree.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,13 +14,15 @@ pub(crate) const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 /// The number of triangles that are computed side by side.
 const LANES: usize = 4;
 
-/// The least number of triangles that is shared among threads: smaller meshes are done before other threads have woken up.
+/// The least number of triangles that is shared among threads: smaller meshes are done before other threads have woken
+/// up.
 const FEWEST_TO_SHARE: usize = 1 << 13;
 
 /// One unit normal for each position. Every index must be below `positions.len()`.
 ///
-/// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets [`NORMAL_OF_LONE_VERTEX`].
-/// Threads share out the vertices, and each takes their triangles in order: the sums do not depend on how many there are.
+/// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets
+/// [`NORMAL_OF_LONE_VERTEX`]. Threads share out the vertices, and each takes their triangles in order: the sums do not
+/// depend on how many there are.
 pub(crate) fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
     let shares = match triangles.len() {
@@ -75,9 +77,9 @@ struct Weighted {
     angles: [f32x4; 3],
 }
 
-/// Computes the normals and angles of at most [`LANES`] triangles. Edges are scaled by a power of two to lengths around 1, then so is their cross
-/// product, so that nothing under- or overflows. The tangent of an angle is the length of the cross product, the same at all corners, over the dot
-/// product.
+/// Computes the normals and angles of at most [`LANES`] triangles. Edges are scaled by a power of two to lengths around
+/// 1, then so is their cross product, so that nothing under- or overflows. The tangent of an angle is the length of the
+/// cross product, the same at all corners, over the dot product.
 #[inline(always)]
 fn weighted(positions: &[Vec3], block: &[[u32; 3]]) -> Weighted {
     // Lanes beyond the end of the mesh are never read.
@@ -118,7 +120,8 @@ fn scaled(v: [f32x4; 3], factor: f32x4) -> [f32x4; 3] {
     [v[0] * factor, v[1] * factor, v[2] * factor]
 }
 
-/// The power of two at or below a positive number, and its inverse; 0 and 2^127 below 2^-126, 2^127 and 0 from there on.
+/// The power of two at or below a positive number, and its inverse; 0 and 2^127 below 2^-126, 2^127 and 0 from there
+/// on.
 #[inline(always)]
 fn power_of_two(x: f32x4) -> (f32x4, f32x4) {
     let exponent = bytemuck::cast::<_, u32x4>(x) & u32x4::splat(0xff << 23);
@@ -147,7 +150,8 @@ fn largest(v: [f32x4; 3]) -> f32x4 {
     v[0].abs().fast_max(v[1].abs()).fast_max(v[2].abs())
 }
 
-/// The direction of `vector`, whatever its length, even if its square is beyond an `f32`; `None` for zero and vectors that are not finite.
+/// The direction of `vector`, whatever its length, even if its square is beyond an `f32`; `None` for zero and vectors
+/// that are not finite.
 pub fn unit(vector: Vec3) -> Option<Vec3> {
     let square = vector.length_squared();
     if (1e-30..1e30).contains(&square) {
@@ -165,7 +169,8 @@ mod tests {
 
     #[test]
     fn the_angle_counts_not_the_number_of_triangles() {
-        // It is a cube corner whose top face is cut in two: by angle both halves weigh together as much as one side does.
+        // It is a cube corner whose top face is cut in two: by angle both halves weigh together as much as one side
+        // does.
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)];
         let triangles = [[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]];
         let normal = angle_weighted_normals(&positions, &triangles)[0];

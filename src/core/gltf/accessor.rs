@@ -1,4 +1,5 @@
-//! Accessors: typed, strided, sparse views of buffers, read as numbers (glTF 2.0, section 3.6.2). Every range is checked.
+//! Accessors: typed, strided, sparse views of buffers, read as numbers (glTF 2.0, section 3.6.2). Every range is
+//! checked.
 
 use super::schema::Accessor;
 use super::zeros::MOST_ZEROS;
@@ -88,8 +89,8 @@ impl<'a> Strided<'a> {
 }
 
 impl Gltf {
-    /// Elements as vectors of `N` numbers; `kind` is the accessor type this must be, such as `VEC3`. `used`: which elements, in ascending
-    /// order; None for all.
+    /// Elements as vectors of `N` numbers; `kind` is the accessor type this must be, such as `VEC3`. `used`: which
+    /// elements, in ascending order; None for all.
     pub(super) fn vectors<const N: usize>(
         &self,
         index: usize,

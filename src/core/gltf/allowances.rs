@@ -1,5 +1,5 @@
-//! Bounds on what is made of a file. By naming one thing again and again, a small file could ask for far more than its size: for thousands of meshes of
-//! the same vertices, curves of the same numbers, and pictures of the same picture.
+//! Bounds on what is made of a file. By naming one thing again and again, a small file could ask for far more than its
+//! size: for thousands of meshes of the same vertices, curves of the same numbers, and pictures of the same picture.
 
 use std::collections::HashSet;
 
@@ -8,13 +8,16 @@ use super::zeros::MOST_ZEROS;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 
-/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each becomes a shape.
+/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each
+/// becomes a shape.
 pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
-/// The most places of primitives that stand elsewhere as well. In a file of 200 kB, thousands of nodes may each place thousands of primitives.
+/// The most places of primitives that stand elsewhere as well. In a file of 200 kB, thousands of nodes may each place
+/// thousands of primitives.
 pub(super) const MOST_REPEATS: usize = 1 << 20;
 
-/// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any number of vectors.
+/// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any
+/// number of vectors.
 pub(super) const MOST_MOVES: usize = 1 << 28;
 
 /// The bytes of meshes for each byte of the buffers. Where primitives share nothing, a byte becomes at most twenty.

@@ -1,7 +1,8 @@
 //! Animations: the curves along which nodes move, turn and grow (glTF 2.0, section 3.11).
 //!
-//! All animations play together from 0 s on. An animation that cannot be read, or that drives a part of a node's pose that an earlier one drives, is left out
-//! as a whole, because files hold alternatives ("walk", "run") as well as the parts of one motion.
+//! All animations play together from 0 s on. An animation that cannot be read, or that drives a part of a node's pose
+//! that an earlier one drives, is left out as a whole, because files hold alternatives ("walk", "run") as well as the
+//! parts of one motion.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -14,7 +15,8 @@ use super::schema::{Animation, AnimationSampler, Node};
 use super::{Gltf, GltfError};
 use crate::document::animation::MOST_TIME;
 
-/// A scale that takes the place of smaller ones, 0 above all, by which animations hide things: nothing may be flattened.
+/// A scale that takes the place of smaller ones, 0 above all, by which animations hide things: nothing may be
+/// flattened.
 const LEAST_SCALE: f32 = 1e-4;
 
 /// The animations of a file.
@@ -68,7 +70,8 @@ struct Elements<const N: usize> {
     fault: Option<&'static str>,
 }
 
-/// The accessors that were read already, because many curves share their times; those that cannot be read have the reason.
+/// The accessors that were read already, because many curves share their times; those that cannot be read have the
+/// reason.
 type Read<const N: usize> = HashMap<usize, Result<Elements<N>, String>>;
 
 struct Known {
@@ -362,7 +365,8 @@ pub(super) fn rotation(turn: [f32; 4]) -> Quat {
     unit.map_or(Quat::IDENTITY, Quat::from_vec4)
 }
 
-/// The moment of a jump: a rounding before the key. Frames at n / 24 s must not come before a key that has the same time in single precision.
+/// The moment of a jump: a rounding before the key. Frames at n / 24 s must not come before a key that has the same
+/// time in single precision.
 fn jump(time: f32) -> f32 {
     time.next_down()
 }

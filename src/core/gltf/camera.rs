@@ -20,7 +20,8 @@ const SAMPLES: i64 = 64;
 /// The direction from the middle of the scene to the camera, if the file has no camera.
 const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
 const VIEW_DEGREES: f32 = 40.0;
-/// The largest coordinates of a scene for which a camera is placed. Products of three lengths still fit into single precision.
+/// The largest coordinates of a scene for which a camera is placed. Products of three lengths still fit into single
+/// precision.
 const FARTHEST_REACH: f32 = 1e12;
 
 impl Builder<'_> {

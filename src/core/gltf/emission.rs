@@ -45,7 +45,8 @@ impl Builder<'_> {
         (mean > 0.0).then_some(Glow { emitter, mean })
     }
 
-    /// The light where the surface is, for it shines only as far as its alpha says: a colour, or a texture with its picture.
+    /// The light where the surface is, for it shines only as far as its alpha says: a colour, or a texture with its
+    /// picture.
     fn seen_light(
         &mut self,
         material: &Material,

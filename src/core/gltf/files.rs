@@ -1,4 +1,5 @@
-//! A glTF file taken apart into files that other programs of the scene format read: meshes as PLY, pictures as PNG, JPEG or EXR.
+//! A glTF file taken apart into files that other programs of the scene format read: meshes as PLY, pictures as PNG,
+//! JPEG or EXR.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +15,8 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::ply_write::binary_ply;
 use crate::texture::load_image;
 
-/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once. Returns the name by which the scene finds it.
+/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once. Returns the name by which the scene finds
+/// it.
 pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
 
 /// Makes the scene, whose meshes and pictures are given to `keep`. `read` is as for [`Gltf::open`].

@@ -1,5 +1,6 @@
-//! The folders of the scene: nodes at which nothing stands but that have things below, as Blender's empties. Their names come before the names of what hangs on
-//! them, as in `house/room/table`. A folder with a pose of its own becomes a group, unless it moves: then what is in it has keys that say so.
+//! The folders of the scene: nodes at which nothing stands but that have things below, as Blender's empties. Their
+//! names come before the names of what hangs on them, as in `house/room/table`. A folder with a pose of its own becomes
+//! a group, unless it moves: then what is in it has keys that say so.
 
 use std::rc::Rc;
 

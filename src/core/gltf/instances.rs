@@ -82,8 +82,8 @@ impl Gltf {
 }
 
 impl Builder<'_> {
-    /// The poses of the instances of a node, as far as there may be more of them; None if its mesh stands there once, also (reported) if they cannot be
-    /// read.
+    /// The poses of the instances of a node, as far as there may be more of them; None if its mesh stands there once,
+    /// also (reported) if they cannot be read.
     pub(super) fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<Mat4>> {
         match self.gltf.instances(node, &mut self.instances_left) {
             Ok(instances) => {

@@ -11,8 +11,8 @@ pub(super) struct Glow {
     pub mean: f32,
 }
 
-/// The light of all surfaces together, as the mean of their radiance, below which they do not light the scene: the picture would be nearly black then.
-/// What stands in for light has about 1.
+/// The light of all surfaces together, as the mean of their radiance, below which they do not light the scene: the
+/// picture would be nearly black then. What stands in for light has about 1.
 const LEAST_LIGHT: f32 = 0.03;
 
 /// What lights the scene so far.

@@ -1,4 +1,5 @@
-//! Warns of properties of glTF materials that the models of the scene format do not have. Each sentence names the material.
+//! Warns of properties of glTF materials that the models of the scene format do not have. Each sentence names the
+//! material.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +28,8 @@ pub(super) fn first_names<T>(things: &[T], name: impl Fn(&T) -> String) -> Strin
 }
 
 impl Builder<'_> {
-    /// Says which extensions are not read, and which materials have them. A file may have extensions that it does not list.
+    /// Says which extensions are not read, and which materials have them. A file may have extensions that it does not
+    /// list.
     pub(super) fn report_extensions(&mut self) {
         let root = &self.gltf.root;
         let listed = root.extensions_used.iter().filter(|name| !is_supported(name));

@@ -1,8 +1,9 @@
 //! Turns materials of the file into bsdfs of the scene format (glTF 2.0, section 3.9 and appendix B).
 //!
-//! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no use for
-//! culling. Thin transmission (without a volume) is `principledthin`, blended with metal where there is some; a volume that absorbs light is a medium
-//! inside. What is no metal and has a specular factor of 0 is `diffuse`: glTF's model is Lambert's then, which `principled` is not.
+//! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no
+//! use for culling. Thin transmission (without a volume) is `principledthin`, blended with metal where there is some; a
+//! volume that absorbs light is a medium inside. What is no metal and has a specular factor of 0 is `diffuse`: glTF's
+//! model is Lambert's then, which `principled` is not.
 
 use glam::Vec3;
 
@@ -56,8 +57,8 @@ impl Material {
         (self.alpha_mode.as_deref() == Some("MASK")).then(|| self.alpha_cutoff.unwrap_or(CUTOFF))
     }
 
-    /// The absorption coefficient inside, per unit of length; None if nothing is absorbed. After the attenuation distance light has the attenuation colour
-    /// (KHR_materials_volume).
+    /// The absorption coefficient inside, per unit of length; None if nothing is absorbed. After the attenuation
+    /// distance light has the attenuation colour (KHR_materials_volume).
     pub(super) fn absorption(&self) -> Option<Vec3> {
         /// The least share of light that is left: black would absorb infinitely much.
         const DARKEST: f32 = 1e-10;
@@ -72,7 +73,8 @@ impl Material {
         (sigma_a.is_finite() && sigma_a.max_element() > 0.0).then_some(sigma_a)
     }
 
-    /// Whether it is diffuse and nothing else: it is no metal, mirrors nothing and has no further layers (KHR_materials_specular).
+    /// Whether it is diffuse and nothing else: it is no metal, mirrors nothing and has no further layers
+    /// (KHR_materials_specular).
     fn is_matt(&self) -> bool {
         let extensions = &self.extensions;
         let specular = extensions.specular.as_ref();
@@ -295,8 +297,8 @@ pub(super) fn title(index: Option<usize>, material: &Material) -> String {
     }
 }
 
-/// The index of refraction with the reflectance at normal incidence that the specular factor and the grey of the specular colour leave
-/// (KHR_materials_specular).
+/// The index of refraction with the reflectance at normal incidence that the specular factor and the grey of the
+/// specular colour leave (KHR_materials_specular).
 fn index_of_refraction(material: &Material) -> f32 {
     let given = material.extensions.ior.as_ref().map_or(DEFAULT_IOR, |given| given.ior);
     // `principled` needs a surface that refracts at least a little.

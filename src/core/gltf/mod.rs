@@ -1,8 +1,9 @@
 //! Reads glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
 //!
-//! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
-//! format how they belong together. Nothing here draws or knows entities. Animations of nodes become key frames; those of skins
-//! and morph targets are not read: meshes have their shape at rest, skinned ones at the place where their bones hold them then.
+//! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and
+//! [`scene`] says in the scene format how they belong together. Nothing here draws or knows entities. Animations of
+//! nodes become key frames; those of skins and morph targets are not read: meshes have their shape at rest, skinned
+//! ones at the place where their bones hold them then.
 
 mod accessor;
 mod allowances;
@@ -80,8 +81,9 @@ pub struct Gltf {
     _memory: Held,
 }
 
-/// The memory in bytes that the objects of a JSON take at most: each of them as much as a material, the largest one, and every other value as much as a
-/// name or a value that is kept as it is. Lists that grow have room for twice as many.
+/// The memory in bytes that the objects of a JSON take at most: each of them as much as a material, the largest one,
+/// and every other value as much as a name or a value that is kept as it is. Lists that grow have room for twice as
+/// many.
 fn json_bytes(json: &[u8]) -> u64 {
     let (mut objects, mut values) = (0, 0);
     for byte in json {

@@ -1,7 +1,8 @@
 //! Key frames of things whose node, or a node above it, moves.
 //!
-//! Poses in the world are taken at all key times of these nodes, and at times between them wherever the way from one pose to the next would leave the
-//! true one: a key frame of the scene format knows no curves, and what turns about something else moves along an arc.
+//! Poses in the world are taken at all key times of these nodes, and at times between them wherever the way from one
+//! pose to the next would leave the true one: a key frame of the scene format knows no curves, and what turns about
+//! something else moves along an arc.
 
 use glam::{Affine3A, Mat4, Vec4};
 
@@ -12,10 +13,12 @@ use crate::document::animation::affine_between;
 use crate::document::{Interpolation, Key, Property, Span, Track, Value};
 use crate::math::is_invertible;
 
-/// The most poses of nodes that are computed and kept for the key frames of a file. It bounds their number, and the time for nodes deep in a tree.
+/// The most poses of nodes that are computed and kept for the key frames of a file. It bounds their number, and the
+/// time for nodes deep in a tree.
 const MOST_POSES: usize = 1 << 24;
 
-/// The distance of interpolated poses from the true ones: relative to the size of things, and to the way between two keys of the file.
+/// The distance of interpolated poses from the true ones: relative to the size of things, and to the way between two
+/// keys of the file.
 const TOLERANCE: f32 = 1e-3;
 /// The error of places by rounding, relative to their coordinates.
 const ROUNDING: f32 = 1e-6;

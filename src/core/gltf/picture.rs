@@ -1,5 +1,6 @@
-//! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut off, normals scaled. The
-//! format has no textures that are products of others, and neither metals nor roughness share a picture there.
+//! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut
+//! off, normals scaled. The format has no textures that are products of others, and neither metals nor roughness share
+//! a picture there.
 
 use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgb32FImage};
@@ -64,7 +65,8 @@ pub enum Made {
 }
 
 impl Made {
-    /// Whether the samples are numbers that are not decoded from sRGB. Colours brighter than white are: Mitsuba warns of them otherwise.
+    /// Whether the samples are numbers that are not decoded from sRGB. Colours brighter than white are: Mitsuba warns
+    /// of them otherwise.
     pub fn is_raw(&self) -> bool {
         match self {
             Self::Color(factor) | Self::Light { color: factor, .. } => factor.iter().any(|&factor| factor > 1.0),
@@ -188,7 +190,8 @@ fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImag
         Made::Light { color, of, alpha } => {
             let shares = image.to_rgba32f();
             let colors = shining.to_rgb32f();
-            // The size of one of both, for which there is memory: the greater width of one and the greater height of the other may be far too many pixels.
+            // The size of one of both, for which there is memory: the greater width of one and the greater height of
+            // the other may be far too many pixels.
             let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
             let (width, height) = match of {
                 Some(_) if pixels(colors.dimensions()) > pixels(shares.dimensions()) => colors.dimensions(),

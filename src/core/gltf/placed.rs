@@ -1,4 +1,5 @@
-//! The meshes of the scene where its nodes place them, without materials, lights and cameras: enough for a small picture.
+//! The meshes of the scene where its nodes place them, without materials, lights and cameras: enough for a small
+//! picture.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,9 +12,9 @@ use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
 
 impl Gltf {
-    /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read, points and lines, and flattened nodes are left
-    /// out, as in [`Self::scene`]. Meshes that are placed several times are shared, and those of very many places
-    /// are left out in the last ones.
+    /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read,
+    /// points and lines, and flattened nodes are left out, as in [`Self::scene`]. Meshes that are placed several
+    /// times are shared, and those of very many places are left out in the last ones.
     pub fn placed_meshes(&self) -> Result<Vec<(Arc<MeshData>, Affine3A)>, GltfError> {
         let first = self.first_primitives();
         let mut allowance = MeshAllowance::of(self);

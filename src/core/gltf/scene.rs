@@ -1,6 +1,7 @@
 //! The scene of a file in the scene format: what its nodes place, with materials, lights and cameras.
 //!
-//! Where the file has no camera, one looks at everything from the front, a little from above; where nothing lights it, there is the light of a studio.
+//! Where the file has no camera, one looks at everything from the front, a little from above; where nothing lights it,
+//! there is the light of a studio.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
@@ -20,7 +21,8 @@ use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
 use crate::math::{Aabb, is_invertible};
 
-/// The most characters of a name that ids have. A file may say the name of a mesh once, and place it thousands of times.
+/// The most characters of a name that ids have. A file may say the name of a mesh once, and place it thousands of
+/// times.
 const LONGEST_NAME: usize = 256;
 
 /// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
@@ -161,7 +163,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The light that something sends out, with zero (reported) in place of numbers that are negative or too large for single precision.
+    /// The light that something sends out, with zero (reported) in place of numbers that are negative or too large for
+    /// single precision.
     pub fn possible_light(&mut self, light: Vec3, title: &str) -> Vec3 {
         let possible = light.map(|number| if number.is_finite() { number.max(0.0) } else { 0.0 });
         if possible != light {
@@ -286,8 +289,8 @@ impl Builder<'_> {
             shape.id = Some(self.unique_in_folder(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
-                // If a transform mirrors, the front is the side from which the corners are seen clockwise (glTF 2.0, section 3.7.4), and normals of
-                // faces turn around; vertex normals stay outside.
+                // If a transform mirrors, the front is the side from which the corners are seen clockwise (glTF 2.0,
+                // section 3.7.4), and normals of faces turn around; vertex normals stay outside.
                 if map.as_daffine3().matrix3.determinant() < 0.0 {
                     shape = with(shape, "flip_normals", Value::Boolean(true));
                 }

@@ -1,6 +1,7 @@
 //! The JSON of a glTF 2.0 file, as far as it is read here: the objects of the specification with their defaults.
 //!
-//! Indices are as the file has them; the code that follows one checks it. Members that are not listed here are not read.
+//! Indices are as the file has them; the code that follows one checks it. Members that are not listed here are not
+//! read.
 
 mod materials;
 
@@ -36,8 +37,9 @@ pub struct Root {
 }
 
 impl Root {
-    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Extras in files of other programs do not count: they
-    /// may have been copied from a file of ours together with an object that was changed.
+    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Extras in files
+    /// of other programs do not count: they may have been copied from a file of ours together with an object that
+    /// was changed.
     pub fn is_as_written(&self, extras: &Value, content: &[u8]) -> bool {
         let generator = self.asset.generator.as_str().unwrap_or_default();
         let written = extras["sunroom_crc32"].as_str();

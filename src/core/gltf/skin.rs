@@ -1,5 +1,5 @@
-//! Where skinned meshes stand. Their node does not place them (glTF 2.0, section 3.7.3.3), but their bones do: at rest each vertex is where the rest pose
-//! of its bones takes it from the pose in which it was bound to them.
+//! Where skinned meshes stand. Their node does not place them (glTF 2.0, section 3.7.3.3), but their bones do: at rest
+//! each vertex is where the rest pose of its bones takes it from the pose in which it was bound to them.
 
 use glam::Mat4;
 
@@ -30,8 +30,8 @@ impl Gltf {
         RestPoses(poses)
     }
 
-    /// Where the mesh of a node stands by its bones; None if it has no skin. At rest all bones of most meshes say the same. Where they do not, the first
-    /// one counts, which is most often the root of the others.
+    /// Where the mesh of a node stands by its bones; None if it has no skin. At rest all bones of most meshes say the
+    /// same. Where they do not, the first one counts, which is most often the root of the others.
     pub(super) fn pose_of_skin(&self, node: &Node, rest: &RestPoses) -> Option<Mat4> {
         // A skin that is not there holds nothing.
         let skin = self.root.skins.get(node.skin?);
@@ -58,7 +58,8 @@ impl Gltf {
         joints.iter().enumerate().map(pose).collect()
     }
 
-    /// Whether the bones of a skin do more than to place a mesh: they may move, or they hold it in several poses at rest.
+    /// Whether the bones of a skin do more than to place a mesh: they may move, or they hold it in several poses at
+    /// rest.
     fn deforms(&self, skin: &Skin, rest: &RestPoses) -> bool {
         let poses = self.poses_of_bones(skin, rest, usize::MAX);
         let is_same = |one: Mat4, other: Mat4| {

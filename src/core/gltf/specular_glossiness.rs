@@ -1,6 +1,8 @@
-//! Materials of the archived extension KHR_materials_pbrSpecularGlossiness, as those of metallic-roughness that look most alike.
+//! Materials of the archived extension KHR_materials_pbrSpecularGlossiness, as those of metallic-roughness that look
+//! most alike.
 //!
-//! Its diffuse and specular colour are those of a base colour and a share of metal whose dielectric part mirrors 4 % head on.
+//! Its diffuse and specular colour are those of a base colour and a share of metal whose dielectric part mirrors 4 %
+//! head on.
 
 use glam::Vec3;
 
@@ -63,7 +65,8 @@ fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
     (pbr, specular)
 }
 
-/// The share m for which the base colour c = `diffuse` / (1 - m), as a metal's, explains what is mirrored: 0.04 (1 - m) + c m.
+/// The share m for which the base colour c = `diffuse` / (1 - m), as a metal's, explains what is mirrored: 0.04 (1 - m)
+/// + c m.
 fn share_of_metal(diffuse: f32, mirrored: f32) -> f32 {
     let b = diffuse + mirrored - 2.0 * DIELECTRIC;
     let c = DIELECTRIC - mirrored;

@@ -1,7 +1,8 @@
-//! The light that stands in where nothing lights the scene of a file: a photographer's studio, as a picture of all directions.
+//! The light that stands in where nothing lights the scene of a file: a photographer's studio, as a picture of all
+//! directions.
 //!
-//! Its radiance is about 1, as that of a white sky would be. But it has a bright backdrop, a darker floor and lamps, so that one sees the form of what is
-//! white and of what is a mirror.
+//! Its radiance is about 1, as that of a white sky would be. But it has a bright backdrop, a darker floor and lamps, so
+//! that one sees the form of what is white and of what is a mirror.
 
 use std::f32::consts::{PI, TAU};
 use std::io::Cursor;

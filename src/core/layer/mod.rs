@@ -1,9 +1,10 @@
-//! Layers: what a picture consists of beside its colours, for compositing, denoising and checking (AOVs, arbitrary output variables). Here are
-//! their meanings and names; `render::layers` makes them.
+//! Layers: what a picture consists of beside its colours, for compositing, denoising and checking (AOVs, arbitrary
+//! output variables). Here are their meanings and names; `render::layers` makes them.
 //!
-//! Layers of surfaces tell of the first surface that does not let the camera ray pass straight on: what lies behind the holes of a mask counts,
-//! and each sample of a pixel decides anew. All layers but cryptomattes and numbers of things are plain means over the samples of a pixel, which
-//! lie where the reconstruction filter has put them; the weights that filters with negative lobes give to samples count for light alone.
+//! Layers of surfaces tell of the first surface that does not let the camera ray pass straight on: what lies behind the
+//! holes of a mask counts, and each sample of a pixel decides anew. All layers but cryptomattes and numbers of things
+//! are plain means over the samples of a pixel, which lie where the reconstruction filter has put them; the weights
+//! that filters with negative lobes give to samples count for light alone.
 
 mod names;
 
@@ -12,13 +13,15 @@ pub use self::names::{UnknownLayer, layer_names};
 /// A layer of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
-    /// The share of the samples that meet a surface, in [0, 1]: the opacity of what stands before the background, which is 0 where the camera sees
-    /// the sky or nothing. It is the channel `A` of the picture; colours are premultiplied by it but for the light of the sky.
+    /// The share of the samples that meet a surface, in [0, 1]: the opacity of what stands before the background, which
+    /// is 0 where the camera sees the sky or nothing. It is the channel `A` of the picture; colours are
+    /// premultiplied by it but for the light of the sky.
     Alpha,
-    /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a surface count as black.
+    /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a
+    /// surface count as black.
     Albedo,
-    /// The shading normal in world space, as interpolated from vertices and without bumps: the mean of the unit vectors of the samples
-    /// that meet a surface, shorter than 1 where they differ. Zero without a surface.
+    /// The shading normal in world space, as interpolated from vertices and without bumps: the mean of the unit vectors
+    /// of the samples that meet a surface, shorter than 1 where they differ. Zero without a surface.
     Normal,
     /// The geometric normal in world space, as [`Self::Normal`].
     GeometricNormal,
@@ -26,18 +29,20 @@ pub enum Layer {
     CameraNormal,
     /// [`Self::GeometricNormal`] in camera space, as [`Self::CameraNormal`].
     CameraGeometricNormal,
-    /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that meet one, or 0 without any. It
-    /// is measured along the ray, not along the axis of the camera.
+    /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that
+    /// meet one, or 0 without any. It is measured along the ray, not along the axis of the camera.
     Depth,
     /// The place on the surface in world space: the mean over the samples that meet one, or 0 without any.
     Position,
     /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
     Uv,
-    /// The way in pixels, to the right and down, from where the surface was in the picture of the frame before to where it is now: the mean over all samples.
-    /// The sky moves with the camera's turns. Zero in a picture that is no frame of a sequence.
+    /// The way in pixels, to the right and down, from where the surface was in the picture of the frame before to where
+    /// it is now: the mean over all samples. The sky moves with the camera's turns. Zero in a picture that is no
+    /// frame of a sequence.
     Motion,
-    /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is hit. It is that of the pixel's first
-    /// sample, without any filter, and of the first surface even where it has a hole.
+    /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is hit.
+    /// It is that of the pixel's first sample, without any filter, and of the first surface even where it has a
+    /// hole.
     ObjectId,
     /// A whole number for each material, counted from 1, as [`Self::ObjectId`].
     MaterialId,
@@ -45,8 +50,8 @@ pub enum Layer {
     Samples,
     /// The estimated variance of the pixel's luminance, which is the square of its standard error; 0 below two samples.
     Variance,
-    /// The light that one surface has scattered on its way from a light to the camera, linear Rec. 709. Surfaces that let light pass straight on do
-    /// not count. Direct, indirect and emitted light sum up to the picture.
+    /// The light that one surface has scattered on its way from a light to the camera, linear Rec. 709. Surfaces that
+    /// let light pass straight on do not count. Direct, indirect and emitted light sum up to the picture.
     Direct,
     /// The light that two surfaces or more have scattered.
     Indirect,
@@ -57,7 +62,8 @@ pub enum Layer {
     LightGroups,
     /// The picture without noise, where a denoiser is there.
     Denoised,
-    /// The albedo that the denoiser is given, in [0, 1]: that of the first surface that is not perfectly specular, tinted by what it is seen through.
+    /// The albedo that the denoiser is given, in [0, 1]: that of the first surface that is not perfectly specular,
+    /// tinted by what it is seen through.
     DenoiserAlbedo,
     /// The world normal that the denoiser is given, of the same surface.
     DenoiserNormal,

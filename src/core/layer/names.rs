@@ -139,7 +139,8 @@ impl Layer {
         }
     }
 
-    /// The last parts of the names of its channels in picture files; none of cryptomattes, which are several layers there.
+    /// The last parts of the names of its channels in picture files; none of cryptomattes, which are several layers
+    /// there.
     pub const fn channels_in_pictures(self) -> &'static [&'static str] {
         match self {
             Self::Alpha => &["A"],

@@ -1,6 +1,8 @@
-//! The bounds of a set of emitters, for choosing among sets: where they are, in which directions they shine, and how much.
+//! The bounds of a set of emitters, for choosing among sets: where they are, in which directions they shine, and how
+//! much.
 //!
-//! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBR 4th ed., section 12.6.3.
+//! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBR 4th ed., section
+//! 12.6.3.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -8,7 +10,8 @@ use glam::Vec3;
 
 use crate::math::Aabb;
 
-/// The angle that is added to merged cones (radians), so that rounding leaves no emitter outside: that of `acos` near its ends.
+/// The angle that is added to merged cones (radians), so that rounding leaves no emitter outside: that of `acos` near
+/// its ends.
 const ANGLE_ROUNDING: f32 = 1e-3;
 
 /// The bounds of one emitter or of a set of them.

@@ -1,7 +1,7 @@
 //! The choice of a light for a sample.
 //!
-//! Lights at infinity have a fixed share of the samples, in which each has a part in proportion to the irradiance it can give. The
-//! others are chosen for each reference point by a tree.
+//! Lights at infinity have a fixed share of the samples, in which each has a part in proportion to the irradiance it
+//! can give. The others are chosen for each reference point by a tree.
 
 use super::LightReference;
 use super::bounds::LightBounds;
@@ -26,12 +26,13 @@ pub(super) struct LightChoice {
     infinite_share: f32,
 }
 
-/// The share of the samples that go to lights at infinity if there are others: the kind that matters differs from place to place.
+/// The share of the samples that go to lights at infinity if there are others: the kind that matters differs from place
+/// to place.
 const INFINITE_SHARE: f32 = 0.5;
 
 impl LightChoice {
-    /// Builds the choice from the bounds of the parts of finite lights and the weights of the infinite lights. What has no bounds, or weight 0, is
-    /// never chosen.
+    /// Builds the choice from the bounds of the parts of finite lights and the weights of the infinite lights. What has
+    /// no bounds, or weight 0, is never chosen.
     pub fn new(finite: &[Option<LightBounds>], infinite: &[f32]) -> Self {
         let finite = LightTree::build(finite);
         let infinite = DiscreteDistribution::new(infinite);
@@ -60,13 +61,15 @@ impl LightChoice {
         }
     }
 
-    /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one light, `u` is not used.
+    /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one
+    /// light, `u` is not used.
     #[inline]
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
         self.sample_by(u, |tree, u| tree.sample(reference, u))
     }
 
-    /// The probabilities by which [`Self::sample_lane`] chooses among lights that are somewhere, where lanes need not go down the tree one by one.
+    /// The probabilities by which [`Self::sample_lane`] chooses among lights that are somewhere, where lanes need not
+    /// go down the tree one by one.
     pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
         self.finite.as_ref()?.shares(from)
     }

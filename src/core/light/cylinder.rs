@@ -1,4 +1,5 @@
-//! Open cylinders that emit, circular or not. They are sampled uniformly in angle and height, which is uniform in area for circular ones.
+//! Open cylinders that emit, circular or not. They are sampled uniformly in angle and height, which is uniform in area
+//! for circular ones.
 
 use std::f32::consts::TAU;
 
@@ -24,8 +25,8 @@ impl CylinderLight {
         }
     }
 
-    /// The area. It is exact for circular cylinders, and by Ramanujan's circumference of an ellipse for others; only the choice between lights
-    /// depends on it.
+    /// The area. It is exact for circular cylinders, and by Ramanujan's circumference of an ellipse for others; only
+    /// the choice between lights depends on it.
     pub fn area(&self) -> f32 {
         let axis = self.world_from_local.matrix3.z_axis;
         let length = axis.length();

@@ -1,4 +1,5 @@
-//! Rays of light as emitters send them: where paths from the lights start (Veach 1997, section 10.2; PBR 4th ed., section 16.1).
+//! Rays of light as emitters send them: where paths from the lights start (Veach 1997, section 10.2; PBR 4th ed.,
+//! section 16.1).
 
 use glam::{Vec2, Vec3};
 
@@ -27,8 +28,9 @@ pub struct EmittedRay {
 /// The densities of a ray in the measures of its emitter, which depend on its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionPdf {
-    /// Density of the start, with the probability of the light: per area on surfaces; per solid angle of the direction that light comes from for lights at
-    /// infinity. For points, and for lights of one direction, it is the probability of the light.
+    /// Density of the start, with the probability of the light: per area on surfaces; per solid angle of the direction
+    /// that light comes from for lights at infinity. For points, and for lights of one direction, it is the
+    /// probability of the light.
     pub start: f32,
     /// Density of what follows: per solid angle of the direction; for lights at infinity per area perpendicular to it.
     pub next: f32,
@@ -128,8 +130,9 @@ impl SceneSphere {
     }
 }
 
-/// The directions from a place far away to a sphere. Lamps send most of their rays there, as with projection maps (Jensen, Realistic Image Synthesis Using Photon
-/// Mapping, 2001): of a small sun only one ray in thousands would meet a scene otherwise.
+/// The directions from a place far away to a sphere. Lamps send most of their rays there, as with projection maps
+/// (Jensen, Realistic Image Synthesis Using Photon Mapping, 2001): of a small sun only one ray in thousands would meet
+/// a scene otherwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aim {
     /// Unit vector.
@@ -139,7 +142,8 @@ pub(super) struct Aim {
     one_minus_cos: f32,
 }
 
-/// The squared sines of the angles of the cones: from places that are nearer there is none, and narrower cones would be lost to rounding.
+/// The squared sines of the angles of the cones: from places that are nearer there is none, and narrower cones would be
+/// lost to rounding.
 const SINES_SQUARED: [f32; 2] = [1e-6, 0.25];
 
 impl Aim {

@@ -1,4 +1,5 @@
-//! The choice of the light that a path starts from. Nothing is known of who will be lit, so that lights are chosen by their power.
+//! The choice of the light that a path starts from. Nothing is known of who will be lit, so that lights are chosen by
+//! their power.
 
 use std::f32::consts::PI;
 

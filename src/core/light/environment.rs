@@ -1,9 +1,9 @@
 //! A picture of all directions, infinitely far away.
 //!
-//! Latitude and longitude as Mitsuba 3 (since 3.9) has them: +y is up, the top row of the picture is the pole, the bottom row its
-//! opposite; columns have their centres half a column inside, the middle of the picture lies towards +z and the columns go on towards
-//! -x. Between pixels radiance is bilinear, and directions are sampled by the bilinear interpolation of luminance times the solid
-//! angle of its pixel, which is nowhere zero where radiance is not.
+//! Latitude and longitude as Mitsuba 3 (since 3.9) has them: +y is up, the top row of the picture is the pole, the
+//! bottom row its opposite; columns have their centres half a column inside, the middle of the picture lies towards +z
+//! and the columns go on towards -x. Between pixels radiance is bilinear, and directions are sampled by the bilinear
+//! interpolation of luminance times the solid angle of its pixel, which is nowhere zero where radiance is not.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
@@ -29,15 +29,17 @@ pub struct EnvironmentMap {
 /// The least number of rows. A picture with fewer gets more by repeating the last one, as in Mitsuba 3.
 const LEAST_ROWS: u32 = 3;
 
-/// The share of the density that remains where compensation would leave nothing. It keeps the sampling sound where no other technique helps.
+/// The share of the density that remains where compensation would leave nothing. It keeps the sampling sound where no
+/// other technique helps.
 const COMPENSATION_FLOOR: f32 = 0.05;
 
 /// The least sine of theta. Below it the density per solid angle, infinite at the poles, stays constant.
 const LEAST_SINE: f32 = 1e-7;
 
 impl EnvironmentMap {
-    /// Prepares an environment. Pixels that are negative or no number count as black. `compensated` sharpens the density by subtracting the mean:
-    /// directions that surfaces sample by themselves need not be sampled twice (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
+    /// Prepares an environment. Pixels that are negative or no number count as black. `compensated` sharpens the
+    /// density by subtracting the mean: directions that surfaces sample by themselves need not be sampled twice
+    /// (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
     pub fn new(image: Arc<Image>, compensated: bool) -> Self {
         let (width, height) = (image.width(), image.height());
         let rows = height.max(LEAST_ROWS);

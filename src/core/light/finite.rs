@@ -1,7 +1,7 @@
 //! Emitters that have a place: dispatch over their kinds.
 //!
-//! An emitter has one part or more (a mesh has one per triangle), each of which is chosen by itself. Densities are given the part; the
-//! probability of the part is the table's.
+//! An emitter has one part or more (a mesh has one per triangle), each of which is chosen by itself. Densities are
+//! given the part; the probability of the part is the table's.
 
 use glam::{Vec2, Vec3};
 

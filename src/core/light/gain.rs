@@ -1,4 +1,5 @@
-//! By which factor a light has become stronger. Light is linear: what is known of the light of a lamp stays true if it is multiplied by that.
+//! By which factor a light has become stronger. Light is linear: what is known of the light of a lamp stays true if it
+//! is multiplied by that.
 
 use std::sync::Arc;
 
@@ -7,8 +8,8 @@ use crate::color::Rgb;
 use crate::texture::Parameter;
 
 impl WeightedSource {
-    /// The factor on the light of `old`, by colour, that makes it the light of this one. None if they differ in anything else, or if a light without
-    /// any has got some.
+    /// The factor on the light of `old`, by colour, that makes it the light of this one. None if they differ in
+    /// anything else, or if a light without any has got some.
     pub fn gain_since(&self, old: &Self) -> Option<Rgb> {
         let gain = self.source.gain_since(&old.source)?;
         (self.sampling_weight == old.sampling_weight).then_some(gain)
@@ -124,7 +125,8 @@ impl LightSource {
     }
 }
 
-/// The factor by which all of the `new` lights are as strong as the `old` ones, light by light. None if they differ in anything else, or by several factors.
+/// The factor by which all of the `new` lights are as strong as the `old` ones, light by light. None if they differ in
+/// anything else, or by several factors.
 pub fn common(old: &[&WeightedSource], new: &[&WeightedSource]) -> Option<Rgb> {
     let is_same_number = old.len() == new.len();
     let mut gains = new.iter().zip(old).map(|(new, old)| new.gain_since(old));

@@ -123,7 +123,8 @@ impl<R: Real> SurfaceSample<R> {
         }
     }
 
-    /// The direction to the point from a place, with the radiance that comes from there. The error bounds the coordinates of the point.
+    /// The direction to the point from a place, with the radiance that comes from there. The error bounds the
+    /// coordinates of the point.
     #[inline(always)]
     pub fn towards(self, reference: R::Vec3, error: R, radiance: R::Vec3) -> LightSample<R> {
         let to_point = self.position - reference;
@@ -148,7 +149,8 @@ pub(super) fn axes(map: &Affine3A) -> [Vec3; 3] {
     [x_axis, y_axis, z_axis].map(Vec3::from)
 }
 
-/// Density per area to density per solid angle at `reference`: times distance squared over the cosine; infinite edge-on.
+/// Density per area to density per solid angle at `reference`: times distance squared over the cosine; infinite
+/// edge-on.
 #[inline(always)]
 pub(super) fn solid_angle_pdf<R: Real>(pdf_area: R, position: R::Vec3, normal: R::Vec3, reference: R::Vec3) -> R {
     let to_reference = reference - position;

@@ -1,7 +1,8 @@
 //! The clear sky and the sun: the analytic model of Hosek and Wilkie.
 //!
-//! "An Analytic Model for Full Spectral Sky-Dome Radiance", SIGGRAPH 2012, in its Rec. 709 fit, and "Adding a Solar Radiance Function
-//! to the Hosek Skylight Model", IEEE CG&A 33(3), 2013. The local frame has z up. Below the horizon, and with the sun there, all is black.
+//! "An Analytic Model for Full Spectral Sky-Dome Radiance", SIGGRAPH 2012, in its Rec. 709 fit, and "Adding a Solar
+//! Radiance Function to the Hosek Skylight Model", IEEE CG&A 33(3), 2013. The local frame has z up. Below the horizon,
+//! and with the sun there, all is black.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
@@ -38,8 +39,9 @@ const ELEVATIONS: usize = 30;
 const FIRST_ELEVATION: f32 = 2.0;
 const ELEVATION_STEP: f32 = 3.0;
 
-/// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between its surface's normal and the view:
-/// the limb darkening of Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32 degrees.
+/// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between its surface's
+/// normal and the view: the limb darkening of Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32
+/// degrees.
 const LIMB_DARKENING: [[f32; 6]; 3] = [
     [0.332_252, 1.356_991, -1.929_078, 2.568_054, -1.892_76, 0.564_551],
     [0.253_793, 1.329_39, -1.462_089, 1.688_674, -1.113_452, 0.303_686],
@@ -122,7 +124,8 @@ impl SkyModel {
         self.sun_radiance * TAU * self.sun_one_minus_cos()
     }
 
-    /// Radiance of the sky without the sun from a unit direction. Components that are negative, of colours outside of Rec. 709, count as zero: light takes none away.
+    /// Radiance of the sky without the sun from a unit direction. Components that are negative, of colours outside of
+    /// Rec. 709, count as zero: light takes none away.
     #[inline(always)]
     pub fn sky<R: Real>(&self, direction: R::Vec3) -> R::Vec3 {
         let one = R::Vec3::even(R::ONE);
@@ -149,7 +152,8 @@ impl SkyModel {
         if !self.atmosphere.limb_darkening || !is_there.any() {
             return whole;
         }
-        // The disk is that of a distant sphere: the sine of the angle from its centre grows with the sine on its surface.
+        // The disk is that of a distant sphere: the sine of the angle from its centre grows with the sine on its
+        // surface.
         let sine_squared = here * (R::splat(2.0) - here);
         let cos = (R::ONE - sine_squared / R::splat(rim * (2.0 - rim)))
             .max(R::ZERO)
@@ -189,8 +193,8 @@ fn neighbours(position: f32, count: usize) -> (usize, usize, f32) {
     (first, first + 1, position - first as f32)
 }
 
-/// Interpolates the entry `index` of `length` per control point: linear in turbidity and albedo, a quintic Bezier curve in the cube root of the
-/// elevation.
+/// Interpolates the entry `index` of `length` per control point: linear in turbidity and albedo, a quintic Bezier curve
+/// in the cube root of the elevation.
 fn interpolate(table: &[f32], length: usize, index: usize, atmosphere: &Atmosphere, elevation: f32) -> Rgb {
     let (low, high, hazier) = neighbours(atmosphere.turbidity - 1.0, TURBIDITIES);
     let t = (elevation / FRAC_PI_2).clamp(0.0, 1.0).cbrt();

@@ -24,7 +24,8 @@ pub(super) enum InfiniteLight {
 }
 
 impl InfiniteLight {
-    /// The approximate irradiance (luminance, W/m^2) on a surface that faces the light: its weight among the lights at infinity.
+    /// The approximate irradiance (luminance, W/m^2) on a surface that faces the light: its weight among the lights at
+    /// infinity.
     pub fn irradiance(&self) -> f32 {
         match self {
             Self::Directional(light) => luminance(light.irradiance),

@@ -1,12 +1,12 @@
 //! Emitters, and the table that chooses among them.
 //!
-//! The contract: [`LightTable::sample`] gives a direction from a reference point towards a light with the radiance that would arrive if
-//! nothing stood between, and its density per solid angle *including the probability of having chosen this light*;
-//! [`LightTable::pdf_of_hit`] and [`LightTable::radiance_and_pdf_from`] give that same density for a direction found by other means.
-//! Directions here are in world space.
+//! The contract: [`LightTable::sample`] gives a direction from a reference point towards a light with the radiance that
+//! would arrive if nothing stood between, and its density per solid angle *including the probability of having chosen
+//! this light*; [`LightTable::pdf_of_hit`] and [`LightTable::radiance_and_pdf_from`] give that same density for a
+//! direction found by other means. Directions here are in world space.
 //!
-//! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of them a sample
-//! goes to is the matter of `choice.rs` and the tree.
+//! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of
+//! them a sample goes to is the matter of `choice.rs` and the tree.
 
 mod bounds;
 mod choice;
@@ -61,8 +61,8 @@ pub struct LightId(pub u32);
 /// The source that a light is made from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightSource {
-    /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
-    /// front, the side of the shading normal.
+    /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2
+    /// sr)) from the front, the side of the shading normal.
     Surface {
         /// Index into [`crate::accel::Tlas::instances`].
         instance: u32,
@@ -80,7 +80,8 @@ pub enum LightSource {
         /// The same in all directions.
         intensity: Rgb,
     },
-    /// Parallel light. `direction` is the unit vector in which the light goes; `irradiance` (W/m^2) is that on a surface that faces it.
+    /// Parallel light. `direction` is the unit vector in which the light goes; `irradiance` (W/m^2) is that on a
+    /// surface that faces it.
     Directional {
         /// The direction in world space.
         direction: Vec3,
@@ -154,8 +155,8 @@ pub struct LightSample<R: Real = f32> {
     pub target: Target<R>,
     /// Radiance arriving along `-wi` if unoccluded; for delta lights what remains after their delta is integrated.
     pub radiance: R::Vec3,
-    /// Density per solid angle times the probability of the light; for delta lights only that probability. Zero where no light comes from there, and
-    /// the rest has no meaning.
+    /// Density per solid angle times the probability of the light; for delta lights only that probability. Zero where
+    /// no light comes from there, and the rest has no meaning.
     pub pdf: R,
     /// Whether no other technique can find this light (a point, a single direction).
     pub is_delta: bool,

@@ -1,4 +1,5 @@
-//! Surfaces of common shapes that are equally bright all over and black from behind: of many such lights the lanes of a batch are sampled at once.
+//! Surfaces of common shapes that are equally bright all over and black from behind: of many such lights the lanes of a
+//! batch are sampled at once.
 
 use super::LightSample;
 use super::hit::SurfaceSample;

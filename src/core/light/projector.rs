@@ -1,7 +1,7 @@
 //! A camera the other way round: a point that throws a picture along +z.
 //!
-//! The irradiance is that on the plane z = 1 of its space times pi, as Mitsuba 3 has it; a picture of one colour lights planes
-//! perpendicular to the axis evenly.
+//! The irradiance is that on the plane z = 1 of its space times pi, as Mitsuba 3 has it; a picture of one colour lights
+//! planes perpendicular to the axis evenly.
 
 use std::f32::consts::PI;
 
@@ -20,7 +20,8 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A projector as a scene describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projector {
-    /// The map to local space, invertible. The light is at the origin of its space, +x is the left of the picture and +y its top.
+    /// The map to local space, invertible. The light is at the origin of its space, +x is the left of the picture and
+    /// +y its top.
     pub world_from_local: Affine3A,
     /// The irradiance across the picture, whose uv go from its top left to its bottom right.
     pub irradiance: Parameter<Rgb>,
@@ -115,7 +116,8 @@ impl ProjectorLight {
             return 0.0;
         };
         let pdf_uv = self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()));
-        // From the picture to the plane z = 1, and from there to directions: the plane's part of an angle grows with the distance cubed.
+        // From the picture to the plane z = 1, and from there to directions: the plane's part of an angle grows with
+        // the distance cubed.
         let matrix = &self.projector.world_from_local.matrix3;
         let half = self.projector.half_size;
         let scaled_normal = Vec3::from(matrix.x_axis.cross(matrix.y_axis));

@@ -72,8 +72,8 @@ impl RectangleLight {
             .plus_scaled(b, R::Vec3::same(self.edge_v))
     }
 
-    /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle allows it, and else uniform in
-    /// area.
+    /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle
+    /// allows it, and else uniform in area.
     #[inline(always)]
     pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
         match self.uniform() {

@@ -10,8 +10,8 @@ use crate::math::{PerLane, Real};
 pub struct LightReference {
     /// A point in world space.
     pub position: Vec3,
-    /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on a surface that
-    /// transmits. Lights wholly outside of the half space are not chosen.
+    /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on
+    /// a surface that transmits. Lights wholly outside of the half space are not chosen.
     pub normal: Option<Vec3>,
 }
 

@@ -96,7 +96,8 @@ impl<R: Real> SphereLight<R> {
 
 /// The image of the unit sphere under any invertible affine map.
 ///
-/// Points are uniform on the unit sphere; with M the linear part and n the local normal, area grows by |det M| |M^-T n|.
+/// Points are uniform on the unit sphere; with M the linear part and n the local normal, area grows by |det M| |M^-T
+/// n|.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EllipsoidLight {
     world_from_local: Affine3A,
@@ -115,7 +116,8 @@ impl EllipsoidLight {
         }
     }
 
-    /// The area by Knud Thomsen's approximation, within about one percent; only the choice between lights depends on it.
+    /// The area by Knud Thomsen's approximation, within about one percent; only the choice between lights depends on
+    /// it.
     pub fn area(&self) -> f32 {
         const P: f32 = 1.6075;
         let m = self.world_from_local.matrix3;

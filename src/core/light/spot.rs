@@ -1,4 +1,5 @@
-//! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards the cutoff.
+//! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards
+//! the cutoff.
 
 use std::f32::consts::PI;
 

@@ -1,7 +1,7 @@
 //! Computes the position of the sun.
 //!
-//! The PSA algorithm: Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the Solar Vector", Solar Energy 70(5),
-//! 2001; half a minute of arc from 1999 to 2015, degrees only after centuries.
+//! The PSA algorithm: Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the Solar Vector",
+//! Solar Energy 70(5), 2001; half a minute of arc from 1999 to 2015, degrees only after centuries.
 
 use std::f64::consts::{PI, TAU};
 
@@ -37,7 +37,8 @@ const EPOCH: i64 = 2_451_545;
 const PARALLAX: f64 = 6371.01 / 149_597_890.0;
 
 impl PlaceAndTime {
-    /// The unit vector to the sun, z up. Seen from above x points south and y west, as in Mitsuba 3 (whose manual says otherwise).
+    /// The unit vector to the sun, z up. Seen from above x points south and y west, as in Mitsuba 3 (whose manual says
+    /// otherwise).
     pub fn sun_direction(&self) -> Vec3 {
         let hours = self.hour - self.timezone + (self.minute + self.second / 60.0) / 60.0;
         let days = (self.julian_day() - EPOCH) as f64 - 0.5 + hours / 24.0;
@@ -94,7 +95,8 @@ mod tests {
         .sun_direction()
     }
 
-    /// Checks the culmination at Greenwich, 2010: the equation of time gives the moment, declination and latitude the height.
+    /// Checks the culmination at Greenwich, 2010: the equation of time gives the moment, declination and latitude the
+    /// height.
     #[test]
     fn the_sun_culminates_in_the_south() {
         // The columns are month, day, declination in degrees, and minutes after 12:00 (Astronomical Almanac, rounded).

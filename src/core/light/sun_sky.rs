@@ -1,6 +1,7 @@
 //! The sky of Hosek and Wilkie with its sun as a light.
 //!
-//! The sky is sampled by a table of its luminance over azimuth and height, the sun by its cone; the density is that of the mixture.
+//! The sky is sampled by a table of its luminance over azimuth and height, the sun by its cone; the density is that of
+//! the mixture.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 

@@ -234,8 +234,8 @@ impl SurfaceLight {
         }
     }
 
-    /// The brightness of each triangle, from a few lookups each; None for other shapes. Those that look black keep a little, for lookups may miss
-    /// bright spots.
+    /// The brightness of each triangle, from a few lookups each; None for other shapes. Those that look black keep a
+    /// little, for lookups may miss bright spots.
     fn brightness_of_triangles(&self, textures: &TextureTable) -> Option<Vec<f32>> {
         let (EmitterShape::Mesh(triangles), Some(mesh)) = (&self.shape, &self.mesh) else {
             return None;
@@ -449,12 +449,14 @@ impl SurfaceLight {
     }
 }
 
-/// Two triangles that are one rectangle, as lights from modelling programs often are: sampled as that they cost less, and less noise.
+/// Two triangles that are one rectangle, as lights from modelling programs often are: sampled as that they cost less,
+/// and less noise.
 fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -> Option<RectangleLight> {
     let [a, b] = triangles else {
         return None;
     };
-    // The triangles of the square are kept, and two others are left out: one that is not a light, and one that no ray can hit.
+    // The triangles of the square are kept, and two others are left out: one that is not a light, and one that no ray
+    // can hit.
     let is_regular = |triangle: &TriangleLight| blas.mesh().regular_corners(triangle.primitive as usize).is_some();
     if !is_regular(a) || !is_regular(b) {
         return None;

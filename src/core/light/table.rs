@@ -73,7 +73,8 @@ pub struct LightTable {
 }
 
 impl LightTable {
-    /// Builds the table. It has to be built anew when the geometry of emitting surfaces changes, and for textured sources when the textures do.
+    /// Builds the table. It has to be built anew when the geometry of emitting surfaces changes, and for textured
+    /// sources when the textures do.
     pub fn build(sources: &[WeightedSource], geometry: &Tlas, textures: &Arc<TextureTable>) -> Self {
         let mut table = Self {
             textures: textures.clone(),
@@ -189,7 +190,8 @@ impl LightTable {
         self.textured[id.0 as usize]
     }
 
-    /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
+    /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to
+    /// `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
         let choice = self.choose(reference, u_choice, u)?;
         let (id, sample) = self.sample_chosen::<f32>(choice, &reference.into(), u.to_array());
@@ -210,7 +212,8 @@ impl LightTable {
         self.choice.sample(reference, || refined(u_choice, u))
     }
 
-    /// Directions to the chosen light as [`Self::sample`], in the lanes that have chosen it with the probabilities `pmf`.
+    /// Directions to the chosen light as [`Self::sample`], in the lanes that have chosen it with the probabilities
+    /// `pmf`.
     #[inline(always)]
     fn sample_chosen<R: Real>(
         &self,
@@ -233,7 +236,8 @@ impl LightTable {
         (id, LightSample { pdf, ..sample })
     }
 
-    /// A place on a light that is chosen as [`Self::sample`] does; None if that is at infinity. It is a hint without a density, and costs little.
+    /// A place on a light that is chosen as [`Self::sample`] does; None if that is at infinity. It is a hint without a
+    /// density, and costs little.
     pub(crate) fn sample_place(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<Vec3> {
         let Chosen::Part(part) = self.choice.sample(reference, || refined(u_choice, u))?.0 else {
             return None;
@@ -284,7 +288,8 @@ impl LightTable {
         radiance
     }
 
-    /// The radiance as [`Self::radiance_from`], and the density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
+    /// The radiance as [`Self::radiance_from`], and the density with which [`Self::sample`] gives the direction `wi` to
+    /// infinite light `id`.
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         self.at_infinity(id).map_or((Rgb::ZERO, 0.0), |(index, light)| {
             debug_assert!(wi.is_normalized(), "{wi} is not of unit length");
@@ -332,7 +337,8 @@ fn shines_whole(geometry: &Tlas, instance: u32, parts: u32) -> bool {
     })
 }
 
-/// The number `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to tell millions of lights apart.
+/// The number `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to
+/// tell millions of lights apart.
 fn refined(u_choice: f32, u: Vec2) -> f64 {
     let [bits, ..] = pcg3d([u_choice, u.x, u.y].map(f32::to_bits));
     f64::from(u_choice) + f64::from(bits >> 3) * (1.0 / (1u64 << 53) as f64)

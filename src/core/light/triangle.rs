@@ -23,13 +23,15 @@ pub(super) struct TriangleLight {
 enum Emission {
     /// The same side all over: 1 where the corners are seen counter-clockwise from, else -1.
     OneSide(f32),
-    /// The shading normal decides, because vertex normals are at an angle to the triangle. Seen from near its plane, either side can shine.
+    /// The shading normal decides, because vertex normals are at an angle to the triangle. Seen from near its plane,
+    /// either side can shine.
     ByShadingNormal,
     /// Both sides.
     BothWays,
 }
 
-/// Sine of the angle between a vertex normal and the triangle's up to which they count as parallel: rounding of four decimal digits.
+/// Sine of the angle between a vertex normal and the triangle's up to which they count as parallel: rounding of four
+/// decimal digits.
 const PARALLEL: f32 = 1e-4;
 
 impl TriangleLight {
@@ -135,7 +137,8 @@ impl TriangleLight {
         p0 + b.x * (p1 - p0) + b.y * (p2 - p0)
     }
 
-    /// Whether light goes from `position` on the triangle of `smooth` to `reference`, which [`Self::sample`] has found possible.
+    /// Whether light goes from `position` on the triangle of `smooth` to `reference`, which [`Self::sample`] has found
+    /// possible.
     pub fn shines(&self, smooth: &Instance, position: Vec3, reference: Vec3) -> bool {
         if self.emission != Emission::ByShadingNormal {
             return true;

@@ -10,8 +10,8 @@ use crate::math::{Frame, Real, Vector, real_struct};
 pub struct BumpOptions {
     /// Whether normals that face away from the viewer are turned about the surface's own.
     pub flip_invalid_normals: bool,
-    /// Whether the border of light and shadow is softened: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing Function to Solve the Bump
-    /// Terminator Problem, Ray Tracing Gems 2019.
+    /// Whether the border of light and shadow is softened: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing
+    /// Function to Solve the Bump Terminator Problem, Ray Tracing Gems 2019.
     pub use_shadowing_function: bool,
 }
 
@@ -39,8 +39,8 @@ impl Orientation {
     }
 }
 
-/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by u and v are `gradient`. On
-/// the side of the geometric normal, not of unit length.
+/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by
+/// u and v are `gradient`. On the side of the geometric normal, not of unit length.
 pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec2) -> Vec3 {
     let tilted = |derivative: Vec3, slope: f32| derivative + (slope - frame.n.dot(derivative)) * frame.n;
     let normal = tilted(point.dp_du, gradient.x).cross(tilted(point.dp_dv, gradient.y));
@@ -96,8 +96,8 @@ struct Turning {
 }
 
 impl Bump {
-    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. `below` is bumped by `outer` already. None if
-    /// the normal is no direction.
+    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. `below` is
+    /// bumped by `outer` already. None if the normal is no direction.
     pub fn new(
         normal: Vec3,
         is_turned: bool,
@@ -166,7 +166,8 @@ impl Bump {
         })
     }
 
-    /// Whether a viewer in this direction sees all maps, and with these normals. `transmits`: whether viewers on the other side see light as well.
+    /// Whether a viewer in this direction sees all maps, and with these normals. `transmits`: whether viewers on the
+    /// other side see light as well.
     pub fn is_seen_from(&self, viewer: Vec3, transmits: bool) -> bool {
         self.chain().all(|bump| {
             let is_turned = bump.turning.is_some_and(|turning| turning.is_turned);
@@ -175,10 +176,12 @@ impl Bump {
         })
     }
 
-    /// The share of the light from a lamp in this direction that is sent on as from these normals, while one does not know yet which viewers it will come to.
+    /// The share of the light from a lamp in this direction that is sent on as from these normals, while one does not
+    /// know yet which viewers it will come to.
     ///
-    /// A normal that cannot be lit from there has none. Of the others, those after turning have as much as makes a diffuse surface least noisy: they send
-    /// the share sin^2 of the light, where the angle is that between normal and surface, and the noise of a share is least if it has its root of the samples.
+    /// A normal that cannot be lit from there has none. Of the others, those after turning have as much as makes a
+    /// diffuse surface least noisy: they send the share sin^2 of the light, where the angle is that between normal
+    /// and surface, and the noise of a share is least if it has its root of the samples.
     pub fn chance(&self, lamp: Vec3) -> f32 {
         self.chain().map(|bump| bump.own_chance(lamp)).product()
     }

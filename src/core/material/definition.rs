@@ -46,13 +46,14 @@ pub enum Material {
         nested: MaterialId,
         /// The normals as colours: (1, 1, 2) / 2 is the normal of the surface itself.
         normals: Parameter<Rgb>,
-        /// Whether they are in the tangent space of glTF, which follows the handedness of coordinates, rather than in the shading frame.
+        /// Whether they are in the tangent space of glTF, which follows the handedness of coordinates, rather than in
+        /// the shading frame.
         gltf_tangents: bool,
         /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },
-    /// A material about the normals that the surface has once it is moved by `scale` times a texture along its own (Blinn, Simulation of Wrinkled
-    /// Surfaces, 1978).
+    /// A material about the normals that the surface has once it is moved by `scale` times a texture along its own
+    /// (Blinn, Simulation of Wrinkled Surfaces, 1978).
     BumpMap {
         /// The material about the new normals.
         nested: MaterialId,

@@ -1,7 +1,8 @@
 //! Materials of surfaces: scattering models whose parameters may be textured, and materials made of other materials.
 //!
-//! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with the shares they have. Light transport
-//! asks that, in world space. Numbers are in range already but for what textures say, which is brought into range here.
+//! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with the shares they
+//! have. Light transport asks that, in world space. Numbers are in range already but for what textures say, which is
+//! brought into range here.
 
 mod bump;
 mod definition;

@@ -223,7 +223,8 @@ pub(super) fn resolve<'a>(
     scattering
 }
 
-/// [`resolve`] for a material that is one model about the normal of the surface, on each of its sides; None for any other.
+/// [`resolve`] for a material that is one model about the normal of the surface, on each of its sides; None for any
+/// other.
 #[expect(clippy::too_many_arguments, reason = "those of `resolve`")]
 pub(super) fn single<'a>(
     materials: &'a [Material],
@@ -342,7 +343,8 @@ impl<'a> Resolver<'a, '_> {
 
     /// Adds a bumped material. `normal` is in the frame of `below`, the orientation without it.
     ///
-    /// A path from the camera knows its viewer, and with it on which side the normal is. A path from a lamp does not yet, so it has both.
+    /// A path from the camera knows its viewer, and with it on which side the normal is. A path from a lamp does not
+    /// yet, so it has both.
     fn add_bumped(
         &mut self,
         nested: MaterialId,

@@ -1,6 +1,8 @@
-//! The scattering of light at one place of a surface: a weighted list of models, and a share that passes straight through.
+//! The scattering of light at one place of a surface: a weighted list of models, and a share that passes straight
+//! through.
 //!
-//! Directions are unit vectors in world space; `wo` and the mode of transport are part of the value. Contracts are those of [`crate::shading`].
+//! Directions are unit vectors in world space; `wo` and the mode of transport are part of the value. Contracts are
+//! those of [`crate::shading`].
 
 use std::borrow::Cow;
 
@@ -43,7 +45,8 @@ pub struct Scattering<'a> {
     null_share: f32,
 }
 
-/// The greatest cosine with `wo` of a delta lobe that goes straight on. Reflection is below it only at grazing angles that no path has.
+/// The greatest cosine with `wo` of a delta lobe that goes straight on. Reflection is below it only at grazing angles
+/// that no path has.
 const STRAIGHT: f32 = -1.0 + 1e-6;
 
 /// The kind of continuation that a sample is.
@@ -112,7 +115,8 @@ impl<'a> Single<'a> {
         self.part.diffuse_lobe(self.tables)
     }
 
-    /// The model; None where a map lies in another, or where a path from a lamp has come to a map: it does not yet know its viewers.
+    /// The model; None where a map lies in another, or where a path from a lamp has come to a map: it does not yet know
+    /// its viewers.
     pub(crate) fn model(&self) -> Option<Model<'_>> {
         let shadow = match (&self.part.bump, self.mode) {
             (None, _) => None,
@@ -173,8 +177,8 @@ impl Part<'_> {
         (self.bsdf.diffuse_lobe(tables, self.wo), normal)
     }
 
-    /// The factor of the maps on light between `wo` and `wi`, in world space: that of where the light comes from. Zero also where it goes on from a lamp to
-    /// viewers who see other normals.
+    /// The factor of the maps on light between `wo` and `wi`, in world space: that of where the light comes from. Zero
+    /// also where it goes on from a lamp to viewers who see other normals.
     fn factor(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
         match (&self.bump, mode) {
             (None, _) => 1.0,
@@ -216,7 +220,8 @@ impl Part<'_> {
         })
     }
 
-    /// The light that goes from `wo`, the direction of a lamp in world space, to `wi`: f |cos wo| of a path that comes from `wi`, times the share.
+    /// The light that goes from `wo`, the direction of a lamp in world space, to `wi`: f |cos wo| of a path that comes
+    /// from `wi`, times the share.
     fn eval_reverse(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
         let factor = self.factor(wo, wi, TransportMode::Importance);
         if factor == 0.0 {
@@ -226,7 +231,8 @@ impl Part<'_> {
         self.share * factor * self.bsdf.eval(tables, wi, self.wo, TransportMode::Radiance)
     }
 
-    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the probability that it chooses this part.
+    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the
+    /// probability that it chooses this part.
     fn reverse_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
         if self.factor(wo, wi, mode) == 0.0 {
             return 0.0;
@@ -238,7 +244,8 @@ impl Part<'_> {
         self.share * chance * self.bsdf.pdf(tables, self.orientation.to_local(wi), self.wo)
     }
 
-    /// The factor that turns the weight of a delta lobe into that for light from a lamp, but for the cosines with the geometric normal.
+    /// The factor that turns the weight of a delta lobe into that for light from a lamp, but for the cosines with the
+    /// geometric normal.
     fn delta_correction(&self, wi: Vec3) -> f32 {
         (self.wo.z / self.orientation.to_local(wi).z).abs()
     }
@@ -276,7 +283,8 @@ impl<'a> Scattering<'a> {
         self.null_share += share;
     }
 
-    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
+    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta
+    /// and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.parts().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
             let (part_value, part_pdf) = part.eval_and_pdf(self.tables, self.wo, wi, self.mode);
@@ -344,8 +352,9 @@ impl<'a> Scattering<'a> {
         Some((sample, Some(part)))
     }
 
-    /// The value of [`Self::eval_and_pdf`] for light that has come from a lamp along `-wo`: f |cos wo| |wi . n| / |wo . n| with the geometric
-    /// normal n, where f is that of a path from the camera. Shading normals are taken into account (Veach 1997, section 5.3).
+    /// The value of [`Self::eval_and_pdf`] for light that has come from a lamp along `-wo`: f |cos wo| |wi . n| / |wo .
+    /// n| with the geometric normal n, where f is that of a path from the camera. Shading normals are taken into
+    /// account (Veach 1997, section 5.3).
     pub fn eval_adjoint(&self, wi: Vec3, normal: Vec3) -> Rgb {
         let parts = self.parts();
         let value: Rgb = parts.map(|part| part.eval_reverse(self.tables, self.wo, wi)).sum();
@@ -360,8 +369,9 @@ impl<'a> Scattering<'a> {
             .sum()
     }
 
-    /// Samples a direction for light that has come from a lamp along `-wo`, as [`Self::sample`] does, with the weight of [`Self::eval_adjoint`]. The
-    /// scattering has to be that of [`TransportMode::Importance`]. What is not seen as the path has taken it to be counts as absorbed.
+    /// Samples a direction for light that has come from a lamp along `-wo`, as [`Self::sample`] does, with the weight
+    /// of [`Self::eval_adjoint`]. The scattering has to be that of [`TransportMode::Importance`]. What is not seen
+    /// as the path has taken it to be counts as absorbed.
     pub fn sample_adjoint(&self, u_lobe: f32, u: Vec2, normal: Vec3) -> Option<ScatterSample> {
         debug_assert_eq!(self.mode, TransportMode::Importance);
         let (sample, part) = self.sample_part(u_lobe, u)?;
@@ -398,8 +408,9 @@ impl<'a> Scattering<'a> {
         self.null_share
     }
 
-    /// The direction in which a view goes on that knows neither roughness nor refraction, with the share of the light from there: straight on through glass and
-    /// what is open, or as in a mirror, whichever is more. None where neither is, as on diffuse surfaces.
+    /// The direction in which a view goes on that knows neither roughness nor refraction, with the share of the light
+    /// from there: straight on through glass and what is open, or as in a mirror, whichever is more. None where
+    /// neither is, as on diffuse surfaces.
     pub fn onward(&self) -> Option<(Vec3, Rgb)> {
         let mut straight = Rgb::splat(self.null_share);
         let (mut mirror, mut strongest) = (Rgb::ZERO, None::<&Part>);
@@ -425,8 +436,8 @@ impl<'a> Scattering<'a> {
         self.parts().any(|part| part.bsdf.has_smooth_lobe())
     }
 
-    /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not known, or all of
-    /// space.
+    /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not
+    /// known, or all of space.
     pub fn one_sided_normal(&self) -> Option<Vec3> {
         match &self.parts[..] {
             [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
@@ -434,7 +445,8 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// [`Self::one_sided_normal`] where it is the same for light that goes the other way: None also where viewers elsewhere see another normal.
+    /// [`Self::one_sided_normal`] where it is the same for light that goes the other way: None also where viewers
+    /// elsewhere see another normal.
     pub fn one_sided_normal_both_ways(&self) -> Option<Vec3> {
         let may_turn = |part: &Part| part.bump.as_ref().is_some_and(Bump::may_turn_at_all);
         if self.parts().any(may_turn) {

@@ -42,8 +42,8 @@ pub struct PlainSide<'a> {
 }
 
 impl MaterialTable {
-    /// A table whose [`MaterialId`]s are the positions in `materials`, without models that need [`ShadingTables`]. Nested materials must be of the
-    /// same list, before or after.
+    /// A table whose [`MaterialId`]s are the positions in `materials`, without models that need [`ShadingTables`].
+    /// Nested materials must be of the same list, before or after.
     pub fn new(materials: Vec<Material>) -> Result<Self, MaterialTableError> {
         Self::with_tables(materials, ShadingTables::default())
     }
@@ -54,8 +54,8 @@ impl MaterialTable {
         Ok(Self::checked(materials, tables))
     }
 
-    /// Checks that these materials can be a table: nested materials exist, contain neither themselves nor too many levels, and all ids are of
-    /// `tables`.
+    /// Checks that these materials can be a table: nested materials exist, contain neither themselves nor too many
+    /// levels, and all ids are of `tables`.
     pub fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
         nesting::check(materials, tables)
     }
@@ -151,7 +151,8 @@ impl MaterialTable {
         self.for_lanes[id.0 as usize]
     }
 
-    /// The model of a surface, where `cos` is the cosine of the direction it is seen from. None if the material is not as simple as that.
+    /// The model of a surface, where `cos` is the cosine of the direction it is seen from. None if the material is not
+    /// as simple as that.
     #[inline(always)]
     pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<PlainSide<'_>> {
         let mut side = 1.0;
@@ -168,7 +169,8 @@ impl MaterialTable {
         }
     }
 
-    /// The scattering of the surface at `point` for a path from `wo`, a unit vector in world space. Textures are looked up at `at`.
+    /// The scattering of the surface at `point` for a path from `wo`, a unit vector in world space. Textures are looked
+    /// up at `at`.
     pub fn scattering(
         &self,
         id: MaterialId,
@@ -181,8 +183,8 @@ impl MaterialTable {
         nesting::resolve(&self.materials, &self.tables, id, point, wo, mode, textures, at)
     }
 
-    /// The only model of [`Self::scattering`], where that is found without looking at all of it; None for mixtures, maps of normals, and what light passes straight
-    /// through.
+    /// The only model of [`Self::scattering`], where that is found without looking at all of it; None for mixtures,
+    /// maps of normals, and what light passes straight through.
     pub(crate) fn single(
         &self,
         id: MaterialId,

@@ -1,5 +1,6 @@
-//! Tangent space as glTF 2.0 has it (section 3.7.2.1): x goes along the tangent, and y along the bitangent, whose side follows from the handedness of
-//! the texture coordinates. Mitsuba's y is the shading normal times the direction of u, which is the other way where coordinates are mirrored.
+//! Tangent space as glTF 2.0 has it (section 3.7.2.1): x goes along the tangent, and y along the bitangent, whose side
+//! follows from the handedness of the texture coordinates. Mitsuba's y is the shading normal times the direction of u,
+//! which is the other way where coordinates are mirrored.
 
 use glam::{DMat2, DVec2, Vec2, Vec3};
 
@@ -9,7 +10,8 @@ use crate::geometry::triangle;
 use crate::math::Frame;
 use crate::texture::MeshPoint;
 
-/// The normal of a map, in `frame`, the shading frame. Tangents that the mesh has of its own take the place of the direction of u.
+/// The normal of a map, in `frame`, the shading frame. Tangents that the mesh has of its own take the place of the
+/// direction of u.
 pub(super) fn in_frame(normal: Vec3, point: &SurfacePoint, frame: &Frame, mesh: Option<MeshPoint>) -> Vec3 {
     // v points down in pictures, and the bitangent up.
     let of_coordinates = || {
@@ -22,7 +24,8 @@ pub(super) fn in_frame(normal: Vec3, point: &SurfacePoint, frame: &Frame, mesh: 
     across.extend(normal.z)
 }
 
-/// The direction of the mesh's tangent in the plane of the frame, and the side of the bitangent. None if the mesh has none.
+/// The direction of the mesh's tangent in the plane of the frame, and the side of the bitangent. None if the mesh has
+/// none.
 fn own_tangent(at: &MeshPoint, point: &SurfacePoint, frame: &Frame) -> Option<(Vec2, f32)> {
     let mesh = at.mesh;
     let of_mesh = |name| {

@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Vec3};
 
-/// The least radius that a camera frames, as a share of the largest coordinate, 80 times the rounding of single precision.
+/// The least radius that a camera frames, as a share of the largest coordinate, 80 times the rounding of single
+/// precision.
 const SMALLEST_SHARE: f32 = 1e-5;
 /// The smallest radius, so that its cube is far above the smallest positive number.
 const SMALLEST_RADIUS: f32 = 1e-9;
@@ -78,8 +79,8 @@ impl Aabb {
         }
     }
 
-    /// The radius around the centre that a camera frames to show this box: [`Self::radius`]. Where single precision cannot resolve that it is
-    /// at least 1, so that a point is not looked at from within itself.
+    /// The radius around the centre that a camera frames to show this box: [`Self::radius`]. Where single precision
+    /// cannot resolve that it is at least 1, so that a point is not looked at from within itself.
     pub fn framed_radius(&self) -> f32 {
         let reach = self.min.abs().max(self.max.abs()).max_element();
         let least = if self.is_empty() {

@@ -1,7 +1,7 @@
 //! The modified Bessel function of the first kind, in single precision.
 
-/// The function exp(-x) I0(x) for x >= 0, within a relative error of 5e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions, 9.8.1 and
-/// 9.8.2).
+/// The function exp(-x) I0(x) for x >= 0, within a relative error of 5e-7 (Abramowitz and Stegun, Handbook of
+/// Mathematical Functions, 9.8.1 and 9.8.2).
 pub(crate) fn scaled_bessel_i0(x: f32) -> f32 {
     const BOUND: f32 = 3.75;
     let horner = |x: f32, coefficients: &[f32]| coefficients.iter().fold(0.0, |sum, c| sum * x + c);

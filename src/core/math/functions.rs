@@ -1,14 +1,14 @@
 //! The functions of analysis in every form of a number, as polynomials: the same formula in one lane and in sixteen.
 //!
-//! Coefficients are those of the Cephes library (Moshier, 1984 to 2000, single precision). Errors are in units in the last place, as the tests measure
-//! them over the whole range.
+//! Coefficients are those of the Cephes library (Moshier, 1984 to 2000, single precision). Errors are in units in the
+//! last place, as the tests measure them over the whole range.
 
 use std::f32::consts::{FRAC_1_PI, LOG2_E, SQRT_2};
 
 use super::real::{Real, Word};
 
-/// Beyond these the power of two would leave the normal numbers: the result is infinite above (the exact one only above 88.72), and 0 below, where it is less than the
-/// least normal number.
+/// Beyond these the power of two would leave the normal numbers: the result is infinite above (the exact one only above
+/// 88.72), and 0 below, where it is less than the least normal number.
 const LARGEST_EXPONENT: f32 = 88.02;
 const LEAST_EXPONENT: f32 = -87.33;
 
@@ -63,7 +63,8 @@ pub(crate) fn exp<R: Real>(x: R) -> R {
     value.only(R::splat(LEAST_EXPONENT).is_at_most(x))
 }
 
-/// The natural logarithm of a positive normal number, within 2 ulps; minus infinity for 0 and what is too small to be normal. What is negative or no number gives none.
+/// The natural logarithm of a positive normal number, within 2 ulps; minus infinity for 0 and what is too small to be
+/// normal. What is negative or no number gives none.
 #[inline(always)]
 pub(crate) fn ln<R: Real>(x: R) -> R {
     let bits = x.to_bits();
@@ -99,7 +100,8 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
     R::select(x.is_less(R::ZERO) | !x.equals(x), R::splat(f32::NAN), value)
 }
 
-/// Sine and cosine of an angle in radians of at most 10^4, within 2e-7 of the exact ones, and within 1e-7 for an angle of at most a turn.
+/// Sine and cosine of an angle in radians of at most 10^4, within 2e-7 of the exact ones, and within 1e-7 for an angle
+/// of at most a turn.
 #[inline(always)]
 pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
     // In half turns, an even and an odd number of which differ by the sign alone.
@@ -139,7 +141,8 @@ pub(crate) fn asin_positive<R: Real>(x: R) -> R {
     R::select(is_far, R::splat(std::f32::consts::FRAC_PI_2) - (angle + angle), angle)
 }
 
-/// The angle of the direction (x, y) to the first axis, from -pi to pi, within 4 ulps and 1e-37; 0 where it has no direction.
+/// The angle of the direction (x, y) to the first axis, from -pi to pi, within 4 ulps and 1e-37; 0 where it has no
+/// direction.
 #[inline(always)]
 pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     let (across, along) = (y.abs(), x.abs());
@@ -180,7 +183,8 @@ mod tests {
         (f64::from(found) - exact).abs() / ulp
     }
 
-    /// Both forms at every place: within `most` ulps of the exact function, and equal but for that. `of_one` and `of_lanes` are the same formula.
+    /// Both forms at every place: within `most` ulps of the exact function, and equal but for that. `of_one` and
+    /// `of_lanes` are the same formula.
     fn check(
         name: &str,
         places: impl Iterator<Item = f32>,

@@ -1,6 +1,7 @@
 //! Sixteen numbers, vectors or conditions side by side, for code that does the same to sixteen paths at once.
 //!
-//! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in a `u32`.
+//! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in
+//! a `u32`.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 

@@ -1,6 +1,7 @@
 //! Geometry of rays, boxes and frames, and what the standard library lacks of analysis; no scene knowledge.
 //!
-//! Vectors, matrices and affine maps are glam's. A transform is named `a_from_b`: it takes coordinates of space b to space a.
+//! Vectors, matrices and affine maps are glam's. A transform is named `a_from_b`: it takes coordinates of space b to
+//! space a.
 
 mod aabb;
 mod affine;

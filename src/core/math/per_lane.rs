@@ -1,4 +1,5 @@
-//! Values side by side: what a type looks like with one value per lane, and structs that follow from one declaration in both forms.
+//! Values side by side: what a type looks like with one value per lane, and structs that follow from one declaration in
+//! both forms.
 
 use glam::Vec3;
 
@@ -216,9 +217,10 @@ impl<M> Held<M> {
     }
 }
 
-/// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are of the types `R`, `R::Vec3`, `R::Mask` and
-/// `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form. With `#[same]` in front it is [`Same`] as well, and its fields are `R`,
-/// `R::Vec3`, or other such structs.
+/// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are
+/// of the types `R`, `R::Vec3`, `R::Mask` and `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the
+/// single form. With `#[same]` in front it is [`Same`] as well, and its fields are `R`, `R::Vec3`, or other such
+/// structs.
 ///
 /// ```ignore
 /// real_struct! {
@@ -283,8 +285,9 @@ macro_rules! real_struct {
     };
 }
 
-/// Declares a struct together with the struct that has one per lane, whose fields are the lane forms of the same fields, and implements
-/// [`PerLane`] between the two: a field that is added cannot be forgotten where lanes are read, written or moved.
+/// Declares a struct together with the struct that has one per lane, whose fields are the lane forms of the same
+/// fields, and implements [`PerLane`] between the two: a field that is added cannot be forgotten where lanes are read,
+/// written or moved.
 ///
 /// ```ignore
 /// per_lane! {

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-/// The `count` nodes, ascending in (0, 1), and weights, adding to 1, that integrate polynomials of degree 2 `count` - 1 over the unit
-/// interval exactly. Newton's method on the Legendre polynomial (Press et al., Numerical Recipes, section 4.6).
+/// The `count` nodes, ascending in (0, 1), and weights, adding to 1, that integrate polynomials of degree 2 `count` - 1
+/// over the unit interval exactly. Newton's method on the Legendre polynomial (Press et al., Numerical Recipes, section
+/// 4.6).
 pub(crate) fn gauss_legendre(count: u32) -> Vec<(f32, f32)> {
     let n = f64::from(count);
     (0..count)

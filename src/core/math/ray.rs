@@ -6,7 +6,8 @@ use super::real::{Real, Vector};
 
 /// The part `t_min < t < t_max` of the line `origin + t dir`.
 ///
-/// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare across instances.
+/// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare
+/// across instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point where `t` is 0.
@@ -48,9 +49,9 @@ impl Ray {
 
 /// Moves `position` off its surface to the side that `dir` points to.
 ///
-/// `normal` is the unit geometric normal, `error` a bound on the absolute error of each coordinate of `position` (world units). The
-/// offset follows the error's extent along the normal and is rounded away from the surface (Pharr, Jakob, Humphreys, PBR 4th ed.,
-/// section 6.8.6), so that it scales with the scene instead of being a fixed epsilon.
+/// `normal` is the unit geometric normal, `error` a bound on the absolute error of each coordinate of `position` (world
+/// units). The offset follows the error's extent along the normal and is rounded away from the surface (Pharr, Jakob,
+/// Humphreys, PBR 4th ed., section 6.8.6), so that it scales with the scene instead of being a fixed epsilon.
 #[inline(always)]
 pub fn offset_origin<R: Real>(position: R::Vec3, error: R, normal: R::Vec3, dir: R::Vec3) -> R::Vec3 {
     let distance = (error * normal.map(R::abs).sum()).copy_sign(dir.dot(normal));

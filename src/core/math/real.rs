@@ -1,8 +1,8 @@
 //! A number, or a number per lane, for formulas that are written once for both.
 //!
-//! One formula gives the same number in both forms but for rounding: `a b + c` is rounded once in lanes, where the hardware does so, and
-//! twice in a single number. A formula takes every branch that some lane takes, and selects at the end: `if condition.any()` leaves out what no lane
-//! needs, and for a single number is an ordinary branch.
+//! One formula gives the same number in both forms but for rounding: `a b + c` is rounded once in lanes, where the
+//! hardware does so, and twice in a single number. A formula takes every branch that some lane takes, and selects at
+//! the end: `if condition.any()` leaves out what no lane needs, and for a single number is an ordinary branch.
 
 mod lanes;
 mod one;
@@ -104,7 +104,8 @@ pub trait Real:
     /// What a table has at these places: `look_up` is called for one after the other.
     fn gather(places: Self::Word, look_up: impl Fn(usize) -> f32) -> Self;
 
-    /// What a function of single numbers gives in each lane where `condition` holds, one after the other; zero elsewhere.
+    /// What a function of single numbers gives in each lane where `condition` holds, one after the other; zero
+    /// elsewhere.
     fn each<const N: usize, const M: usize>(
         condition: Self::Mask,
         numbers: [Self; N],

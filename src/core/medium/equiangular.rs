@@ -1,8 +1,10 @@
-//! Distances along a ray that are more frequent near a lamp, about as if they were evenly distributed over the angles under which the lamp sees them (Kulla
-//! and Fajardo, Importance Sampling Techniques for Path Tracing in Participating Media, 2012).
+//! Distances along a ray that are more frequent near a lamp, about as if they were evenly distributed over the angles
+//! under which the lamp sees them (Kulla and Fajardo, Importance Sampling Techniques for Path Tracing in Participating
+//! Media, 2012).
 //!
-//! With `h` from the lamp to the ray and `x` along the ray from the nearest point, the density is in proportion to `1 / (h + |x|)^2`. That is between
-//! the half and the whole of the equiangular `1 / (h^2 + x^2)`, and needs no trigonometric functions.
+//! With `h` from the lamp to the ray and `x` along the ray from the nearest point, the density is in proportion to `1 /
+//! (h + |x|)^2`. That is between the half and the whole of the equiangular `1 / (h^2 + x^2)`, and needs no
+//! trigonometric functions.
 
 use super::Way;
 use crate::math::{Real, Vector, real_struct};
@@ -10,8 +12,9 @@ use crate::math::{Real, Vector, real_struct};
 /// The least distance of a lamp from the ray, relative to the mean free path. It keeps the density finite.
 const NEAREST: f32 = 1e-3;
 
-/// The largest distance of a lamp from the way that is worth it, relative to the mean free path or to the way, whichever is less. In light that is nearly
-/// the same all along the way, the distribution would only be noise for what comes from the end.
+/// The largest distance of a lamp from the way that is worth it, relative to the mean free path or to the way,
+/// whichever is less. In light that is nearly the same all along the way, the distribution would only be noise for what
+/// comes from the end.
 const NEAR: f32 = 0.4;
 
 real_struct! {

@@ -29,7 +29,8 @@ pub struct Mended {
     pub limited: usize,
 }
 
-/// The values of voxels, as precise as their file has them: x grows fastest, then y, then z; the channels of a voxel are side by side.
+/// The values of voxels, as precise as their file has them: x grows fastest, then y, then z; the channels of a voxel
+/// are side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Voxels {
     /// Four bytes per value.
@@ -78,7 +79,8 @@ impl Voxels {
         }
     }
 
-    /// Sets values that are negative or not finite to zero and those that are too large to the largest one, and counts both.
+    /// Sets values that are negative or not finite to zero and those that are too large to the largest one, and counts
+    /// both.
     fn mend(&mut self) -> Mended {
         let mut mended = Mended::default();
         match self {
@@ -109,8 +111,8 @@ impl Voxels {
 }
 
 impl VolumeGrid {
-    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Values that are negative or not finite become zero, and
-    /// those above [`BRIGHTEST`] that.
+    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Values that are negative or not finite become
+    /// zero, and those above [`BRIGHTEST`] that.
     pub fn new(resolution: UVec3, channels: u32, mut voxels: Voxels) -> Result<Self, GridError> {
         if resolution.min_element() < 1 || resolution.max_element() > MOST_ALONG_AXIS {
             return Err(GridError::Resolution(resolution.x, resolution.y, resolution.z));

@@ -1,5 +1,6 @@
-//! A coarse grid of upper bounds of a medium's extinction, along which rays walk cell by cell (Amanatides and Woo, A Fast Voxel Traversal
-//! Algorithm for Ray Tracing, 1987; PBR 4th ed., section 11.4.2). Tight bounds mean few null collisions.
+//! A coarse grid of upper bounds of a medium's extinction, along which rays walk cell by cell (Amanatides and Woo, A
+//! Fast Voxel Traversal Algorithm for Ray Tracing, 1987; PBR 4th ed., section 11.4.2). Tight bounds mean few null
+//! collisions.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -9,7 +10,8 @@ use rayon::prelude::*;
 use super::{GridVolume, MediumSource, Volume, Way};
 use crate::math::Aabb;
 
-/// The edge of a cell in voxels: small enough to follow the density, and large enough that rays do not spend their time at borders of cells.
+/// The edge of a cell in voxels: small enough to follow the density, and large enough that rays do not spend their time
+/// at borders of cells.
 const VOXELS_PER_CELL: f32 = 8.0;
 /// The most cells along an axis: 8 MiB in all.
 const MOST_CELLS: f32 = 128.0;
@@ -19,8 +21,9 @@ const MOST_READ: u64 = 1 << 31;
 const READS_PER_VOXEL: u64 = 16;
 /// What cells are enlarged by, relative to their size, so that rounding leads to no value outside of them.
 const MARGIN: f32 = 1e-3;
-/// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and another is not, a ray beside the dense one would
-/// be held up by null collisions without end, so that its extinction counts as that much. Light passes a voxel of so much in hardly any case, unless cells are much larger
+/// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and
+/// another is not, a ray beside the dense one would be held up by null collisions without end, so that its extinction
+/// counts as that much. Light passes a voxel of so much in hardly any case, unless cells are much larger
 /// than [`VOXELS_PER_CELL`].
 pub(super) const MOST_TRIED: f32 = 1024.0;
 
@@ -81,8 +84,8 @@ struct Cells {
 }
 
 impl Cells {
-    /// Cells of about this edge. There are fewer where finding the bounds in all of them would take far longer than reading the voxels once: cells of slanted or repeated
-    /// grids may touch all voxels each.
+    /// Cells of about this edge. There are fewer where finding the bounds in all of them would take far longer than
+    /// reading the voxels once: cells of slanted or repeated grids may touch all voxels each.
     fn new(bounds: Aabb, edge: f32, grids: &[&GridVolume]) -> Self {
         let extent = bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
         let along = (extent / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MOST_CELLS));
@@ -160,7 +163,8 @@ impl MajorantGrid {
             let within = bounds_of(index);
             let sigma_t = source.sigma_t.upper_bound(&within) * source.scale;
             let sigma_t = if is_limited(sigma_t, &within) { limit } else { sigma_t };
-            // Where a medium shines, its light is gathered at collisions, so that there have to be some: about one for each cell.
+            // Where a medium shines, its light is gathered at collisions, so that there have to be some: about one for
+            // each cell.
             match source.emission.upper_bound(&within) > 0.0 {
                 true => sigma_t.max(1.0 / cell_size.max_element()),
                 false => sigma_t,
@@ -357,7 +361,8 @@ mod tests {
         }
     }
 
-    /// Ways from anywhere, also along axes and from inside: the segments follow each other without a gap, and no extinction is above its bound.
+    /// Ways from anywhere, also along axes and from inside: the segments follow each other without a gap, and no
+    /// extinction is above its bound.
     #[test]
     fn walks_cover_the_way_and_bound_the_extinction() {
         let placed = Affine3A::from_rotation_z(0.4) * Affine3A::from_scale(Vec3::new(4.0, 2.0, 2.0));
@@ -405,7 +410,8 @@ mod tests {
         }
     }
 
-    /// A cell of 4 x 4 x 4 voxels of which one is dense; nothing is limited where all is as dense, or where what is dense can be tracked.
+    /// A cell of 4 x 4 x 4 voxels of which one is dense; nothing is limited where all is as dense, or where what is
+    /// dense can be tracked.
     #[test]
     fn what_is_too_dense_beside_what_is_thin_is_limited() {
         let limited = |channels: u32, dense: f32, thin: f32| {
@@ -431,7 +437,8 @@ mod tests {
         assert_eq!(limited(1, 1e6, 1e6), (None, 3e6));
     }
 
-    /// Every cell of a slanted grid touches most of its voxels, and so does every cell beside a turned one that is repeated.
+    /// Every cell of a slanted grid touches most of its voxels, and so does every cell beside a turned one that is
+    /// repeated.
     #[test]
     fn the_bounds_of_slanted_grids_are_found_in_proportion_to_their_size() {
         let size = UVec3::splat(64);

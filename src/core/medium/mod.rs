@@ -1,12 +1,15 @@
-//! Participating media: what fills the space between surfaces, and how light is absorbed, scattered and emitted there (PBR 4th ed., chapters 11 and
-//! 14; Novák et al., Monte Carlo Methods for Volumetric Light Transport Simulation, 2018).
+//! Participating media: what fills the space between surfaces, and how light is absorbed, scattered and emitted there
+//! (PBR 4th ed., chapters 11 and 14; Novák et al., Monte Carlo Methods for Volumetric Light Transport Simulation,
+//! 2018).
 //!
-//! A medium is described by its extinction coefficient `sigma_t` (per unit of length), the part `albedo` of it that is scattering, the
-//! radiance `emission` that a unit of length adds, and a [`Phase`] function. Each of the first three is a [`Volume`]: the same everywhere, or a grid.
+//! A medium is described by its extinction coefficient `sigma_t` (per unit of length), the part `albedo` of it that is
+//! scattering, the radiance `emission` that a unit of length adds, and a [`Phase`] function. Each of the first three is
+//! a [`Volume`]: the same everywhere, or a grid.
 //!
-//! Where all is the same everywhere, distances and transmittances have formulas (`uniform.rs`). Otherwise they are found by null-collision
-//! tracking against a grid of majorants (`tracking.rs`, `majorants.rs`). Both forms are used through [`Medium::travel`] and [`Medium::transmit`].
-//! Surfaces name the media on their sides by a [`MediumInterface`].
+//! Where all is the same everywhere, distances and transmittances have formulas (`uniform.rs`). Otherwise they are
+//! found by null-collision tracking against a grid of majorants (`tracking.rs`, `majorants.rs`). Both forms are used
+//! through [`Medium::travel`] and [`Medium::transmit`]. Surfaces name the media on their sides by a
+//! [`MediumInterface`].
 
 mod equiangular;
 mod grid;
@@ -50,13 +53,15 @@ pub struct MediumInterface {
 }
 
 impl MediumInterface {
-    /// Whether the surface says what is on its sides. Light that crosses any other surface stays in the medium that it was in.
+    /// Whether the surface says what is on its sides. Light that crosses any other surface stays in the medium that it
+    /// was in.
     #[inline(always)]
     pub fn is_transition(&self) -> bool {
         self.interior.is_some() || self.exterior.is_some()
     }
 
-    /// The medium into which light goes that leaves the surface in direction `dir`, and was in `before`. `normal` is the geometric normal.
+    /// The medium into which light goes that leaves the surface in direction `dir`, and was in `before`. `normal` is
+    /// the geometric normal.
     #[inline(always)]
     pub fn entered(&self, before: Option<MediumId>, dir: Vec3, normal: Vec3) -> Option<MediumId> {
         match self.is_transition() {
@@ -76,7 +81,8 @@ pub struct MediumSource {
     pub scale: f32,
     /// The part of the extinction that is scattering, in [0, 1].
     pub albedo: Volume,
-    /// The radiance that is emitted per unit of length, W/(m^3 sr), not negative. It does not depend on the extinction.
+    /// The radiance that is emitted per unit of length, W/(m^3 sr), not negative. It does not depend on the
+    /// extinction.
     pub emission: Volume,
     /// The directions of scattered light.
     pub phase: Phase,
@@ -179,10 +185,12 @@ impl<R: Real> Way<R> {
 pub struct Travel {
     /// The distance at which it is scattered; None if it arrives at the end.
     pub scattered_at: Option<f32>,
-    /// The probability of having come so far, given the tentative collisions on the way, if no lamp had been considered.
+    /// The probability of having come so far, given the tentative collisions on the way, if no lamp had been
+    /// considered.
     ///
-    /// With it a density per solid angle at the start of the way becomes that of arriving, which is what multiple importance sampling compares (Miller,
-    /// Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of Light Transport, 2019).
+    /// With it a density per solid angle at the start of the way becomes that of arriving, which is what multiple
+    /// importance sampling compares (Miller, Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of
+    /// Light Transport, 2019).
     pub passed: f32,
     /// The radiance that the medium has emitted along the way, as it arrives at the start, times the throughput there.
     pub emitted: Rgb,
@@ -239,8 +247,8 @@ impl Medium {
         self.plain.as_ref()
     }
 
-    /// The distance along a way of this length around which lights are worth looking for, to be considered in [`Self::travel`]. None where light is not
-    /// scattered, or where there are no formulas.
+    /// The distance along a way of this length around which lights are worth looking for, to be considered in
+    /// [`Self::travel`]. None where light is not scattered, or where there are no formulas.
     #[inline]
     pub fn midway(&self, length: f32) -> Option<f32> {
         match &self.distances {
@@ -249,9 +257,10 @@ impl Medium {
         }
     }
 
-    /// Samples how far light goes, and turns the `throughput` before the way into that after it: behind the scattering, or at the end. `u` decides where
-    /// there are formulas, and the first collision where there are none; `stream` gives what numbers are needed beyond. `throughput` is not zero.
-    /// With the place of a `lamp`, light is scattered more often near it; the mean is the same.
+    /// Samples how far light goes, and turns the `throughput` before the way into that after it: behind the scattering,
+    /// or at the end. `u` decides where there are formulas, and the first collision where there are none; `stream`
+    /// gives what numbers are needed beyond. `throughput` is not zero. With the place of a `lamp`, light is
+    /// scattered more often near it; the mean is the same.
     #[inline]
     pub fn travel(
         &self,
@@ -281,9 +290,9 @@ impl Medium {
         }
     }
 
-    /// An unbiased estimate of the share of light that passes the whole way, exact where there are formulas. `carried` is the throughput of the light,
-    /// up to a factor; it becomes that at the end. Also returns the probability with which [`Self::travel`] would have passed
-    /// in the same manner.
+    /// An unbiased estimate of the share of light that passes the whole way, exact where there are formulas. `carried`
+    /// is the throughput of the light, up to a factor; it becomes that at the end. Also returns the probability
+    /// with which [`Self::travel`] would have passed in the same manner.
     #[inline]
     pub fn transmit(&self, way: &Way, carried: &mut Rgb, stream: &mut RandomStream) -> (Rgb, f32) {
         match &self.distances {
@@ -311,10 +320,12 @@ fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
     }
 }
 
-/// The probability that light of this `throughput` passes where each of its colours would do so with the probabilities `passing`. The colours decide
-/// by turns, each as often as its share of the throughput, which is multiple importance sampling over them by the balance heuristic.
+/// The probability that light of this `throughput` passes where each of its colours would do so with the probabilities
+/// `passing`. The colours decide by turns, each as often as its share of the throughput, which is multiple importance
+/// sampling over them by the balance heuristic.
 ///
-/// Divided by it, `throughput * passing` has the sum that `throughput` had. Probabilities of parts of a way therefore multiply to that of the whole.
+/// Divided by it, `throughput * passing` has the sum that `throughput` had. Probabilities of parts of a way therefore
+/// multiply to that of the whole.
 #[inline(always)]
 fn chance<R: Real>(throughput: R::Vec3, passing: R::Vec3) -> R {
     throughput.dot(passing) / throughput.sum()

@@ -1,5 +1,6 @@
-//! The optical depth of a way: the integral of the extinction along it, whose negative exponential is the share of light that passes (PBR 4th ed.,
-//! section 11.2). It is found by quadrature instead of tracking, since the logarithm of an estimate would be biased.
+//! The optical depth of a way: the integral of the extinction along it, whose negative exponential is the share of
+//! light that passes (PBR 4th ed., section 11.2). It is found by quadrature instead of tracking, since the logarithm of
+//! an estimate would be biased.
 
 use glam::Vec3;
 
@@ -13,7 +14,8 @@ const STEPS_PER_VOXEL: f32 = 2.0;
 const MOST_STEPS: f32 = 4096.0;
 
 impl Medium {
-    /// The optical depth of a way, by colour. It is infinite for an endless way through a medium that is the same everywhere.
+    /// The optical depth of a way, by colour. It is infinite for an endless way through a medium that is the same
+    /// everywhere.
     pub fn optical_depth(&self, way: &Way) -> Rgb {
         let scale = self.source.scale;
         match &self.source.sigma_t {
@@ -31,7 +33,8 @@ impl Medium {
 fn along(volume: &Volume, bounds: &Aabb, way: &Way) -> Rgb {
     let to = |corner: Vec3| (corner - way.origin) / way.dir;
     let (low, high) = (to(bounds.min), to(bounds.max));
-    // A direction along an axis gives infinities there, or no number where it lies in the border itself, which min and max pass over.
+    // A direction along an axis gives infinities there, or no number where it lies in the border itself, which min and
+    // max pass over.
     let enters = low.min(high).to_array().into_iter().fold(0.0f32, f32::max);
     let leaves = low.max(high).to_array().into_iter().fold(way.length, f32::min);
     let length = leaves - enters;

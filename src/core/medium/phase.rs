@@ -1,5 +1,6 @@
-//! Phase functions: the directions into which media scatter light (PBR 4th ed., section 11.3). Those here depend only on the angle between
-//! the old and the new direction, and are sampled exactly, so that the density of a sample is the value of the function.
+//! Phase functions: the directions into which media scatter light (PBR 4th ed., section 11.3). Those here depend only
+//! on the angle between the old and the new direction, and are sampled exactly, so that the density of a sample is the
+//! value of the function.
 
 use std::sync::Arc;
 
@@ -37,8 +38,8 @@ pub struct BlendedPhase {
 }
 
 impl Phase {
-    /// The density per solid angle at the place `at` with which light that goes in direction `dir` is scattered to `wi`, both unit vectors in the
-    /// direction in which the path goes. The integral over all `wi` is 1.
+    /// The density per solid angle at the place `at` with which light that goes in direction `dir` is scattered to
+    /// `wi`, both unit vectors in the direction in which the path goes. The integral over all `wi` is 1.
     pub fn pdf(&self, at: Vec3, dir: Vec3, wi: Vec3) -> f32 {
         let cosine = dir.dot(wi).clamp(-1.0, 1.0);
         match self {
@@ -164,7 +165,8 @@ fn rayleigh<R: Real>(cosine: R) -> R {
     R::splat(0.75 * UNIFORM_SPHERE_PDF) * cosine.mul_add(cosine, R::ONE)
 }
 
-/// The real root of the cubic equation of inversion (Frisvad, Importance sampling the Rayleigh phase function, JOSA A 28(12), 2011).
+/// The real root of the cubic equation of inversion (Frisvad, Importance sampling the Rayleigh phase function, JOSA A
+/// 28(12), 2011).
 #[inline(always)]
 fn sample_rayleigh<R: Real>(u: R) -> R {
     let half = R::splat(4.0) * u - R::splat(2.0);

@@ -10,7 +10,8 @@ pub struct TabulatedPhase {
 }
 
 impl TabulatedPhase {
-    /// The function in proportion to `values`, from cosine -1 to 1. None if there are fewer than two, one is negative or not finite, or all are zero.
+    /// The function in proportion to `values`, from cosine -1 to 1. None if there are fewer than two, one is negative
+    /// or not finite, or all are zero.
     pub fn new(values: &[f32]) -> Option<Self> {
         let is_bad = |value: &f32| !(*value >= 0.0 && value.is_finite());
         if values.len() < 2 || values.iter().any(is_bad) {

@@ -1,7 +1,7 @@
-//! Null-collision tracking through media that vary: collisions are found as if the extinction were that of the majorants, and some of them are
-//! null collisions, at which nothing happens (Woodcock et al. 1965; Kutz et al., Spectral and Decomposition Tracking for Rendering Heterogeneous
-//! Volumes, 2017; PBR 4th ed., sections 11.2.1 and 14.2). Shadow rays multiply the shares of null collisions: ratio tracking (Novák,
-//! Selle and Jarosz 2014).
+//! Null-collision tracking through media that vary: collisions are found as if the extinction were that of the
+//! majorants, and some of them are null collisions, at which nothing happens (Woodcock et al. 1965; Kutz et al.,
+//! Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes, 2017; PBR 4th ed., sections 11.2.1 and
+//! 14.2). Shadow rays multiply the shares of null collisions: ratio tracking (Novák, Selle and Jarosz 2014).
 
 use glam::Vec3;
 
@@ -23,8 +23,8 @@ struct Collision {
     null: Rgb,
 }
 
-/// Calls `collide` with the throughput at each tentative collision until that returns something or the way ends. `u` decides where the first one is.
-/// Grids end with their boxes, as in Mitsuba.
+/// Calls `collide` with the throughput at each tentative collision until that returns something or the way ends. `u`
+/// decides where the first one is. Grids end with their boxes, as in Mitsuba.
 #[inline(always)]
 fn track<T>(
     source: &MediumSource,
@@ -41,7 +41,8 @@ fn track<T>(
     let mut depth = exponential(u);
     for segment in majorants.walk(way) {
         let mut majorant = segment.majorant;
-        // Outside, where nothing varies, a colour that is left may have a longer way than the others, or one without an end.
+        // Outside, where nothing varies, a colour that is left may have a longer way than the others, or one without an
+        // end.
         let is_long = segment.is_outside && majorant * (segment.end - t) > MOST_TRIED;
         if majorant > 0.0 {
             while t + depth / majorant < segment.end {

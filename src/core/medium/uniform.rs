@@ -1,4 +1,5 @@
-//! Media that are the same everywhere: distances and transmittances by Beer's law (PBR 4th ed., sections 11.2 and 14.1).
+//! Media that are the same everywhere: distances and transmittances by Beer's law (PBR 4th ed., sections 11.2 and
+//! 14.1).
 
 use super::equiangular::{Equiangular, reach};
 use super::{PlainPhase, Way, chance};
@@ -128,8 +129,8 @@ impl<R: Real> Uniform<R> {
     }
 }
 
-/// The integral of [`beer`] from 0 to `distance`. Where it is infinite it counts as 0: a space without end and without extinction that shines
-/// has no finite radiance.
+/// The integral of [`beer`] from 0 to `distance`. Where it is infinite it counts as 0: a space without end and without
+/// extinction that shines has no finite radiance.
 pub(super) fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
     let one = |sigma_t: f32| {
         let depth = sigma_t * distance;

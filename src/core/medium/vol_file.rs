@@ -1,7 +1,8 @@
 //! Mitsuba's `.vol` files: a box of voxels with one or three values each.
 //!
-//! All is little-endian: `VOL` and the version 3, then as 32-bit integers the type of the values, the numbers of voxels along x, y and z and that of
-//! values per voxel, then two corners of a box as six floats, and the values. x grows fastest, and the values of a voxel are side by side.
+//! All is little-endian: `VOL` and the version 3, then as 32-bit integers the type of the values, the numbers of voxels
+//! along x, y and z and that of values per voxel, then two corners of a box as six floats, and the values. x grows
+//! fastest, and the values of a voxel are side by side.
 
 use glam::{UVec3, Vec3};
 use half::f16;

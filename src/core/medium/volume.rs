@@ -182,7 +182,8 @@ impl GridVolume {
         .as_uvec3()
     }
 
-    /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box or its surroundings of one voxel touch.
+    /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box or its surroundings of one
+    /// voxel touch.
     fn upper_bound(&self, within: &Aabb) -> f32 {
         let [first, last] = self.touched(within);
         self.grid.largest(first, last) * self.scale

@@ -46,7 +46,8 @@ fn physical(text: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
-/// The files with the limits of the process's control groups and of all groups around them, for both versions of control groups.
+/// The files with the limits of the process's control groups and of all groups around them, for both versions of
+/// control groups.
 #[cfg(target_os = "linux")]
 fn group_files(groups: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();

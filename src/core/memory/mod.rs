@@ -1,9 +1,10 @@
-//! One budget for the memory of loaded pictures and meshes and of the film, so that a file that promises too much is refused instead of
-//! ending the process.
+//! One budget for the memory of loaded pictures and meshes and of the film, so that a file that promises too much is
+//! refused instead of ending the process.
 //!
-//! Readers reserve the bytes that they will need at most before they allocate them. The reservation is kept beside the data and released with it,
-//! so the pieces of a scene count together, and during a reload the old and the new data both count. Small data (entities, text, the window)
-//! is not counted; the default budget leaves a part of the machine's memory for it.
+//! Readers reserve the bytes that they will need at most before they allocate them. The reservation is kept beside the
+//! data and released with it, so the pieces of a scene count together, and during a reload the old and the new data
+//! both count. Small data (entities, text, the window) is not counted; the default budget leaves a part of the
+//! machine's memory for it.
 
 mod machine;
 mod size;
@@ -53,8 +54,8 @@ pub fn budget_of_variable() -> Option<Result<u64, NoSize>> {
     Some(parse_size(&text.to_string_lossy()))
 }
 
-/// Reads a mesh or picture file. It may be at most as long as the budget, because its content is in memory before the size of what it holds is
-/// known.
+/// Reads a mesh or picture file. It may be at most as long as the budget, because its content is in memory before the
+/// size of what it holds is known.
 pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
     data_result(budget().limit(), |limit| access.read(path, limit))
 }
@@ -64,7 +65,8 @@ pub fn check_data(path: &Path, access: &Access) -> Result<(), FileError> {
     data_result(budget().limit(), |limit| access.check(path, limit))
 }
 
-/// Hands the longest length of a file to `act`, and names the budget if it is the reason for an error. Both are in bytes.
+/// Hands the longest length of a file to `act`, and names the budget if it is the reason for an error. Both are in
+/// bytes.
 fn data_result<T>(budget: u64, act: impl FnOnce(u64) -> Result<T, FileError>) -> Result<T, FileError> {
     act(LARGEST_DATA.min(budget)).map_err(|error| match error {
         FileError::TooLarge { limit } if limit == budget => {
@@ -168,7 +170,8 @@ impl Drop for Reservation {
     }
 }
 
-/// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparing values leaves it out.
+/// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparing values
+/// leaves it out.
 #[derive(Clone, Debug, Default)]
 pub struct Held {
     _reservation: Option<Arc<Reservation>>,
@@ -188,7 +191,8 @@ impl PartialEq for Held {
     }
 }
 
-/// The reason why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs ...".
+/// The reason why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs
+/// ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Shortage {
     /// The bytes that were asked for. The other numbers are bytes as well.

@@ -1,9 +1,10 @@
-//! Convolves planes of numbers with products of two one-dimensional kernels. Beyond the border the nearest number counts.
+//! Convolves planes of numbers with products of two one-dimensional kernels. Beyond the border the nearest number
+//! counts.
 
 use rayon::prelude::*;
 
-/// A plane whose value at (x, y) is the sum of `horizontal[i] * vertical[j] * plane(x + i - r, y + j - r)`, where r is half the length of each
-/// kernel, which is odd. The plane has at least one row of `width` numbers.
+/// A plane whose value at (x, y) is the sum of `horizontal[i] * vertical[j] * plane(x + i - r, y + j - r)`, where r is
+/// half the length of each kernel, which is odd. The plane has at least one row of `width` numbers.
 pub fn convolve(plane: &[f32], width: usize, horizontal: &[f32], vertical: &[f32]) -> Vec<f32> {
     let height = plane.len() / width;
     let mut across = vec![0.0; plane.len()];

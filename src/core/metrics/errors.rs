@@ -11,10 +11,11 @@ pub struct Errors {
     pub means: [f32; 2],
     /// Mean squared error of the radiance.
     pub mse: f32,
-    /// Mean squared error, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy
-    /// Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
+    /// Mean squared error, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and
+    /// Reconstruction using Greedy Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
     pub relative_mse: f32,
-    /// The peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
+    /// The peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for
+    /// equal pictures.
     pub psnr: f32,
 }
 

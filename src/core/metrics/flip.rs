@@ -1,9 +1,9 @@
 //! FLIP: the differences that a viewer sees who flips between two pictures.
 //!
-//! Sources: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A Difference Evaluator for Alternating
-//! Images", HPG 2020, for pictures as a display shows them; P. Andersson, J. Nilsson, P. Shirley and T. Akenine-Möller, "Visualizing Errors in Rendered
-//! High Dynamic Range Images", Eurographics Short Papers 2021, for radiance. All two-dimensional filters are products of one-dimensional ones, or
-//! sums of such.
+//! Sources: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A
+//! Difference Evaluator for Alternating Images", HPG 2020, for pictures as a display shows them; P. Andersson, J.
+//! Nilsson, P. Shirley and T. Akenine-Möller, "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics
+//! Short Papers 2021, for radiance. All two-dimensional filters are products of one-dimensional ones, or sums of such.
 
 use std::f32::consts::PI;
 
@@ -13,11 +13,12 @@ use rayon::prelude::*;
 use super::convolution::{convolve, kernel, normalized_kernel};
 use crate::color::Rgb;
 
-/// Pixels for each degree of sight: a screen 0.7 m wide with 3840 pixels in a row, at a distance of 0.7 m (section 2020, 3).
+/// Pixels for each degree of sight: a screen 0.7 m wide with 3840 pixels in a row, at a distance of 0.7 m (section
+/// 2020, 3).
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * PI / 180.0;
 
-/// The errors in [0, 1] of each pixel of a picture for displays, whose linear colours are cut off at [0, 1]. Both have the same number of pixels, which
-/// is a multiple of `width`, and at least one.
+/// The errors in [0, 1] of each pixel of a picture for displays, whose linear colours are cut off at [0, 1]. Both have
+/// the same number of pixels, which is a multiple of `width`, and at least one.
 pub fn ldr_flip(picture: &[Rgb], reference: &[Rgb], width: usize, pixels_per_degree: f32) -> Vec<f32> {
     let filters = Filters::new(pixels_per_degree);
     let [picture, reference] = [picture, reference].map(|pixels| filters.perceive(pixels, width));
@@ -33,7 +34,8 @@ pub fn ldr_flip(picture: &[Rgb], reference: &[Rgb], width: usize, pixels_per_deg
     (0..picture.colors.len()).into_par_iter().map(error).collect()
 }
 
-/// The exposures in stops at which pictures of radiance are compared: the first, the last, and their number, at least 2.
+/// The exposures in stops at which pictures of radiance are compared: the first, the last, and their number, at least
+/// 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposures {
     /// The exposure at which the brightest pixel of the reference is just not washed out.
@@ -48,7 +50,8 @@ pub struct Exposures {
 const MOST_EXPOSURES: f32 = 64.0;
 
 impl Exposures {
-    /// The exposures for a reference of at least one pixel (2021, section 3.2). None if it is black or has an infinite pixel.
+    /// The exposures for a reference of at least one pixel (2021, section 3.2). None if it is black or has an infinite
+    /// pixel.
     pub fn of(reference: &[Rgb]) -> Option<Self> {
         let weights = Vec3::new(0.2126, 0.7152, 0.0722);
         let mut luminances: Vec<f32> = reference.iter().map(|rgb| rgb.max(Vec3::ZERO).dot(weights)).collect();
@@ -72,7 +75,8 @@ impl Exposures {
     }
 }
 
-/// The errors in [0, 1] of each pixel of a picture of radiance: the greatest at any of the exposures. Sizes are as for [`ldr_flip`].
+/// The errors in [0, 1] of each pixel of a picture of radiance: the greatest at any of the exposures. Sizes are as for
+/// [`ldr_flip`].
 pub fn hdr_flip(
     picture: &[Rgb],
     reference: &[Rgb],
@@ -94,8 +98,8 @@ pub fn hdr_flip(
     worst
 }
 
-/// The coefficients of x^2, x and 1 above and below the line of K. Narkowicz' fit of the ACES curve ("ACES Filmic Tone Mapping Curve", 2016), without its
-/// factor on the exposure (2021, table 1).
+/// The coefficients of x^2, x and 1 above and below the line of K. Narkowicz' fit of the ACES curve ("ACES Filmic Tone
+/// Mapping Curve", 2016), without its factor on the exposure (2021, table 1).
 const ACES: [f32; 6] = [0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.0, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
 
 fn aces(rgb: Rgb) -> Rgb {

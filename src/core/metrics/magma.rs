@@ -2,8 +2,9 @@
 
 use crate::color::Rgb;
 
-/// An sRGB-encoded colour of the map "magma" (N. Smith and S. van der Walt, for matplotlib) for a number in [0, 1]: from black over purple to light
-/// yellow. Polynomials were fitted to the map by least squares; they are within 0.024 of it.
+/// An sRGB-encoded colour of the map "magma" (N. Smith and S. van der Walt, for matplotlib) for a number in [0, 1]:
+/// from black over purple to light yellow. Polynomials were fitted to the map by least squares; they are within 0.024
+/// of it.
 pub fn magma(number: f32) -> Rgb {
     const POWERS: [Rgb; 7] = [
         Rgb::new(-0.002_07, -0.000_69, -0.009_55),

@@ -1,6 +1,7 @@
 //! Figures of how much two pictures differ.
 //!
-//! Pictures are slices of linear Rec. 709 colours, row by row from the top left. One is the reference, which the other is measured against.
+//! Pictures are slices of linear Rec. 709 colours, row by row from the top left. One is the reference, which the other
+//! is measured against.
 
 mod convolution;
 mod errors;

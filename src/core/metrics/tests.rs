@@ -1,5 +1,6 @@
-//! Compares the figures with those of independent programs: FLIP with NVIDIA's `flip-evaluator` 1.7, SSIM and PSNR with scikit-image 0.26, squared
-//! errors with NumPy, all on pictures that formulas make. SSIM was asked for Gaussian weights of 1.5 pixels and population covariances.
+//! Compares the figures with those of independent programs: FLIP with NVIDIA's `flip-evaluator` 1.7, SSIM and PSNR with
+//! scikit-image 0.26, squared errors with NumPy, all on pictures that formulas make. SSIM was asked for Gaussian
+//! weights of 1.5 pixels and population covariances.
 
 use super::flip::{Exposures, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
 use super::{errors, ssim};

@@ -1,7 +1,7 @@
 //! Errors in units of their standard deviation, for pictures whose noise is known.
 //!
-//! The pixels of two unbiased pictures have z-scores of mean 0 and of root mean square 1; 0.27 % of them are beyond 3 if the noise is Gaussian. So these
-//! figures tell a real difference from noise, where errors alone do not.
+//! The pixels of two unbiased pictures have z-scores of mean 0 and of root mean square 1; 0.27 % of them are beyond 3
+//! if the noise is Gaussian. So these figures tell a real difference from noise, where errors alone do not.
 
 use crate::color::Rgb;
 
@@ -18,8 +18,9 @@ pub struct ZScores {
     pub count: u64,
 }
 
-/// The z-scores of the difference of two pictures. `variances` are of the values of the first and of the second picture, one of which may be exact; each
-/// has as many pixels as the pictures. None if sizes differ or no component has a variance.
+/// The z-scores of the difference of two pictures. `variances` are of the values of the first and of the second
+/// picture, one of which may be exact; each has as many pixels as the pictures. None if sizes differ or no component
+/// has a variance.
 pub fn z_scores(picture: &[Rgb], reference: &[Rgb], variances: [Option<&[Rgb]>; 2]) -> Option<ZScores> {
     let is_wrong = |variance: &&[Rgb]| variance.len() != picture.len();
     if picture.len() != reference.len() || variances.iter().flatten().any(is_wrong) {

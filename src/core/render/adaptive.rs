@@ -1,16 +1,19 @@
 //! Adaptive sampling: more samples for the blocks of pixels that are noisy, and fewer for the others.
 //!
-//! A pixel that stops when its own samples happen to agree is darker than it should be on average, because rare bright samples do not agree
-//! (Kirk and Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the number of a pixel's samples must not depend on these samples.
-//! Here the blocks are the squares of a chess board. How many samples a black block gets depends on what white blocks around it have found alone, and the
-//! other way round; black and white pixels have random numbers that are independent of each other (`sampling/sampler.rs`). White blocks in turn have as
-//! many samples as black ones say, but all that counts of them is their *first* samples, so few that each block has them whatever is decided. Given the
-//! white blocks' first samples, the numbers of samples of the black ones are constants, and their means are as unbiased as in a uniform picture. Only the
-//! light of splats is that of all blocks: it is a mean over all paths, whose bias falls with their number.
+//! A pixel that stops when its own samples happen to agree is darker than it should be on average, because rare bright
+//! samples do not agree (Kirk and Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the number
+//! of a pixel's samples must not depend on these samples. Here the blocks are the squares of a chess board. How many
+//! samples a black block gets depends on what white blocks around it have found alone, and the other way round; black
+//! and white pixels have random numbers that are independent of each other (`sampling/sampler.rs`). White blocks in
+//! turn have as many samples as black ones say, but all that counts of them is their *first* samples, so few that each
+//! block has them whatever is decided. Given the white blocks' first samples, the numbers of samples of the black ones
+//! are constants, and their means are as unbiased as in a uniform picture. Only the light of splats is that of all
+//! blocks: it is a mean over all paths, whose bias falls with their number.
 //!
-//! How far blocks follow those around them is decided by how well these foretell them elsewhere: tiles are of two kinds, like the squares of a chess board as
-//! well, and blocks in tiles of either kind do what would have been best for blocks of their colour in tiles of the other kind. Where that would gain
-//! nothing, sampling stays uniform. So nothing is decided for blocks of one colour in tiles of one kind by what samples of any of these blocks have found.
+//! How far blocks follow those around them is decided by how well these foretell them elsewhere: tiles are of two
+//! kinds, like the squares of a chess board as well, and blocks in tiles of either kind do what would have been best
+//! for blocks of their colour in tiles of the other kind. Where that would gain nothing, sampling stays uniform. So
+//! nothing is decided for blocks of one colour in tiles of one kind by what samples of any of these blocks have found.
 
 #[cfg(test)]
 mod tests;
@@ -29,10 +32,12 @@ use super::tile::{TILE, Tile};
 pub const FIRST: u32 = 16;
 /// The gain in variance at equal cost that is worth the differences: what samples take is only estimated.
 const WORTHWHILE: f64 = 1.1;
-/// How far neighbours may be followed: the powers of the samples that would be best if each block's noise were known and samples were independent.
+/// How far neighbours may be followed: the powers of the samples that would be best if each block's noise were known
+/// and samples were independent.
 const POWERS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// The time that a ray takes that is not from the camera, with the surface where it begins, in units of what a camera ray takes. (Parts of the gold dragon, on two
-/// threads: 68 ns for a sample of the sky, 330 for one of the floor with 3.4 rays, 551 for one of the dragon with 4.4.)
+/// The time that a ray takes that is not from the camera, with the surface where it begins, in units of what a camera
+/// ray takes. (Parts of the gold dragon, on two threads: 68 ns for a sample of the sky, 330 for one of the floor with
+/// 3.4 rays, 551 for one of the dragon with 4.4.)
 const COST_OF_OTHERS: f32 = 2.0;
 /// The reach of neighbours in blocks.
 const REACH: isize = 2;
@@ -44,7 +49,8 @@ const JUDGES: usize = 1 << 15;
 /// What the first samples of a block have found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
-    /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or to that of the block if it is greater.
+    /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or
+    /// to that of the block if it is greater.
     noise: f32,
     /// The mean luminance.
     luminance: f32,
@@ -60,7 +66,8 @@ pub struct NoiseMap {
     columns: usize,
     /// The number of blocks in the picture's tiles.
     blocks: usize,
-    /// What the first [`FIRST`] samples of each block have found, the first twice [`FIRST`], and so on, as far as it is known.
+    /// What the first [`FIRST`] samples of each block have found, the first twice [`FIRST`], and so on, as far as it
+    /// is known.
     levels: Vec<Vec<Found>>,
     /// The power of two of samples that all blocks of a tile had when they began to differ; 0 before that.
     even: Vec<u32>,
@@ -69,7 +76,8 @@ pub struct NoiseMap {
 /// The blocks that are rendered.
 struct Board {
     columns: usize,
-    /// What is known of them, with noise relative to luminances that are not those of what is nearly black; no cost for blocks that are not rendered.
+    /// What is known of them, with noise relative to luminances that are not those of what is nearly black; no cost
+    /// for blocks that are not rendered.
     blocks: Vec<Found>,
 }
 
@@ -141,7 +149,8 @@ impl Board {
         }
     }
 
-    /// How far blocks of a group may follow the blocks around them, by what that would have gained for blocks of their colour in the other tiles; 0 for not at all.
+    /// How far blocks of a group may follow the blocks around them, by what that would have gained for blocks of their
+    /// colour in the other tiles; 0 for not at all.
     fn power(&self, group: usize) -> f64 {
         let places: Vec<usize> = self.of_group(group ^ 1).collect();
         let judge = |&place: &usize| {
@@ -244,7 +253,8 @@ impl NoiseMap {
         self.take_up(index, film, has_just_been_reached);
     }
 
-    /// Takes up what the film has noted of the blocks of a tile, if `is_wanted` for the block and its power of two of samples.
+    /// Takes up what the film has noted of the blocks of a tile, if `is_wanted` for the block and its power of two of
+    /// samples.
     fn take_up(&mut self, index: usize, film: &Film, is_wanted: impl Fn(Tile, u32) -> bool) {
         let errors = film.block_errors(self.tiles[index]);
         for (of_tile, block) in blocks_of(self.tiles[index]) {
@@ -264,7 +274,8 @@ impl NoiseMap {
         }
     }
 
-    /// What is known of the tiles at `active` while the mean pixel has so many samples. None while there is a block of which nothing is known.
+    /// What is known of the tiles at `active` while the mean pixel has so many samples. None while there is a block of
+    /// which nothing is known.
     fn board(&self, active: &[usize], samples: u32) -> Option<Board> {
         let places = || {
             let blocks = active.iter().flat_map(|&index| blocks_of(self.tiles[index]));
@@ -284,8 +295,9 @@ impl NoiseMap {
         Some(board)
     }
 
-    /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at equal cost, grows from `from` to `to`.
-    /// `counts` has the present numbers of each of these tiles. None where all get as many more: without a gain, or while too little is known.
+    /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at
+    /// equal cost, grows from `from` to `to`. `counts` has the present numbers of each of these tiles. None where
+    /// all get as many more: without a gain, or while too little is known.
     pub fn allocate(
         &self,
         active: &[usize],

@@ -17,7 +17,8 @@ pub(super) struct Candidate {
     pub least: f32,
 }
 
-/// A number of samples that suits nets: powers of two and those half way between, or an eighth of a round that is none of doubling.
+/// A number of samples that suits nets: powers of two and those half way between, or an eighth of a round that is none
+/// of doubling.
 pub(super) fn rounded(samples: f64, from: u32, to: u32) -> u32 {
     if to == 2 * from && from.is_power_of_two() {
         let below = samples.log2().floor().exp2();
@@ -37,8 +38,9 @@ pub(super) fn rounded(samples: f64, from: u32, to: u32) -> u32 {
     }
 }
 
-/// The samples of each block that cost about as much in all as `mean` of every block: the power `power` of what would be best for independent samples, which is the
-/// root of noise over cost, but at least `least`. `round` gives the numbers that are possible.
+/// The samples of each block that cost about as much in all as `mean` of every block: the power `power` of what would
+/// be best for independent samples, which is the root of noise over cost, but at least `least`. `round` gives the
+/// numbers that are possible.
 pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
     let weights: Vec<f64> = blocks
         .iter()

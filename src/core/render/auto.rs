@@ -1,17 +1,21 @@
-//! The choice of the integrator `auto`: path tracing, guided or not, or paths from the lights as well, by what a pilot finds of each.
+//! The choice of the integrator `auto`: path tracing, guided or not, or paths from the lights as well, by what a pilot
+//! finds of each.
 //!
-//! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as much. It pays where it is less noisy by more than that. The
-//! noise of path tracing cannot be had from few samples of it: light that it finds once in ten thousand samples is not among them, and the pilot would look
-//! calm. So its second moment has two parts. What path tracing finds often, up to `COMMON` times the light of the place, is measured with its own samples. What is
-//! brighter in one sample is rare, and bidirectional paths tell of it: for each path that they find, the density is known with which path tracing would find it
-//! (`Find::in_one`), and that may be zero.
+//! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as
+//! much. It pays where it is less noisy by more than that. The noise of path tracing cannot be had from few samples of
+//! it: light that it finds once in ten thousand samples is not among them, and the pilot would look calm. So its second
+//! moment has two parts. What path tracing finds often, up to `COMMON` times the light of the place, is measured with
+//! its own samples. What is brighter in one sample is rare, and bidirectional paths tell of it: for each path that they
+//! find, the density is known with which path tracing would find it (`Find::in_one`), and that may be zero.
 //!
-//! The same is known of guided paths, whose densities are those of the guide and of the surfaces together. But a guide has to be learnt first, which costs more than the pilot of the
-//! others. So it is tried only where path tracing is noisy and paths from the lights do not do better by far than guides can.
+//! The same is known of guided paths, whose densities are those of the guide and of the surfaces together. But a guide
+//! has to be learnt first, which costs more than the pilot of the others. So it is tried only where path tracing is
+//! noisy and paths from the lights do not do better by far than guides can.
 //!
-//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a rare sample decides for the picture. The cost of a
-//! sample is counted in rays, not in seconds. The random numbers are the pilot's own, and its film has the same number of pixels at every resolution. So the choice
-//! is a function of the scene and of what the camera sees, on any number of threads.
+//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a rare
+//! sample decides for the picture. The cost of a sample is counted in rays, not in seconds. The random numbers are the
+//! pilot's own, and its film has the same number of pixels at every resolution. So the choice is a function of the
+//! scene and of what the camera sees, on any number of threads.
 
 mod choice;
 
@@ -46,7 +50,8 @@ const COST_OF_PIXEL: u64 = 48;
 const SHARE: f64 = 0.03;
 /// The share where path tracing is noisy, so that a guide may well gain far more than that.
 const SHARE_OF_NOISY: f64 = 0.04;
-/// The time of a ray of bidirectional path tracing, with all that is done for it, in that of path tracing: as measured, see `benches/NOTES.md`.
+/// The time of a ray of bidirectional path tracing, with all that is done for it, in that of path tracing: as measured,
+/// see `benches/NOTES.md`.
 const COST_OF_RAY: f64 = 5.0;
 /// The same of a guided ray.
 const COST_OF_GUIDED_RAY: f64 = 1.25;
@@ -59,18 +64,21 @@ const NOISY: f64 = 3.0;
 const BEYOND_GUIDES: f64 = 6.0;
 /// What path tracing finds is rare if it is so many times as bright as the place.
 const COMMON: f32 = 16.0;
-/// The brightest that a single path is taken for, in the light of its place: path tracing misses light that is brighter, in any picture of less than thousands of samples.
+/// The brightest that a single path is taken for, in the light of its place: path tracing misses light that is
+/// brighter, in any picture of less than thousands of samples.
 const BRIGHTEST: f32 = 1024.0;
 /// Places are taken to be as bright as this share of the picture's mean at least.
 const DARK: f32 = 0.05;
-/// Beyond this factor of the gain from which on bidirectional path tracing is chosen, one way or the other, the first stage is enough.
+/// Beyond this factor of the gain from which on bidirectional path tracing is chosen, one way or the other, the first
+/// stage is enough.
 const CLEAR: f64 = 4.0;
 /// Gains are told down to this, and up to its reciprocal.
 const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
 const SEED: u32 = 0x5eed_a070;
 
-/// What the pilot of a picture may do. It depends on the number of samples alone, and where it is equal, so is the choice.
+/// What the pilot of a picture may do. It depends on the number of samples alone, and where it is equal, so is the
+/// choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     stages: usize,
@@ -87,7 +95,8 @@ impl Budget {
     }
 }
 
-/// Whether there is a choice for a picture of so many `samples`, over all pixels: fewer are not worth a pilot, and media leave none.
+/// Whether there is a choice for a picture of so many `samples`, over all pixels: fewer are not worth a pilot, and
+/// media leave none.
 pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
     let settings = view.integrator.settings();
     let has_media = settings.media && !scene.media.is_empty();
@@ -111,14 +120,16 @@ fn stages(samples: u64) -> usize {
     STAGES.iter().take_while(is_within).count()
 }
 
-/// Whether a picture of so many samples can pay for learning a guide, and for the second stage with guided samples besides.
+/// Whether a picture of so many samples can pay for learning a guide, and for the second stage with guided samples
+/// besides.
 fn pays_for_guide(samples: u64) -> bool {
     let pixels = |stage: usize| u64::from(STAGES[stage] * PARTS * PARTS);
     let cost = COST_OF_PIXEL * pixels(0) + COST_OF_LEARNING + (COST_OF_PIXEL + COST_OF_GUIDED_PIXEL) * pixels(1);
     cost as f64 <= SHARE_OF_NOISY * samples as f64
 }
 
-/// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the choice.
+/// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the
+/// choice.
 pub fn pilot_view(view: &View) -> View {
     let ratio = (view.width as f32 / view.height as f32).sqrt();
     let side = |length: f32| length.round().max(1.0) as u32;
@@ -136,8 +147,9 @@ pub fn pilot_view(view: &View) -> View {
     }
 }
 
-/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of the scene, which may be learnt: the rays of that are
-/// then in [`Guide::rays_of_pilot`]. None if `cancel` was set in the meantime.
+/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of
+/// the scene, which may be learnt: the rays of that are then in [`Guide::rays_of_pilot`]. None if `cancel` was set in
+/// the meantime.
 pub fn choose(
     scene: &RenderScene,
     view: &View,
@@ -420,8 +432,8 @@ impl Sums<'_> {
         common / samples.len().max(1) as f64 + self.of_finds(rare)
     }
 
-    /// The variance of a sample of bidirectional path tracing, at a place of this luminance. What comes to the lens has few of very many paths, so that its
-    /// variance is its second moment.
+    /// The variance of a sample of bidirectional path tracing, at a place of this luminance. What comes to the lens has
+    /// few of very many paths, so that its variance is its second moment.
     fn variance_bidirectional(&self, place: f32) -> f64 {
         let clipped = |light: f32| f64::from(light.min(BRIGHTEST * place));
         let of_pair = |pair: &[f32; PAIR as usize]| 0.5 * (clipped(pair[0]) - clipped(pair[1])).powi(2);

@@ -11,8 +11,8 @@ use crate::medium::{MediumId, Way};
 /// The most borders that a ray passes.
 const MOST_BORDERS: u32 = 1024;
 
-/// The medium at the place `to`, if `medium` is at the place `from`, both in world space. Every surface on the straight way in between that names media on its
-/// sides is a border, whatever it is made of.
+/// The medium at the place `to`, if `medium` is at the place `from`, both in world space. Every surface on the straight
+/// way in between that names media on its sides is a border, whatever it is made of.
 pub fn medium_at(scene: &RenderScene, from: Vec3, mut medium: Option<MediumId>, to: Vec3) -> Option<MediumId> {
     let mut ray = Ray::segment(from, to);
     for _ in 0..MOST_BORDERS {
@@ -43,8 +43,8 @@ pub(crate) struct Met {
     pub point: SurfacePoint,
 }
 
-/// The first surface along a ray but borders, and how many rays it took. `along` is shown the ways through media up to there; the ray begins in
-/// `medium`.
+/// The first surface along a ray but borders, and how many rays it took. `along` is shown the ways through media up to
+/// there; the ray begins in `medium`.
 pub(crate) fn behind_borders(
     scene: &RenderScene,
     ray: &Ray,

@@ -123,7 +123,8 @@ impl<'a> Reader<'a> {
             .and_then(|count| if count <= MOST_COUNTED { Ok(count) } else { Err(Damaged) })
     }
 
-    /// The next number in double precision, which is a time in seconds: at most thirty years, so that more can be added.
+    /// The next number in double precision, which is a time in seconds: at most thirty years, so that more can be
+    /// added.
     pub fn duration(&mut self) -> Result<Duration, Damaged> {
         let seconds = self.f64()?;
         match (0.0..=LONGEST).contains(&seconds) {

@@ -24,7 +24,8 @@ pub struct ThinLens {
     pub focus_distance: f32,
     /// The number of edges of the aperture; below 3 it is round.
     pub blades: u32,
-    /// The rotation of the blades in radians, from the camera's +x towards +y. Without any the first corner lies at +x.
+    /// The rotation of the blades in radians, from the camera's +x towards +y. Without any the first corner lies at
+    /// +x.
     pub blade_rotation: f32,
 }
 
@@ -55,7 +56,8 @@ enum Projection {
 pub struct Camera {
     world_from_camera: Affine3A,
     projection: Projection,
-    /// The picture's top left on the image plane (of a perspective at distance 1), and below the way from there to its bottom right.
+    /// The picture's top left on the image plane (of a perspective at distance 1), and below the way from there to its
+    /// bottom right.
     corner: Vec2,
     diagonal: Vec2,
     near: f32,
@@ -63,8 +65,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A perspective camera. `world_from_camera` is rigid; `fov_x` is in degrees, in (0, 180); `aspect` is width over height; `near` and `far` are
-    /// distances along the view axis.
+    /// A perspective camera. `world_from_camera` is rigid; `fov_x` is in degrees, in (0, 180); `aspect` is width over
+    /// height; `near` and `far` are distances along the view axis.
     pub fn new(
         world_from_camera: Affine3A,
         fov_x: f32,
@@ -100,7 +102,8 @@ impl Camera {
         }
     }
 
-    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they may be outside.
+    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they
+    /// may be outside.
     pub fn cropped(self, min: Vec2, max: Vec2) -> Self {
         Self {
             corner: self.corner + min * self.diagonal,
@@ -118,18 +121,20 @@ impl Camera {
         Self { projection, ..self }
     }
 
-    /// The ray through `film`, (0, 0) at the top left and (1, 1) at the bottom right of the picture; `u_lens` in [0, 1)^2.
+    /// The ray through `film`, (0, 0) at the top left and (1, 1) at the bottom right of the picture; `u_lens` in [0,
+    /// 1)^2.
     ///
-    /// Its direction has unit length. Its origin is the pinhole, or lies on the lens or in the plane of an orthographic camera; it runs from
-    /// the near plane to the far plane. The near plane is a `t_min`, for rounding would move an origin there aside, by more the farther the
-    /// camera is from the world's origin.
+    /// Its direction has unit length. Its origin is the pinhole, or lies on the lens or in the plane of an orthographic
+    /// camera; it runs from the near plane to the far plane. The near plane is a `t_min`, for rounding would move
+    /// an origin there aside, by more the farther the camera is from the world's origin.
     pub fn ray(&self, film: Vec2, u_lens: Vec2) -> Ray {
         let on_plane = self.corner + film * self.diagonal;
         let (origin, toward) = match self.projection {
             Projection::Orthographic => (on_plane.extend(0.0), Vec3::Z),
             Projection::Perspective { lens: None } => (Vec3::ZERO, on_plane.extend(1.0)),
             Projection::Perspective { lens: Some(lens) } => {
-                // The ray is aimed from where it will begin, so that all rays through the lens meet in the plane of focus.
+                // The ray is aimed from where it will begin, so that all rays through the lens meet in the plane of
+                // focus.
                 let origin = self.rounded(lens.sample(u_lens));
                 (origin, lens.focus_distance * on_plane.extend(1.0) - origin)
             }
@@ -180,8 +185,9 @@ impl Camera {
         })
     }
 
-    /// World to film coordinates as in [`Self::ray`], with the distance along the view axis; for drawing over the picture.
-    /// Points with a distance of zero or less are behind the camera and their film coordinates mean nothing.
+    /// World to film coordinates as in [`Self::ray`], with the distance along the view axis; for drawing over the
+    /// picture. Points with a distance of zero or less are behind the camera and their film coordinates mean
+    /// nothing.
     pub fn project(&self, world: Vec3) -> (Vec2, f32) {
         let p = self.world_from_camera.inverse().transform_point3(world);
         let on_plane = match self.projection {
@@ -191,7 +197,8 @@ impl Camera {
         ((on_plane - self.corner) / self.diagonal, p.z)
     }
 
-    /// The film coordinates of what is infinitely far away in a direction of the world; None behind the camera, and for parallel rays.
+    /// The film coordinates of what is infinitely far away in a direction of the world; None behind the camera, and for
+    /// parallel rays.
     pub fn project_direction(&self, direction: Vec3) -> Option<Vec2> {
         let toward = self.direction_in_camera(direction);
         let on_plane = toward.truncate() / toward.z;
@@ -208,14 +215,16 @@ impl Camera {
         self.world_from_camera.transform_point3(p)
     }
 
-    /// The matrix from the world to the camera space of OpenEXR: x to the right of the picture, y up, z along the view axis.
+    /// The matrix from the world to the camera space of OpenEXR: x to the right of the picture, y up, z along the view
+    /// axis.
     pub fn right_up_forward_from_world(&self) -> Mat4 {
         let to_right = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let world_from_camera = self.world_from_camera.as_daffine3();
         DMat4::from(to_right * world_from_camera.inverse()).as_mat4()
     }
 
-    /// The projective matrix from the world to film coordinates as in [`Self::ray`], and depths from 0 at the near plane to 1 at the far plane.
+    /// The projective matrix from the world to film coordinates as in [`Self::ray`], and depths from 0 at the near
+    /// plane to 1 at the far plane.
     pub fn film_from_world(&self) -> Mat4 {
         let (corner, diagonal) = (self.corner.as_dvec2(), self.diagonal.as_dvec2());
         let (near, far) = (f64::from(self.near), f64::from(self.far));

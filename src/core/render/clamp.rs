@@ -1,8 +1,9 @@
-//! A limit to how bright a sample may be. A few samples that are far brighter than all others ("fireflies") are noise that takes very many samples to
-//! even out; a picture in which they are made as bright as the limit has less noise, and too little light.
+//! A limit to how bright a sample may be. A few samples that are far brighter than all others ("fireflies") are noise
+//! that takes very many samples to even out; a picture in which they are made as bright as the limit has less noise,
+//! and too little light.
 //!
-//! The limit is a percentile of the samples of a pilot (`fireflies`). It depends on the scene and the view alone, so that any part of a picture,
-//! rendered anywhere, has the same.
+//! The limit is a percentile of the samples of a pilot (`fireflies`). It depends on the scene and the view alone, so
+//! that any part of a picture, rendered anywhere, has the same.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +27,8 @@ pub struct Clamp {
 /// The limit of a scene in a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrightnessLimit {
-    /// The greatest luminance of the light of a sample, W/(m^2 sr), without what the camera sees of lamps directly, in mirrors and through glass.
+    /// The greatest luminance of the light of a sample, W/(m^2 sr), without what the camera sees of lamps directly, in
+    /// mirrors and through glass.
     pub luminance: f32,
     /// The share of the picture's light that the clamp removes, from 0 to 1, as the pilot has it.
     pub removed: f32,
@@ -55,8 +57,9 @@ impl Clamp {
         }
     }
 
-    /// The limit of a scene that a camera sees on a film of this size, if it is not known found by all workers that ask for it: `trace` traces part number n
-    /// of `parts` of the pilot, and `of_pilot` gives the limit. None if cancelled. `from_lights`: whether paths begin at the lights as well.
+    /// The limit of a scene that a camera sees on a film of this size, if it is not known found by all workers that ask
+    /// for it: `trace` traces part number n of `parts` of the pilot, and `of_pilot` gives the limit. None if
+    /// cancelled. `from_lights`: whether paths begin at the lights as well.
     pub(super) fn limit(
         &self,
         scene: &RenderScene,

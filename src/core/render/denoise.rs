@@ -1,7 +1,7 @@
 //! Removes the noise of a picture with Intel Open Image Denoise (OIDN), on the CPU.
 //!
-//! This is the whole of what the program sees of it; the foreign calls are in `denoise/ffi.rs`. Without the cargo feature
-//! `denoise` everything here is still there, and [`denoise`] answers [`DenoiseError::NotBuilt`].
+//! This is the whole of what the program sees of it; the foreign calls are in `denoise/ffi.rs`. Without the cargo
+//! feature `denoise` everything here is still there, and [`denoise`] answers [`DenoiseError::NotBuilt`].
 //!
 //! Source: the API documentation of Open Image Denoise 2, sections "Filters, RT" and "RTLightmap".
 
@@ -29,8 +29,8 @@ pub fn denoise(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, De
     run(input, cancel)
 }
 
-/// [`denoise`] in high quality of the radiance that a film has gathered, with its features. `threads` is the number that the denoiser may use; None
-/// is one for each core.
+/// [`denoise`] in high quality of the radiance that a film has gathered, with its features. `threads` is the number
+/// that the denoiser may use; None is one for each core.
 pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
     let input = DenoiseInput {
@@ -46,7 +46,8 @@ pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) ->
     denoise(&input, cancel)
 }
 
-/// A lightmap without noise, of non-negative irradiance row by row; all of it finite and not negative. `threads` and `cancel` as for [`denoise_film`].
+/// A lightmap without noise, of non-negative irradiance row by row; all of it finite and not negative. `threads` and
+/// `cancel` as for [`denoise_film`].
 pub fn denoise_lightmap(
     width: u32,
     height: u32,
@@ -88,8 +89,8 @@ fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, D
     ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
 }
 
-/// The largest finite component, at least 0. An infinite pixel becomes as bright as the brightest other one: with a fixed large number in its place the
-/// library would expose for that pixel and lose the rest of the picture.
+/// The largest finite component, at least 0. An infinite pixel becomes as bright as the brightest other one: with a
+/// fixed large number in its place the library would expose for that pixel and lose the rest of the picture.
 #[cfg(feature = "denoise")]
 fn brightest(color: &[Rgb]) -> f32 {
     let components = color.iter().flat_map(|pixel| pixel.to_array());
@@ -121,8 +122,8 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
         quality: input.quality,
         cancel,
     };
-    // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads share no state, and no memory
-    // is held between calls.
+    // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads
+    // share no state, and no memory is held between calls.
     let device = ffi::Device::new(input.threads)?;
     if input.prefilter {
         for (slot, image) in [

@@ -1,11 +1,13 @@
 //! The random dimensions of a path: they tell which of a sample's numbers decides what.
 //!
-//! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs them or not, so that
-//! what one bounce does changes no number of another. A draw is one number or a pair, see [`crate::sampling::Sampler`].
+//! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs
+//! them or not, so that what one bounce does changes no number of another. A draw is one number or a pair, see
+//! [`crate::sampling::Sampler`].
 //!
-//! Surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by [`BounceDraw::Lobe`], at a depth of its
-//! own. Every name that is added to [`BounceDraw`] changes the numbers of all later bounces, and so the noise of every picture. The draws of
-//! media therefore have dimensions behind those of the longest path.
+//! Surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by
+//! [`BounceDraw::Lobe`], at a depth of its own. Every name that is added to [`BounceDraw`] changes the numbers of all
+//! later bounces, and so the noise of every picture. The draws of media therefore have dimensions behind those of the
+//! longest path.
 
 use crate::math::Word;
 use crate::sampling::SPREAD_DIMENSIONS;
@@ -46,7 +48,8 @@ impl BounceDraw {
     }
 }
 
-/// The draws of a path in media. A scattering in a medium takes its direction and its light from [`BounceDraw`], as one at a surface does.
+/// The draws of a path in media. A scattering in a medium takes its direction and its light from [`BounceDraw`], as one
+/// at a surface does.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum MediumDraw {
     /// How far the ray goes that leads to the vertex of this depth; a pair, and a stream.

@@ -27,12 +27,12 @@ use crate::color::{Rgb, luminance};
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
 
-/// The number of pictures of the film's size that are in memory at once while it is denoised and saved: the colour before and after, albedo and
-/// normals.
+/// The number of pictures of the film's size that are in memory at once while it is denoised and saved: the colour
+/// before and after, albedo and normals.
 const COPIES: usize = 4;
 
-/// The film. The pixels of a tile are together, row by row in rows of [`TILE`], because samples come tile by tile; at the right and lower edge some
-/// are no pixels of the picture.
+/// The film. The pixels of a tile are together, row by row in rows of [`TILE`], because samples come tile by tile; at
+/// the right and lower edge some are no pixels of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     width: u32,
@@ -52,11 +52,13 @@ pub struct Film {
     layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
-    /// For each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet in `sums`.
+    /// For each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet
+    /// in `sums`.
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,
-    /// How many times the estimate the squared errors of the pixels' own samples are, where [`super::replicas`] have told.
+    /// How many times the estimate the squared errors of the pixels' own samples are, where [`super::replicas`] have
+    /// told.
     correction: Option<f32>,
 }
 
@@ -67,7 +69,8 @@ pub struct Moments {
     pub samples: u32,
     /// Their mean.
     pub radiance: Rgb,
-    /// The variance of the luminance of a sample, but for the light that came from the lights to the camera. That of a single sample may be anything.
+    /// The variance of the luminance of a sample, but for the light that came from the lights to the camera. That of a
+    /// single sample may be anything.
     pub variance: f32,
 }
 
@@ -84,8 +87,8 @@ impl Film {
         film
     }
 
-    /// Makes it as new, of whatever size, in the memory that it has if that is enough and not far too much: to have pages given and
-    /// taken by the system costs more than to fill them. Returns the previews that it had.
+    /// Makes it as new, of whatever size, in the memory that it has if that is enough and not far too much: to have
+    /// pages given and taken by the system costs more than to fill them. Returns the previews that it had.
     pub fn begin(&mut self, width: u32, height: u32, kept: FilmLayers) -> Vec<Option<TilePreview>> {
         let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
         let pixels = tiles * (TILE * TILE) as usize;
@@ -132,7 +135,8 @@ impl Film {
         rounded(width) * rounded(height) * pixel as u64
     }
 
-    /// The memory in bytes of the chunks of so many tiles that the film of a share with these samples keeps, see [`Self::keep_chunks`].
+    /// The memory in bytes of the chunks of so many tiles that the film of a share with these samples keeps, see
+    /// [`Self::keep_chunks`].
     pub fn chunk_bytes(tiles: usize, samples: Range<u32>, kept: FilmLayers) -> u64 {
         let tile = (TILE * TILE) as usize * (size_of::<PixelSum>() + kept.sum_bytes());
         (tiles as u64 * tile as u64).saturating_mul(chunks_in(samples))
@@ -148,8 +152,8 @@ impl Film {
         self.height
     }
 
-    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the
-    /// preview that they replace.
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample
+    /// ranges. Returns the preview that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let (tile, width) = (result.tile, result.tile.width as usize);
         let place = self.tile_index(tile.x, tile.y);
@@ -211,8 +215,8 @@ impl Film {
             .copied()
     }
 
-    /// Shows a coarse picture in those pixels of the tile that have no sample yet. It stays as it is: to write it out pixel by pixel
-    /// takes as long as a frame may.
+    /// Shows a coarse picture in those pixels of the tile that have no sample yet. It stays as it is: to write it out
+    /// pixel by pixel takes as long as a frame may.
     pub fn add_preview(&mut self, preview: TilePreview) {
         let place = self.tile_index(preview.tile.x, preview.tile.y);
         self.previews[place] = Some(preview);
@@ -277,7 +281,8 @@ impl Film {
         }
     }
 
-    /// The first hit of a pixel's sample 0, or of its preview until that is there. None where nothing is hit or there is no sample.
+    /// The first hit of a pixel's sample 0, or of its preview until that is there. None where nothing is hit or there
+    /// is no sample.
     pub fn first_hit(&self, x: u32, y: u32) -> Option<FirstHit> {
         let index = self.index(x, y);
         match self.counts[index] {
@@ -307,8 +312,8 @@ impl Film {
         }
     }
 
-    /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is 1 for groups without one.
-    /// Splats are of no group. Without layers or without factors it is just that.
+    /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is
+    /// 1 for groups without one. Splats are of no group. Without layers or without factors it is just that.
     pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
         let index = self.index(x, y);
         let (radiance, layers, count) = match self.counts[index] {
@@ -372,7 +377,8 @@ impl Film {
         });
     }
 
-    /// Gives `each` the place in a row of a tile of every pixel of it, its number of samples, and the sums of their radiance and of their squared luminances.
+    /// Gives `each` the place in a row of a tile of every pixel of it, its number of samples, and the sums of their
+    /// radiance and of their squared luminances.
     fn each_sum_of_row(&self, tile: Tile, y: u32, mut each: impl FnMut(usize, u32, Rgb, f32)) {
         let places = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
         // Looked up once, and not for each pixel.

@@ -1,8 +1,10 @@
-//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that all samples have the same
-//! weight up to the sign, and no sample belongs to two pixels (Ernst, Stamminger, and Greiner, Filter Importance Sampling, 2006).
+//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that
+//! all samples have the same weight up to the sign, and no sample belongs to two pixels (Ernst, Stamminger, and
+//! Greiner, Filter Importance Sampling, 2006).
 //!
-//! A filter with negative lobes has samples of negative weight. All weights have the magnitude (integral of |f|) / (integral of f), so that
-//! the plain mean over the samples is the filtered picture: sums stay sums, and their spread is the true noise of the mean.
+//! A filter with negative lobes has samples of negative weight. All weights have the magnitude (integral of |f|) /
+//! (integral of f), so that the plain mean over the samples is the filtered picture: sums stay sums, and their spread
+//! is the true noise of the mean.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -159,8 +161,9 @@ impl PixelFilter {
         FilterTable::new(kernel).map_or(Self::Box, |table| Self::Tabulated(Arc::new(table)))
     }
 
-    /// Chooses a pixel to which the light at a place of the film, in pixels, belongs: all whose filter reaches there have a share of it. Returns it with
-    /// the factor of the light, over the probability of the choice by `u`; None where no filter reaches. The pixel may be outside of the film.
+    /// Chooses a pixel to which the light at a place of the film, in pixels, belongs: all whose filter reaches there
+    /// have a share of it. Returns it with the factor of the light, over the probability of the choice by `u`; None
+    /// where no filter reaches. The pixel may be outside of the film.
     pub fn choose_pixel(&self, film: Vec2, mut u: f32) -> Option<(IVec2, f32)> {
         let mut pixel = IVec2::ZERO;
         let mut weight = 1.0;

@@ -20,8 +20,8 @@ const SAMPLES: u32 = 1 << 15;
 const BATCH: u32 = 2048;
 /// The sample numbers of a pixel in a pilot, at least.
 const NUMBERS: u32 = 16;
-/// The paths from the lights that make the photons of a pilot, unless [`FEWEST_ROUNDS`] have more. All samples with one number see the same photons, which
-/// cost far more than the samples where each has photons of its own.
+/// The paths from the lights that make the photons of a pilot, unless [`FEWEST_ROUNDS`] have more. All samples with one
+/// number see the same photons, which cost far more than the samples where each has photons of its own.
 const PHOTON_PATHS: u32 = 1 << 18;
 /// The fewest numbers of a pilot with photons.
 const FEWEST_ROUNDS: u32 = 4;
@@ -105,7 +105,8 @@ impl Numbers {
     }
 }
 
-/// A sample at the point number `index` of an even sequence over the film (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+/// A sample at the point number `index` of an even sequence over the film (M. Roberts, "The Unreasonable Effectiveness
+/// of Quasirandom Sequences", 2018).
 fn job(view: &View, index: u32, numbers: Numbers) -> Job {
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
     let size = UVec2::new(view.width, view.height);
@@ -144,7 +145,8 @@ fn limit_of(parts: Vec<Pilot>, percentile: f32) -> BrightnessLimit {
 }
 
 impl BrightnessLimit {
-    /// The share of its light that is left to a sample, whose light counts `weight`. What is seen directly does not count.
+    /// The share of its light that is left to a sample, whose light counts `weight`. What is seen directly does not
+    /// count.
     pub(super) fn share(&self, sample: &PathSample, weight: f32) -> f32 {
         let [all, seen] = [sample.radiance, sample.seen].map(|light| luminance(light) * weight.abs());
         if all - seen > self.luminance {

@@ -1,6 +1,6 @@
-//! The G-buffer of a picture: what the middle of each pixel sees, without light and without noise (Saito and Takahashi, Comprehensible
-//! Rendering of 3-D Shapes, SIGGRAPH 1990). It says which pixels of two pictures show the same piece of a surface. Mirrors and glass show what is seen in
-//! them, at the distance at which it seems to be.
+//! The G-buffer of a picture: what the middle of each pixel sees, without light and without noise (Saito and Takahashi,
+//! Comprehensible Rendering of 3-D Shapes, SIGGRAPH 1990). It says which pixels of two pictures show the same piece of
+//! a surface. Mirrors and glass show what is seen in them, at the distance at which it seems to be.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,7 +21,8 @@ const MOST_MIRRORS: u32 = 4;
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Texel {
-    /// The length of the way from the camera through the middle of the pixel, with mirrors and glass on it; infinite where nothing is met.
+    /// The length of the way from the camera through the middle of the pixel, with mirrors and glass on it; infinite
+    /// where nothing is met.
     pub distance: f32,
     /// The shading normal in world space, in 127ths.
     normal: [i8; 3],
@@ -79,7 +80,8 @@ pub fn middle_ray(sharp: &Camera, size: Vec2, x: u32, y: u32) -> Ray {
     sharp.ray((Vec2::new(x as f32, y as f32) + 0.5) / size, Vec2::splat(0.5))
 }
 
-/// Finds what the pixels of `tile` show; None if `cancel` was set in the meantime. Borders of media are not there, masks count as whole.
+/// Finds what the pixels of `tile` show; None if `cancel` was set in the meantime. Borders of media are not there,
+/// masks count as whole.
 pub fn render_gbuffer(scene: &RenderScene, view: &View, tile: Tile, cancel: &AtomicBool) -> Option<TileGBuffer> {
     let sharp = view.camera.sharp();
     let size = Vec2::new(view.width as f32, view.height as f32);

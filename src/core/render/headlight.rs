@@ -1,4 +1,5 @@
-//! Surfaces lit by nothing but a lamp at the camera: complete with the first sample, wherever the lights of the scene are.
+//! Surfaces lit by nothing but a lamp at the camera: complete with the first sample, wherever the lights of the scene
+//! are.
 
 use glam::Vec3;
 
@@ -16,7 +17,8 @@ const CLAY: f32 = 0.55;
 /// The colour where there is nothing.
 const NOTHING: f32 = 0.03;
 
-/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque; borders of media are not there.
+/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque; borders of media are
+/// not there.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSample {
     let (met, rays) = behind_borders(scene, ray, None, |_, _| {});
     let Some(Met { hit, slot, point }) = met else {

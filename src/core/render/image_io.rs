@@ -1,9 +1,9 @@
-//! Writes pictures to files: EXR (linear, with layers), Radiance HDR (linear, shared exponent), PFM (linear float32), PNG and JPEG (as a display shows
-//! them).
+//! Writes pictures to files: EXR (linear, with layers), Radiance HDR (linear, shared exponent), PFM (linear float32),
+//! PNG and JPEG (as a display shows them).
 //!
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
-//! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is
-//! [`crate::texture::load_image`], and with their layers [`exr::decode_exr`].
+//! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`].
+//! What reads pictures is [`crate::texture::load_image`], and with their layers [`exr::decode_exr`].
 
 mod displayed;
 pub mod exr;
@@ -140,7 +140,8 @@ pub enum ImageIoError {
     WrongSize { width: u32, height: u32, pixels: usize },
 }
 
-/// Writes in the format that the extension names. `display` is used for PNG and JPEG only: the others hold the radiance itself.
+/// Writes in the format that the extension names. `display` is used for PNG and JPEG only: the others hold the radiance
+/// itself.
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
     write(path, &bytes)
@@ -152,8 +153,8 @@ pub fn write_layered(path: &Path, image: &LayeredImage, options: &FileOptions) -
     write(path, &bytes)
 }
 
-/// Writes the picture as EXR to a new file in the system's folder for temporary files and returns the file's name: for a picture whose own
-/// place cannot be written.
+/// Writes the picture as EXR to a new file in the system's folder for temporary files and returns the file's name: for
+/// a picture whose own place cannot be written.
 pub fn write_to_temporary_folder(image: &LayeredImage) -> Result<PathBuf, ImageIoError> {
     let bytes = exr::encode_exr(image, ExrCompression::default())?;
     let folder = std::env::temp_dir();
@@ -173,7 +174,8 @@ pub fn write_to_temporary_folder(image: &LayeredImage) -> Result<PathBuf, ImageI
     Ok(path)
 }
 
-/// Writes bytes that are for the display already, three a pixel, as PNG or JPEG. An error for the name of another format.
+/// Writes bytes that are for the display already, three a pixel, as PNG or JPEG. An error for the name of another
+/// format.
 pub fn write_displayed(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
     let bytes = match FileFormat::from_path(path)? {
         FileFormat::Png => displayed::png_of_bytes(size, rgb)?,
@@ -196,7 +198,8 @@ pub fn encode(image: &ImageRgb, format: FileFormat, display: &Display) -> Result
     }
 }
 
-/// The bytes of a file of a layered picture. EXR holds all of it; PNG its colours and its opacity, the others its colours.
+/// The bytes of a file of a layered picture. EXR holds all of it; PNG its colours and its opacity, the others its
+/// colours.
 pub fn encode_layered(
     image: &LayeredImage,
     format: FileFormat,
@@ -261,8 +264,9 @@ fn encode_pfm(image: &ImageRgb, stored: StoredColors) -> Vec<u8> {
     bytes
 }
 
-/// The nearest colour that RGBE stores: the encoder truncates mantissas, which would darken the picture by half a unit of eight bits. What is not
-/// above 0, or is no number, becomes 0, and what is beyond the exponents of the format becomes the largest colour, or black.
+/// The nearest colour that RGBE stores: the encoder truncates mantissas, which would darken the picture by half a unit
+/// of eight bits. What is not above 0, or is no number, becomes 0, and what is beyond the exponents of the format
+/// becomes the largest colour, or black.
 fn nearest_in_rgbe(color: Rgb) -> Rgb {
     const LARGEST: f32 = 1e38;
     /// Below it the format stores black (Ward, "Real pixels", in Graphics Gems II).

@@ -1,4 +1,5 @@
-//! The paths of a pixel with everything that was decided along them: what the renderer does there, step by step, to be drawn and read.
+//! The paths of a pixel with everything that was decided along them: what the renderer does there, step by step, to be
+//! drawn and read.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -27,7 +28,8 @@ pub struct RecordedPath {
     pub escaped_to: Vec<MetEmitter>,
     /// The reason why the path ended after its last vertex.
     pub end: PathEnd,
-    /// The path from a light that its vertices were joined with, from the light on, in world space; empty where there is none.
+    /// The path from a light that its vertices were joined with, from the light on, in world space; empty where there
+    /// is none.
     pub light_path: Vec<Vec3>,
     /// The light that the path from the light has sent to the lens.
     pub splats: Vec<Splat>,
@@ -52,8 +54,9 @@ pub struct RecordedVertex {
     pub bounce: Option<Bounce>,
 }
 
-/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view traces no paths. Photons are left out: what is shown of
-/// [`Integrator::Merging`](super::view::Integrator::Merging) is bidirectional path tracing.
+/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view traces no paths.
+/// Photons are left out: what is shown of [`Integrator::Merging`](super::view::Integrator::Merging) is bidirectional
+/// path tracing.
 pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Range<u32>) -> Vec<RecordedPath> {
     if view.path_settings(pixel).is_none() {
         return Vec::new();

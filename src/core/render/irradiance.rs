@@ -1,8 +1,9 @@
 //! Estimates irradiance: the light that arrives at one side of a surface, whatever that surface is made of.
 //!
-//! A sample is a path that begins at the surface, with next event estimation and multiple importance sampling there as at every later vertex. The
-//! surface takes the place of the first one that a camera ray meets, so limits of depth count as if a camera looked at it. The integral, of radiance
-//! times cosine over the hemisphere, is that of PBR 4th ed., section 4.2.1.
+//! A sample is a path that begins at the surface, with next event estimation and multiple importance sampling there as
+//! at every later vertex. The surface takes the place of the first one that a camera ray meets, so limits of depth
+//! count as if a camera looked at it. The integral, of radiance times cosine over the hemisphere, is that of PBR 4th
+//! ed., section 4.2.1.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::atomic::AtomicBool;
@@ -40,7 +41,8 @@ pub enum ReceivedLight {
     /// Light of all ways.
     #[default]
     All,
-    /// All but the light that comes straight from points, spots and single directions, for which file formats of levels have lights of their own.
+    /// All but the light that comes straight from points, spots and single directions, for which file formats of levels
+    /// have lights of their own.
     WithoutPunctual,
 }
 
@@ -107,8 +109,8 @@ pub struct IrradianceJob {
     pub sampler: Sampler,
 }
 
-/// Traces samples of irradiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its medium. The samples are in the order
-/// of the jobs. None if `cancel` was set in the meantime.
+/// Traces samples of irradiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its
+/// medium. The samples are in the order of the jobs. None if `cancel` was set in the meantime.
 pub fn trace_irradiance(
     scene: &RenderScene,
     view: &View,

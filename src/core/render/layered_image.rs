@@ -1,8 +1,8 @@
 //! A picture of named channels with attributes, as an OpenEXR file of one part holds it.
 //!
-//! The channels of the picture itself are named `R`, `G`, `B` and perhaps `A`. Others belong to a layer, whose name stands before the last dot
-//! (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR, "Channel names". What writes and reads the files is
-//! [`super::image_io::exr`].
+//! The channels of the picture itself are named `R`, `G`, `B` and perhaps `A`. Others belong to a layer, whose name
+//! stands before the last dot (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR,
+//! "Channel names". What writes and reads the files is [`super::image_io::exr`].
 
 use std::collections::HashSet;
 
@@ -23,7 +23,8 @@ pub struct LayeredImage {
     pub channels: Vec<Channel>,
     /// What else is known of the picture, by name. No two have the same name.
     pub attributes: Vec<(String, Attribute)>,
-    /// Where it lies in a larger picture, if it is a part of one: the first column and row of it, and the size of the larger one.
+    /// Where it lies in a larger picture, if it is a part of one: the first column and row of it, and the size of the
+    /// larger one.
     pub place: Option<[u32; 4]>,
     /// What a reader has taken from the memory budget.
     pub(super) memory: Held,
@@ -194,8 +195,9 @@ impl LayeredImage {
         layers.filter(|layer| known.insert(*layer)).collect()
     }
 
-    /// The channels that are the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`, `Y`, `Z`, or `X`, `Y`, or `U`, `V`,
-    /// or else the only one of the layer that is not `A` (or its `Y`). None if the layer has no such channels.
+    /// The channels that are the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`,
+    /// `Y`, `Z`, or `X`, `Y`, or `U`, `V`, or else the only one of the layer that is not `A` (or its `Y`). None if
+    /// the layer has no such channels.
     pub fn channels_of(&self, layer: &str) -> Option<Vec<&Channel>> {
         let of_layer: Vec<(&str, &Channel)> = self
             .channels
@@ -269,8 +271,8 @@ impl LayeredImage {
         self.attributes.push((name.to_owned(), attribute));
     }
 
-    /// Replaces the channels `R`, `G` and `B` of the picture itself by what is stored of the colours: `Y`, or `X`, `Y` and `Z`. A picture without these
-    /// channels stays as it is.
+    /// Replaces the channels `R`, `G` and `B` of the picture itself by what is stored of the colours: `Y`, or `X`, `Y`
+    /// and `Z`. A picture without these channels stays as it is.
     pub fn convert_colors(&mut self, stored: StoredColors) {
         let is_color = |channel: &Channel| TRIPLES[0].contains(&channel.name.as_str());
         let Some(colors) = self
@@ -287,8 +289,9 @@ impl LayeredImage {
         }
     }
 
-    /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Cryptomattes (`Crypto*`), whose floats are identifiers, and variances
-    /// (`Variance*`), which are too small for 16 bits, stay as they are, and so do vectors and depths.
+    /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Cryptomattes (`Crypto*`), whose floats
+    /// are identifiers, and variances (`Variance*`), which are too small for 16 bits, stay as they are, and so do
+    /// vectors and depths.
     pub fn store_colors_as_half(&mut self) {
         for channel in &mut self.channels {
             let (layer, last) = split_name(&channel.name);

@@ -1,4 +1,5 @@
-//! Light mixing: the light of each group of lights is summed up by itself beside the picture, which is linear in all of them.
+//! Light mixing: the light of each group of lights is summed up by itself beside the picture, which is linear in all of
+//! them.
 //!
 //! The layers hold the very samples of the picture: they are as noisy as it is, and sum up to it.
 

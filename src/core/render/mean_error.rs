@@ -1,16 +1,18 @@
 //! The error of a pixel's mean, estimated from how its halves differ.
 //!
-//! The samples of a pixel are points of one scrambled net, which complete each other: the mean of n of them is nearer to the truth than their spread
-//! says. The mean over the first half of 2^k samples and the mean over the second are exchangeable, so half of their difference squared has the
-//! expectation V(n / 2) - V(n), where V is the variance of the mean (Owen, Scrambled net variance for integrals of smooth functions, Annals of
-//! Statistics 25(4), 1997, on how V falls). What of V(n) the samples cannot tell is extrapolated: each doubling takes the same share `r` of what the
-//! one before it took, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for independent samples, for which the estimate
-//! is the usual one, and at least 1/8, for smooth integrands.
+//! The samples of a pixel are points of one scrambled net, which complete each other: the mean of n of them is nearer
+//! to the truth than their spread says. The mean over the first half of 2^k samples and the mean over the second are
+//! exchangeable, so half of their difference squared has the expectation V(n / 2) - V(n), where V is the variance of
+//! the mean (Owen, Scrambled net variance for integrals of smooth functions, Annals of Statistics 25(4), 1997, on how V
+//! falls). What of V(n) the samples cannot tell is extrapolated: each doubling takes the same share `r` of what the one
+//! before it took, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for independent
+//! samples, for which the estimate is the usual one, and at least 1/8, for smooth integrands.
 //!
-//! The differences of single pixels are one number each, so they are summed over patches of [`PATCH`] x [`PATCH`] pixels, and `r` is that of a tile. The
-//! [blocks](super::blocks) of a patch may have different numbers of samples: what is summed up is then how many times the differences are what they would be of
-//! independent samples. A pixel's own share of its patch's error is that of its samples' spread, which is known far better. A rare bright sample enlarges the
-//! spread and the difference alike, once it is there; what no sample has found yet is in no estimate.
+//! The differences of single pixels are one number each, so they are summed over patches of [`PATCH`] x [`PATCH`]
+//! pixels, and `r` is that of a tile. The [blocks](super::blocks) of a patch may have different numbers of samples:
+//! what is summed up is then how many times the differences are what they would be of independent samples. A pixel's
+//! own share of its patch's error is that of its samples' spread, which is known far better. A rare bright sample
+//! enlarges the spread and the difference alike, once it is there; what no sample has found yet is in no estimate.
 
 use super::blocks::{BLOCK, PerBlock};
 use super::noise::DARK;
@@ -24,8 +26,8 @@ const PATCHES: usize = (TILE / PATCH * (TILE / PATCH)) as usize;
 /// The bounds of the share of a doubling in the one before it.
 const SHARES: [f32; 2] = [0.125, 0.5];
 
-/// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of squares relative to the pixels'
-/// luminances.
+/// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of
+/// squares relative to the pixels' luminances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct BlockError {
     /// The power of two of samples at which the means were noted last; 0 before that.
@@ -47,7 +49,8 @@ pub(super) struct BlockError {
 pub(super) struct Efficiency {
     /// The share of a doubling in the one before it.
     share: f32,
-    /// How many times the squared differences of each patch are those of independent samples, at level 1 by [`Self::share`]; 0 while that is unknown.
+    /// How many times the squared differences of each patch are those of independent samples, at level 1 by
+    /// [`Self::share`]; 0 while that is unknown.
     patches: [f32; PATCHES],
 }
 
@@ -86,7 +89,8 @@ impl Efficiency {
         (2.0 * self.share).powi(level.ilog2() as i32)
     }
 
-    /// The variance of the mean over `samples` of a pixel in a block, over the mean squared deviation of its samples. Halves of the block were compared at `level`.
+    /// The variance of the mean over `samples` of a pixel in a block, over the mean squared deviation of its samples.
+    /// Halves of the block were compared at `level`.
     pub fn at(&self, block: usize, level: u32, samples: u32) -> f32 {
         let ratio = self.patches[patch_of(block)];
         if level < 2 || ratio <= 0.0 {
@@ -104,7 +108,8 @@ fn patch_of(block: usize) -> usize {
     row * (TILE / PATCH) as usize + column
 }
 
-/// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less, as in the noise of a picture.
+/// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less,
+/// as in the noise of a picture.
 fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     let bright = blocks.iter().map(|block| block.luminance).sum::<f32>() / blocks.len() as f32;
     let known = blocks
@@ -125,11 +130,11 @@ fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     }
 }
 
-/// The variance of the mean of the first `samples` of a net, in units of what the doubling to `level` took away, where later doublings take `share` of the one
-/// before. `single` is the variance of one sample.
+/// The variance of the mean of the first `samples` of a net, in units of what the doubling to `level` took away, where
+/// later doublings take `share` of the one before. `single` is the variance of one sample.
 ///
-/// The mean over a node of the binary tree of samples differs from the means over its halves by independent amounts. The variance is the sum of those of the
-/// amounts that do not cancel.
+/// The mean over a node of the binary tree of samples differs from the means over its halves by independent amounts.
+/// The variance is the sum of those of the amounts that do not cancel.
 fn variance(samples: u32, level: u32, share: f32, single: f32) -> f32 {
     let (mut level, mut step) = (u64::from(level), 1.0);
     let samples = u64::from(samples);
@@ -148,7 +153,8 @@ fn variance(samples: u32, level: u32, share: f32, single: f32) -> f32 {
     rest(next) + next * lack * lack + (more / count).powi(2) * within(samples - level, level, step, share, single)
 }
 
-/// The variance of the mean of the first `samples` around that of the node of `size` that they are in, whose halves differ by `step`.
+/// The variance of the mean of the first `samples` around that of the node of `size` that they are in, whose halves
+/// differ by `step`.
 fn within(samples: u64, size: u64, step: f32, share: f32, single: f32) -> f32 {
     let (mut samples, mut size, mut step) = (samples, size, step);
     let (mut sum, mut factor) = (0.0, 1.0);
@@ -177,7 +183,8 @@ mod tests {
 
     #[test]
     fn independent_samples_have_the_variance_of_the_textbook() {
-        // Each doubling takes half of what the one before took, and a single sample has 16 times the variance of a mean of 16.
+        // Each doubling takes half of what the one before took, and a single sample has 16 times the variance of a mean
+        // of 16.
         for samples in [16, 17, 20, 24, 31, 32, 48, 63, 64, 100] {
             let found = variance(samples, 16, 0.5, 16.0);
             assert!(
@@ -269,7 +276,8 @@ mod tests {
 
     #[test]
     fn blocks_of_a_patch_may_have_different_numbers_of_samples() {
-        // All pixels have half the error of independent samples at 16, which each doubling halves; blocks without samples say nothing.
+        // All pixels have half the error of independent samples at 16, which each doubling halves; blocks without
+        // samples say nothing.
         let mut blocks = [BlockError::default(); _];
         let columns = (TILE / BLOCK) as usize;
         for (place, level) in [(0, 16), (1, 64), (columns, 16), (columns + 1, 64)] {

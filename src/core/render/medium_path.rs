@@ -1,7 +1,9 @@
-//! The steps of [`super::path`] in participating media: how far a ray goes, and scattering on the way (PBR 4th ed., section 14.2.3).
+//! The steps of [`super::path`] in participating media: how far a ray goes, and scattering on the way (PBR 4th ed.,
+//! section 14.2.3).
 //!
-//! Multiple importance sampling compares whole ways to a light: the density of an arrival is that of the direction times the probability of
-//! passing all media up to there ([`crate::medium::Travel::passed`]). In dense fog a phase function seldom finds a lamp, and then its weight is small.
+//! Multiple importance sampling compares whole ways to a light: the density of an arrival is that of the direction
+//! times the probability of passing all media up to there ([`crate::medium::Travel::passed`]). In dense fog a phase
+//! function seldom finds a lamp, and then its weight is small.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -22,8 +24,8 @@ use crate::math::{Ray, Real};
 use crate::medium::{Medium, MediumId, Travel, Way};
 use crate::sampling::Sampler;
 
-/// The share of the places in media within refracting surfaces from which lights are sampled. Hardly one is found, because such surfaces let no light
-/// pass straight; but there may be a lamp within.
+/// The share of the places in media within refracting surfaces from which lights are sampled. Hardly one is found,
+/// because such surfaces let no light pass straight; but there may be a lamp within.
 pub(super) const ENCLOSED_SHARE: f32 = 0.125;
 
 /// Whether a path with this squared relative index of refraction has gone into a refracting surface and not out again.
@@ -112,8 +114,8 @@ impl Leg {
 }
 
 impl PathState {
-    /// Takes the path through its medium up to `hit`, the end of its ray, or to the place where it is scattered before. True if it was scattered and has
-    /// its next ray.
+    /// Takes the path through its medium up to `hit`, the end of its ray, or to the place where it is scattered before.
+    /// True if it was scattered and has its next ray.
     #[inline(never)]
     pub(super) fn travel(
         &mut self,

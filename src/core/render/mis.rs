@@ -1,5 +1,5 @@
-//! The weights of light that can be found in two ways, by sampling the lights and by following the bsdf (multiple importance sampling: Veach 1997,
-//! chapter 9; PBR 4th ed., section 13.4.1).
+//! The weights of light that can be found in two ways, by sampling the lights and by following the bsdf (multiple
+//! importance sampling: Veach 1997, chapter 9; PBR 4th ed., section 13.4.1).
 
 use super::observer::MetEmitter;
 use super::path_state::Arrival;
@@ -15,8 +15,8 @@ impl Strategy {
         self != Self::Bsdf
     }
 
-    /// The weight of light that was found by sampling the lights with density `light_pdf`, in a direction that the bsdf has with density
-    /// `bsdf_pdf`. Only sampling finds a light that `is_delta`.
+    /// The weight of light that was found by sampling the lights with density `light_pdf`, in a direction that the bsdf
+    /// has with density `bsdf_pdf`. Only sampling finds a light that `is_delta`.
     #[inline(always)]
     pub(super) fn light_weight<R: Real>(self, is_delta: R::Mask, light_pdf: R, bsdf_pdf: R) -> R {
         let weight = match self {
@@ -36,8 +36,8 @@ pub(super) struct EmitterWeight {
 }
 
 impl Arrival {
-    /// The weight of an emitter that the path has come upon. `light_pdf` is the density with which sampling the lights would have found it from a
-    /// place.
+    /// The weight of an emitter that the path has come upon. `light_pdf` is the density with which sampling the lights
+    /// would have found it from a place.
     #[inline(always)]
     pub fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> EmitterWeight {
         let bsdf_pdf = self.is_sampled.then_some(self.pdf);

@@ -1,6 +1,7 @@
 //! Motion in the picture: how far the surface that a pixel shows has moved since the frame before.
 //!
-//! Shapes are taken to be rigid, or at least to move as their transforms do: a point of a surface stays at its place in the shape's own space.
+//! Shapes are taken to be rigid, or at least to move as their transforms do: a point of a surface stays at its place in
+//! the shape's own space.
 
 use std::sync::Arc;
 
@@ -26,8 +27,9 @@ impl PartialEq for FrameBefore {
 }
 
 impl FrameBefore {
-    /// The way in film coordinates, to the right and down, from where the camera showed it then to where it shows it now: the surface at `hit`, which `ray`
-    /// has met in `geometry`, or the sky in the direction of the ray if there is none. Zero for places that one of the cameras has behind it.
+    /// The way in film coordinates, to the right and down, from where the camera showed it then to where it shows it
+    /// now: the surface at `hit`, which `ray` has met in `geometry`, or the sky in the direction of the ray if
+    /// there is none. Zero for places that one of the cameras has behind it.
     pub(super) fn motion(&self, geometry: &Tlas, camera: &Camera, ray: &Ray, hit: Option<&Hit>) -> Vec2 {
         let (now, then) = match hit {
             Some(hit) => {

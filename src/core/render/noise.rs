@@ -1,19 +1,23 @@
 //! Estimates the noise of a whole picture as one number, at which rendering may stop.
 //!
-//! Errors are relative to the luminance that a pixel is *likely* to have. Its own mean alone would hide rare bright samples, which raise the mean that their error is relative to: one sample of
-//! ten times the true luminance in sixteen pixels would count for a third of what it is. So the mean is drawn towards that of the pixels around it, by the share that its squared error has in that and
-//! the squared contrast there (empirical Bayes: Efron and Morris, Stein's estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and at
-//! edges, it stays what it is.
+//! Errors are relative to the luminance that a pixel is *likely* to have. Its own mean alone would hide rare bright
+//! samples, which raise the mean that their error is relative to: one sample of ten times the true luminance in sixteen
+//! pixels would count for a third of what it is. So the mean is drawn towards that of the pixels around it, by the
+//! share that its squared error has in that and the squared contrast there (empirical Bayes: Efron and Morris, Stein's
+//! estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and
+//! at edges, it stays what it is.
 
 use rayon::prelude::*;
 
 use super::film::Film;
 use super::tile::Tile;
 
-/// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible in what is almost black.
+/// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible
+/// in what is almost black.
 pub const DARK: f32 = 0.1;
 
-/// The luminance that a pixel is likely to have, of which the mean and the estimated square of its standard error are known, as they are of the pixels `around` it.
+/// The luminance that a pixel is likely to have, of which the mean and the estimated square of its standard error are
+/// known, as they are of the pixels `around` it.
 pub(super) fn likely_luminance((own, squared_error): (f32, f32), around: impl Iterator<Item = (f32, f32)>) -> f32 {
     let (mut count, mut sum, mut squares, mut errors) = (0.0, 0.0, 0.0, 0.0);
     for (mean, squared_error) in around {
@@ -44,7 +48,8 @@ pub(super) fn around(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<I
         .filter(move |&place| place != (x, y))
 }
 
-/// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a frame may.
+/// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a
+/// frame may.
 #[derive(Clone, Debug)]
 pub struct PictureNoise {
     tiles: Vec<TileNoise>,
@@ -134,7 +139,8 @@ impl PictureNoise {
         noise
     }
 
-    /// Says how many times what is estimated from the pixels' own samples their squared errors are, see [`super::replicas`]; 1 at first.
+    /// Says how many times what is estimated from the pixels' own samples their squared errors are, see
+    /// [`super::replicas`]; 1 at first.
     pub fn correct(&mut self, correction: f32) {
         self.correction = correction;
     }
@@ -152,13 +158,14 @@ impl PictureNoise {
         }
     }
 
-    /// The sum over all pixels of what is estimated from their own samples: their squared standard errors relative to the luminance.
+    /// The sum over all pixels of what is estimated from their own samples: their squared standard errors relative to
+    /// the luminance.
     pub(super) fn own_squares(&self) -> f64 {
         self.tiles.iter().map(|tile| tile.squares - tile.by_splats).sum()
     }
 
-    /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
-    /// dark.
+    /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so
+    /// far decides what counts as dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
         let lit = LitTile::of(film, tile);
         self.replace(index, lit.noise);
@@ -173,10 +180,12 @@ impl PictureNoise {
         self.whole.light += new.light - old.light;
     }
 
-    /// The root mean square over the pixels of the estimated standard error of a pixel's luminance relative to that luminance; 0.01 is
-    /// noise of one in a hundred. It does not depend on the exposure or the unit of light, and falls with the root of the samples.
+    /// The root mean square over the pixels of the estimated standard error of a pixel's luminance relative to that
+    /// luminance; 0.01 is noise of one in a hundred. It does not depend on the exposure or the unit of light, and
+    /// falls with the root of the samples.
     ///
-    /// Over the pixels of the tiles at `indices` that have two samples or more; None if there are none, or where all is black.
+    /// Over the pixels of the tiles at `indices` that have two samples or more; None if there are none, or where all is
+    /// black.
     pub fn relative(&self, indices: impl IntoIterator<Item = usize>) -> Option<f32> {
         let (mut pixels, mut light, mut squares, mut own) = (0.0, 0.0, 0.0, 0.0);
         for tile in indices.into_iter().map(|index| &self.tiles[index]) {
@@ -268,8 +277,8 @@ mod tests {
             let noise = measured(&film(0..count, mean, spread))
                 .relative(0..all.len())
                 .expect("samples");
-            // The deviation of an even distribution is spread / sqrt 3. Pixels are divided by means that have an error of their own, which over
-            // 2560 pixels leaves a few percent.
+            // The deviation of an even distribution is spread / sqrt 3. Pixels are divided by means that have an error
+            // of their own, which over 2560 pixels leaves a few percent.
             let expected = spread / (3.0 * count as f32).sqrt();
             assert!((noise / expected - 1.0).abs() < 0.05, "{noise} {expected}");
         }

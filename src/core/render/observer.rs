@@ -1,5 +1,5 @@
-//! Observers of a path while it is traced. They change nothing, and cost nothing where they are not used, for every kind of observer has a
-//! [`trace_path`](super::path::trace_path) of its own.
+//! Observers of a path while it is traced. They change nothing, and cost nothing where they are not used, for every
+//! kind of observer has a [`trace_path`](super::path::trace_path) of its own.
 
 use glam::Vec3;
 
@@ -10,8 +10,8 @@ use crate::material::{Lobe, MaterialId};
 use crate::math::Ray;
 use crate::medium::MediumId;
 
-/// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter met there, a light sampled from there, and the bounce to the next;
-/// emitters at infinity after the last; then how it ended.
+/// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter met there, a light
+/// sampled from there, and the bounce to the next; emitters at infinity after the last; then how it ended.
 pub trait PathObserver {
     /// A ray of the path has met a surface at `hit`, the next vertex unless a medium scatters the path before.
     fn met(&mut self, _ray: &Ray, _hit: &Hit) {}
@@ -117,9 +117,11 @@ pub struct MetEmitter {
     pub light: LightId,
     /// The radiance as emitted to the vertex before.
     pub radiance: Rgb,
-    /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular bounce.
+    /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular
+    /// bounce.
     pub bsdf_pdf: Option<f32>,
-    /// The density with which sampling the lights would have found the emitter. None where the weight does not depend on it.
+    /// The density with which sampling the lights would have found the emitter. None where the weight does not depend
+    /// on it.
     pub light_pdf: Option<f32>,
     /// The weight of multiple importance sampling.
     pub weight: f32,
@@ -138,7 +140,8 @@ pub struct SampledLight {
     pub bsdf_pdf: f32,
     /// The weight of multiple importance sampling.
     pub weight: f32,
-    /// The share of the light that reaches the vertex; zero behind something, None where it would not have been reflected anyway.
+    /// The share of the light that reaches the vertex; zero behind something, None where it would not have been
+    /// reflected anyway.
     pub arriving: Option<Rgb>,
     /// The contribution to the path's radiance.
     pub contribution: Rgb,

@@ -10,7 +10,8 @@ use crate::medium::MediumId;
 /// The largest depth that is told apart: nothing is seen through it. It is finite, as the film's sums have to be.
 const DEEPEST: f32 = 1e4;
 
-/// The optical depth up to the first surface that is not merely the border of a medium, by colour. The ray begins in `medium`.
+/// The optical depth up to the first surface that is not merely the border of a medium, by colour. The ray begins in
+/// `medium`.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, medium: Option<MediumId>) -> PathSample {
     let mut depth = Rgb::ZERO;
     let (met, rays) = behind_borders(scene, ray, medium, |medium, way| {

@@ -1,8 +1,10 @@
-//! The outer walls of rooms, which a camera outside sees through: ceilings, floors and walls that are solid and have a front on either side.
+//! The outer walls of rooms, which a camera outside sees through: ceilings, floors and walls that are solid and have a
+//! front on either side.
 //!
-//! Nothing in a scene says what a wall is, so it is told by geometry. A wall is a flat shape that at least two other flat shapes touch at right angles. Its outer side
-//! is the one where next to nothing is: the room is on the other one. A wall between two rooms has none, and neither has a table top or a board of a
-//! shelf under a ceiling, which covers it.
+//! Nothing in a scene says what a wall is, so it is told by geometry. A wall is a flat shape that at least two other
+//! flat shapes touch at right angles. Its outer side is the one where next to nothing is: the room is on the other one.
+//! A wall between two rooms has none, and neither has a table top or a board of a shelf under a ceiling, which covers
+//! it.
 
 use std::sync::Arc;
 
@@ -15,7 +17,8 @@ use crate::math::Aabb;
 const THICKNESS: f32 = 0.2;
 /// The most walls of a scene, the largest ones.
 const MOST: usize = 64;
-/// The most shapes of a scene that has walls: they are sought between two frames of a window, also while something is dragged.
+/// The most shapes of a scene that has walls: they are sought between two frames of a window, also while something is
+/// dragged.
 const MOST_SHAPES: usize = 30_000;
 /// How far shapes that touch may be apart, as a share of the larger one's half extent.
 const GAP: f32 = 0.02;
@@ -32,7 +35,8 @@ const SEEN_FROM_OUTSIDE: f32 = 0.3;
 /// What hides so much of a wall's width and height from outside covers it.
 const COVERED: f32 = 0.9;
 
-/// The outer walls of a scene: the items of its hierarchy, in their order, each with the unit vector that points out of the room, in world space.
+/// The outer walls of a scene: the items of its hierarchy, in their order, each with the unit vector that points out of
+/// the room, in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OuterWalls(Arc<Vec<(u32, Vec3)>>);
 
@@ -85,8 +89,8 @@ impl OuterWalls {
         self.0.binary_search_by_key(&item, |(item, _)| *item).ok()
     }
 
-    /// Whether a ray in direction `dir` comes from outside where it meets a front of the wall at `place` that has this normal: the outer face itself, or the
-    /// top or an end of the wall if it is clearly seen from outside.
+    /// Whether a ray in direction `dir` comes from outside where it meets a front of the wall at `place` that has this
+    /// normal: the outer face itself, or the top or an end of the wall if it is clearly seen from outside.
     pub(super) fn is_entered(&self, place: usize, normal: Vec3, dir: Vec3) -> bool {
         self.0[place].1.dot(normal) > OUTER_FACE || self.is_seen_from_outside(place, dir)
     }

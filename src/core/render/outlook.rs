@@ -1,7 +1,8 @@
 //! Estimates the radiance that arrives at a point in space, as a mirror there would show it.
 //!
-//! A sample is a path that begins at the point, in a direction through a part of the surroundings. The point takes the place of a mirror that a camera looks at,
-//! so limits of depth count as for what is seen in one, and emitters that are hidden from cameras are seen. Lights without extent are not.
+//! A sample is a path that begins at the point, in a direction through a part of the surroundings. The point takes the
+//! place of a mirror that a camera looks at, so limits of depth count as for what is seen in one, and emitters that are
+//! hidden from cameras are seen. Lights without extent are not.
 
 use std::sync::atomic::AtomicBool;
 
@@ -62,8 +63,8 @@ pub struct RadianceSample {
     pub rays: u32,
 }
 
-/// Traces samples of radiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its medium. The samples are in the order
-/// of the jobs. None if `cancel` was set in the meantime.
+/// Traces samples of radiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its
+/// medium. The samples are in the order of the jobs. None if `cancel` was set in the meantime.
 pub fn trace_radiance(
     scene: &RenderScene,
     view: &View,

@@ -1,13 +1,15 @@
-//! The division of a pixel's samples: passes, which are rendered at once, and chunks, at whose ends a picture may be cut into shares.
+//! The division of a pixel's samples: passes, which are rendered at once, and chunks, at whose ends a picture may be
+//! cut into shares.
 //!
-//! A sum of floating-point numbers depends on its grouping, and equal seeds shall give equal bits, however a picture was rendered. So the grouping is fixed.
-//! The samples of a pass are summed up from zero, the passes of a chunk are summed up from zero, and the film adds chunk after chunk. What renders the
-//! samples from the end of one chunk to the end of another needs no more than to keep the sums of its chunks, and the film adds them later as if it had
-//! rendered them itself.
+//! A sum of floating-point numbers depends on its grouping, and equal seeds shall give equal bits, however a picture
+//! was rendered. So the grouping is fixed. The samples of a pass are summed up from zero, the passes of a chunk are
+//! summed up from zero, and the film adds chunk after chunk. What renders the samples from the end of one chunk to the
+//! end of another needs no more than to keep the sums of its chunks, and the film adds them later as if it had rendered
+//! them itself.
 //!
-//! Chunks are as long as an eighth of the samples before them, so that a share of a long picture has few of them. Up to 256 samples each pass is a chunk.
-//! Sums of sums also lose fewer digits than one long sum does (Higham, The accuracy of floating point summation, SIAM Journal on Scientific Computing
-//! 14(4), 1993).
+//! Chunks are as long as an eighth of the samples before them, so that a share of a long picture has few of them. Up to
+//! 256 samples each pass is a chunk. Sums of sums also lose fewer digits than one long sum does (Higham, The accuracy
+//! of floating point summation, SIAM Journal on Scientific Computing 14(4), 1993).
 
 use std::iter::successors;
 use std::ops::Range;

@@ -1,5 +1,5 @@
-//! Unidirectional path tracing with next event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 9
-//! and 10; PBR 4th ed., section 13.4): one path at a time. The same steps for sixteen paths are in `lanes`.
+//! Unidirectional path tracing with next event estimation and multiple importance sampling (Kajiya 1986; Veach 1997,
+//! chapters 9 and 10; PBR 4th ed., section 13.4): one path at a time. The same steps for sixteen paths are in `lanes`.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -23,8 +23,8 @@ use crate::medium::MediumId;
 use crate::sampling::Sampler;
 use crate::shading::TransportMode;
 
-/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin, which is in `medium`. `observer` is called with its events and cannot
-/// change it; with `()` there is no observer.
+/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin, which is in `medium`. `observer` is
+/// called with its events and cannot change it; with `()` there is no observer.
 pub fn trace_path(
     scene: &RenderScene,
     settings: &PathSettings,
@@ -67,12 +67,12 @@ pub(super) trait Scatterer {
     /// The place from which lights are sampled.
     fn reference(&self) -> &LightReference;
 
-    /// The part of light from `wi` that is scattered along the path, times the cosine at surfaces; and the density per solid angle with which the
-    /// path would have gone to `wi`.
+    /// The part of light from `wi` that is scattered along the path, times the cosine at surfaces; and the density per
+    /// solid angle with which the path would have gone to `wi`.
     fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32);
 
-    /// Whether a light is sampled: by which number it is chosen, and the factor of what it brings. `u_choice` decides for a path with this squared relative
-    /// index of refraction.
+    /// Whether a light is sampled: by which number it is chosen, and the factor of what it brings. `u_choice` decides
+    /// for a path with this squared relative index of refraction.
     #[inline(always)]
     fn seeks_light(&self, u_choice: f32, _eta_squared: f32) -> Option<(f32, f32)> {
         Some((u_choice, 1.0))
@@ -109,8 +109,9 @@ impl Scatterer for Vertex<'_> {
 }
 
 impl PathState {
-    /// The first hit of a camera ray behind the emitting shapes that the camera does not see, if `hit` is what it meets first. The ray then starts
-    /// behind the last of these shapes. As in Mitsuba 3.9, they count for no depth, whichever way they shine.
+    /// The first hit of a camera ray behind the emitting shapes that the camera does not see, if `hit` is what it meets
+    /// first. The ray then starts behind the last of these shapes. As in Mitsuba 3.9, they count for no depth,
+    /// whichever way they shine.
     #[inline(always)]
     pub fn behind_hidden_emitters(
         &mut self,
@@ -390,8 +391,8 @@ impl PathState {
         observer.light_sampled(&sampled);
     }
 
-    /// The share of a light's radiance that arrives at the path's vertex, and the probability with which media would have let the path come to the light,
-    /// whose throughput in that direction is `carried`.
+    /// The share of a light's radiance that arrives at the path's vertex, and the probability with which media would
+    /// have let the path come to the light, whose throughput in that direction is `carried`.
     fn trace_shadow_ray(
         &mut self,
         scene: &RenderScene,
@@ -449,7 +450,8 @@ impl PathState {
         Continue(sample)
     }
 
-    /// Ends the path at random, or returns the probability with which it has gone on. `is_scattered`: see [`roulette::is_played`].
+    /// Ends the path at random, or returns the probability with which it has gone on. `is_scattered`: see
+    /// [`roulette::is_played`].
     #[inline(always)]
     pub(super) fn play_roulette(
         &mut self,

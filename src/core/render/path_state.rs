@@ -34,12 +34,14 @@ per_lane! {
         /// The ray to the next vertex.
         pub ray: Ray,
         pub throughput: Rgb,
-        /// The squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
+        /// The squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must
+        /// not see that.
         pub eta_squared: f32,
         /// The radiance that the path has found so far.
         pub radiance: Rgb,
         pub arrival: Arrival,
-        /// Vertices so far: surfaces met and places of scattering in media, without the hidden emitters that the camera ray has passed.
+        /// Vertices so far: surfaces met and places of scattering in media, without the hidden emitters that the camera
+        /// ray has passed.
         pub depth: u32,
         /// The vertices among them that count for no segment of the path.
         pub uncounted: u32,
@@ -57,8 +59,8 @@ per_lane! {
 per_lane! {
     /// The way in which a path came to its current vertex, on which the weight of an emitter there depends.
     pub(super) struct Arrival in ArrivalLanes {
-        /// Whether a bsdf chose the direction by a density. Otherwise the path comes from the camera or from a delta lobe, and no other
-        /// technique could have found the emitter.
+        /// Whether a bsdf chose the direction by a density. Otherwise the path comes from the camera or from a delta
+        /// lobe, and no other technique could have found the emitter.
         pub is_sampled: bool,
         /// The density per solid angle, if the direction was sampled.
         pub pdf: f32,
@@ -76,7 +78,8 @@ pub(super) struct PathRecord {
     pub has_features: bool,
     /// The radiance found so far before the path was scattered by a density.
     pub seen: Rgb,
-    /// The first hit; None while the camera ray has hit nothing. Its `t` counts from the first origin of the camera ray.
+    /// The first hit; None while the camera ray has hit nothing. Its `t` counts from the first origin of the camera
+    /// ray.
     pub first_hit: Option<Hit>,
     /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
     pub passed: f32,
@@ -129,13 +132,14 @@ impl PathRecord {
         self.first_hit = Some(first);
     }
 
-    /// Whether the denoiser's features are taken at this surface, through which the path does not pass. They are those of the first surface that
-    /// scatters by a density or shines, or else of the last one.
+    /// Whether the denoiser's features are taken at this surface, through which the path does not pass. They are those
+    /// of the first surface that scatters by a density or shines, or else of the last one.
     pub fn wants_features(&self, is_smooth: bool, is_light: bool, is_last: bool) -> bool {
         !self.has_features && (is_smooth || is_light || is_last)
     }
 
-    /// Takes the denoiser's features at a surface with this shading normal, whose colour is `albedo` unless it is a light.
+    /// Takes the denoiser's features at a surface with this shading normal, whose colour is `albedo` unless it is a
+    /// light.
     pub fn take_features(&mut self, throughput: Rgb, albedo: Rgb, normal: Vec3, is_light: bool) {
         self.has_features = true;
         let colour = if is_light { Rgb::ONE } else { albedo };
@@ -143,7 +147,8 @@ impl PathRecord {
         self.normal = normal;
     }
 
-    /// Takes the denoiser's features at a place in a medium, unless it has them. `throughput` has the albedo of the medium in it; there is no normal.
+    /// Takes the denoiser's features at a place in a medium, unless it has them. `throughput` has the albedo of the
+    /// medium in it; there is no normal.
     pub fn take_medium_features(&mut self, throughput: Rgb) {
         if !self.has_features {
             self.take_features(throughput, Rgb::ONE, Vec3::ZERO, false);

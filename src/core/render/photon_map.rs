@@ -1,5 +1,5 @@
-//! Photons in a balanced kd-tree (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001, chapter 6): the ends of paths from the lights, found by
-//! place.
+//! Photons in a balanced kd-tree (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001, chapter 6): the ends
+//! of paths from the lights, found by place.
 
 use glam::Vec3;
 
@@ -23,8 +23,9 @@ pub(super) struct Photon {
     pub segments: u32,
 }
 
-/// The sum of the squared ratios of the ways of finding a path that have fewer vertices from the light than the one at hand. All grow with the density that
-/// the last vertex of the light's path has from the camera, and some with the density of the direction in which the camera's path goes on from there.
+/// The sum of the squared ratios of the ways of finding a path that have fewer vertices from the light than the one at
+/// hand. All grow with the density that the last vertex of the light's path has from the camera, and some with the
+/// density of the direction in which the camera's path goes on from there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FewerOfLight {
     /// What does not depend on the direction.
@@ -40,8 +41,8 @@ impl FewerOfLight {
     }
 }
 
-/// The area around a place in which photons count as having come to the place: the disk whose radius is a number of pixels as the camera sees them from
-/// there, whatever is in between.
+/// The area around a place in which photons count as having come to the place: the disk whose radius is a number of
+/// pixels as the camera sees them from there, whatever is in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MergeArea {
     /// The squared radius at distance 1 from `eye`, or everywhere if there is no eye.
@@ -78,7 +79,8 @@ impl PhotonMap {
         Self { photons, axes }
     }
 
-    /// Calls `visit` with each photon less than the root of `radius_squared` away from `place`, always in the same order.
+    /// Calls `visit` with each photon less than the root of `radius_squared` away from `place`, always in the same
+    /// order.
     pub fn near(&self, place: Vec3, radius_squared: f32, mut visit: impl FnMut(&Photon)) {
         let mut look = |photon: &Photon| {
             if photon.position.distance_squared(place) < radius_squared {

@@ -1,5 +1,6 @@
-//! The photons of a picture, round by round: round number n is sample number n of all pixels, which see the same photons. They are a function of the scene, the
-//! view and the number of the round alone, so that they may be traced whenever a worker needs them, and thrown away.
+//! The photons of a picture, round by round: round number n is sample number n of all pixels, which see the same
+//! photons. They are a function of the scene, the view and the number of the round alone, so that they may be traced
+//! whenever a worker needs them, and thrown away.
 //!
 //! A round that is not there yet is traced by all workers that wait for it, a block of its paths each.
 
@@ -14,7 +15,8 @@ use crate::sampling::SequenceKind;
 
 /// The paths from the lights of a block.
 pub(super) const PATHS_OF_BLOCK: u32 = 1024;
-/// The rounds that are kept: those of two of the longest passes, since some workers have begun the next one while others are at the last.
+/// The rounds that are kept: those of two of the longest passes, since some workers have begun the next one while
+/// others are at the last.
 const KEPT: usize = 32;
 
 /// The photons that the workers of a picture share. Clones share them too.
@@ -60,7 +62,8 @@ impl PhotonRounds {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// The photons of a round of a scene. `trace` traces block number n of its paths; None if `cancel` was set in the meantime.
+    /// The photons of a round of a scene. `trace` traces block number n of its paths; None if `cancel` was set in the
+    /// meantime.
     pub(super) fn get(
         &self,
         scene: &RenderScene,

@@ -1,19 +1,25 @@
-//! Replicas: a few pixels that are rendered a second time, with random numbers of their own, to find out how noisy a picture is.
+//! Replicas: a few pixels that are rendered a second time, with random numbers of their own, to find out how noisy a
+//! picture is.
 //!
-//! How the error of a well spread set of samples falls with their number is not to be seen in the set: over a straight edge it falls in jumps. What
-//! `render/mean_error.rs` foretells is therefore compared with what two independent renders of the same pixels with equally many samples give. Half the square of
-//! their difference has the variance of either as its expectation, whatever the samples are, so that the sum over a random choice of pixels, each divided by the
-//! probability of being chosen, estimates the squared error of the picture without bias (Horvitz and Thompson, A generalization of sampling without replacement
-//! from a finite universe, Journal of the American Statistical Association 47, 1952). The ratio of this sum to the one foretold corrects all that is foretold.
+//! How the error of a well spread set of samples falls with their number is not to be seen in the set: over a straight
+//! edge it falls in jumps. What `render/mean_error.rs` foretells is therefore compared with what two independent
+//! renders of the same pixels with equally many samples give. Half the square of their difference has the variance of
+//! either as its expectation, whatever the samples are, so that the sum over a random choice of pixels, each divided by
+//! the probability of being chosen, estimates the squared error of the picture without bias (Horvitz and Thompson, A
+//! generalization of sampling without replacement from a finite universe, Journal of the American Statistical
+//! Association 47, 1952). The ratio of this sum to the one foretold corrects all that is foretold.
 //!
-//! Pixels are chosen once: most where the picture's first samples say that noise is, and near it, and some evenly over the picture. That the choice depends on
-//! samples of the picture makes no bias, since for any picture the expectation over the choice is the sum over all pixels.
+//! Pixels are chosen once: most where the picture's first samples say that noise is, and near it, and some evenly over
+//! the picture. That the choice depends on samples of the picture makes no bias, since for any picture the expectation
+//! over the choice is the sum over all pixels.
 //!
-//! Errors are relative to the luminance that a pixel is likely to have by the mean of both renders and the pixels around it ([`super::noise`]).
+//! Errors are relative to the luminance that a pixel is likely to have by the mean of both renders and the pixels
+//! around it ([`super::noise`]).
 //!
-//! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is bright. What tells how far it is to be
-//! believed is the number of equal replicas that would be as uncertain, the square of the sum over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of
-//! the ratio is taken times the share that the spread of true ratios has in its whole spread.
+//! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is
+//! bright. What tells how far it is to be believed is the number of equal replicas that would be as uncertain, the
+//! square of the sum over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of the ratio is taken
+//! times the share that the spread of true ratios has in its whole spread.
 //!
 //! Replicas are no part of the picture. Of light by splats they know nothing, since that is light from all pixels.
 
@@ -36,11 +42,13 @@ use crate::sampling::hash::pcg3d;
 
 /// One pixel in so many has a replica.
 const SHARE: u32 = 50;
-/// The fewest and the most replicas of a picture. How well they tell its noise depends on their number, not on the size of the picture.
+/// The fewest and the most replicas of a picture. How well they tell its noise depends on their number, not on the size
+/// of the picture.
 const NUMBERS: [u32; 2] = [256, 4096];
 /// The share of the replicas that is spread evenly.
 const EVENLY: f64 = 0.1;
-/// The squared spread of the logarithm of what is found over what is foretold, from scene to scene, if replicas are many.
+/// The squared spread of the logarithm of what is found over what is foretold, from scene to scene, if replicas are
+/// many.
 const SPREAD: f64 = 0.2;
 /// What replicas that differ nowhere are taken to have found, over what was foretold.
 const LEAST_RATIO: f64 = 1e-6;
@@ -83,7 +91,8 @@ pub struct ReplicaSums {
     pub rays: u64,
 }
 
-/// Whether what this integrator makes has replicas. Photons are shared by all samples of a round, and others would have to be traced for replicas.
+/// Whether what this integrator makes has replicas. Photons are shared by all samples of a round, and others would have
+/// to be traced for replicas.
 pub fn has_replicas(integrator: Integrator) -> bool {
     !matches!(integrator, Integrator::Merging(..))
 }
@@ -101,7 +110,8 @@ impl Replicas {
             true => (EVENLY * even + (1.0 - EVENLY) * number * f64::from(noise) / all).min(1.0),
             false => even.min(1.0),
         };
-        // Along the pixels the probabilities add up, and each whole step of the sum from a random begin on is one that is chosen.
+        // Along the pixels the probabilities add up, and each whole step of the sum from a random begin on is one that
+        // is chosen.
         let [bits, ..] = pcg3d([seed, SEEDS[0], SEEDS[1]]);
         let mut sum = f64::from(bits) / 2f64.powi(32);
         let mut chosen = Vec::new();
@@ -153,7 +163,8 @@ impl Replicas {
         }
     }
 
-    /// How many times what is foretold the squared error of a film is; `noise` is that of the tiles from which they were chosen.
+    /// How many times what is foretold the squared error of a film is; `noise` is that of the tiles from which they
+    /// were chosen.
     pub fn correction(&self, film: &Film, noise: &PictureNoise) -> f32 {
         let squared = |replica: &Replica| {
             let [own, splatted] = film.mean_luminances(replica.pixel.x, replica.pixel.y).map(f64::from);
@@ -207,8 +218,8 @@ impl Replicas {
     }
 }
 
-/// The relative standard error of each pixel of a tile, which has two samples or more, averaged with that of the pixels around it: where there is an edge, a pixel
-/// may have missed it so far.
+/// The relative standard error of each pixel of a tile, which has two samples or more, averaged with that of the pixels
+/// around it: where there is an edge, a pixel may have missed it so far.
 fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
     let noise = |(mean, squared): (f32, f32)| {
         let noise = squared.sqrt() / mean.abs().max(dark).max(f32::MIN_POSITIVE);
@@ -294,7 +305,8 @@ mod tests {
         (bits >> 8) as f32 / (1 << 24) as f32
     }
 
-    /// The luminance of a sample: 1, with noise in a band. There each render of a pixel has an error as well that is the same in all samples of it.
+    /// The luminance of a sample: 1, with noise in a band. There each render of a pixel has an error as well that is
+    /// the same in all samples of it.
     fn sample(seed: u32, pixel: UVec2, sample: u32) -> f32 {
         let centered = |index: u32| random(seed, pixel, index) - 0.5;
         match pixel.x {

@@ -1,4 +1,5 @@
-//! The scene as the kernel sees it: immutable tables with dense ids, shared by reference count so that an edit replaces one of them.
+//! The scene as the kernel sees it: immutable tables with dense ids, shared by reference count so that an edit replaces
+//! one of them.
 
 use std::sync::Arc;
 
@@ -106,7 +107,8 @@ impl RenderScene {
         self.surfaces.slots[(first + offset) as usize]
     }
 
-    /// Whether light may pass straight through the surface of a shape somewhere, as [`Tlas::shape_index`] counts shapes.
+    /// Whether light may pass straight through the surface of a shape somewhere, as [`Tlas::shape_index`] counts
+    /// shapes.
     #[inline(never)]
     pub(super) fn is_clear(&self, shape: usize) -> bool {
         let SurfaceTable { first_slot, slots } = &*self.surfaces;

@@ -1,8 +1,9 @@
 //! Motion blur: the samples of a picture are spread over moments of the time in which the shutter is open.
 //!
-//! Each moment is a scene and a view of its own, and a sample sees one of them: the accumulation buffer of Haeberli and Akeley, "The Accumulation Buffer:
-//! Hardware Support for High-Quality Rendering", 1990. So everything can move, and rays through a moment cost what they cost in a still scene.
-//! The moments are the middles of equal parts of the time. What moves by more than a pixel from one to the next shows as many edges.
+//! Each moment is a scene and a view of its own, and a sample sees one of them: the accumulation buffer of Haeberli and
+//! Akeley, "The Accumulation Buffer: Hardware Support for High-Quality Rendering", 1990. So everything can move, and
+//! rays through a moment cost what they cost in a still scene. The moments are the middles of equal parts of the time.
+//! What moves by more than a pixel from one to the next shows as many edges.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,7 +30,8 @@ impl Shutter {
     /// The most moments: beyond, packing them would take longer than to trace their samples.
     pub const MOST: u32 = 64;
 
-    /// The shutter over moments in the order of time; None if there are none. `scene` is one that `guide` is of, which may be learnt already.
+    /// The shutter over moments in the order of time; None if there are none. `scene` is one that `guide` is of, which
+    /// may be learnt already.
     pub fn new(moments: &[Moment], (scene, guide): (&RenderScene, &Guide)) -> Option<Self> {
         let first = moments.first()?;
         let photons = first.1.photons.clone();
@@ -91,7 +93,8 @@ impl Shutter {
         self.moments.len()
     }
 
-    /// The number of moments for this many samples per pixel: as many, or, beyond [`Self::MOST`], such that each gets about as many samples.
+    /// The number of moments for this many samples per pixel: as many, or, beyond [`Self::MOST`], such that each gets
+    /// about as many samples.
     pub fn moments_for(samples: u32) -> u32 {
         samples.div_ceil(samples.div_ceil(Self::MOST).max(1)).max(1)
     }
@@ -132,8 +135,8 @@ impl Shutter {
     }
 }
 
-/// The numbers below `count` in the order of the van der Corput sequence in base 2 (Niederreiter, "Random Number Generation and Quasi-Monte Carlo Methods",
-/// 1992, section 3.1), whose first members are always far apart.
+/// The numbers below `count` in the order of the van der Corput sequence in base 2 (Niederreiter, "Random Number
+/// Generation and Quasi-Monte Carlo Methods", 1992, section 3.1), whose first members are always far apart.
 fn spread_order(count: usize) -> Vec<usize> {
     let mut by_value: Vec<u32> = (0..count as u32).collect();
     by_value.sort_unstable_by_key(|&index| index.reverse_bits());

@@ -1,7 +1,7 @@
 //! What the camera sees of a scene: parts that its rays pass through, so that one can look into closed rooms.
 //!
-//! Only the first ray of a path passes them. Light is transported as ever: a wall that the camera does not see still keeps light out, reflects
-//! it and shows in mirrors.
+//! Only the first ray of a path passes them. Light is transported as ever: a wall that the camera does not see still
+//! keeps light out, reflects it and shows in mirrors.
 
 use std::sync::Arc;
 
@@ -47,8 +47,8 @@ impl PartialEq for Isolated {
 
 /// The most surfaces that a ray passes.
 const MOST_PASSED: usize = 256;
-/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates: well above rounding, and
-/// well below what is visible. Half of the length of a ray that meets one of the shapes alone.
+/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates:
+/// well above rounding, and well below what is visible. Half of the length of a ray that meets one of the shapes alone.
 const BEHIND: f32 = 1e-5;
 
 impl Sight {
@@ -136,7 +136,8 @@ impl Sight {
         }
     }
 
-    /// Whether a ray passes what it has met. A bit of `entered` tells for each outer wall whether the ray has entered it.
+    /// Whether a ray passes what it has met. A bit of `entered` tells for each outer wall whether the ray has entered
+    /// it.
     fn passes(&self, geometry: &Tlas, ray: &Ray, hit: &Hit, entered: &mut u64) -> bool {
         if !self.passes_backs {
             return false;
@@ -148,8 +149,8 @@ impl Sight {
         };
         let normal = geometry.surface_in(ray, hit, Detail::Plain).geometric_normal;
         if normal.dot(ray.dir) > 0.0 {
-            // A solid that was not entered has its front in one plane with a wall that was left, such as the top of a wall under a ceiling. That front is
-            // seen: what lies behind depends on rounding.
+            // A solid that was not entered has its front in one plane with a wall that was left, such as the top of a
+            // wall under a ceiling. That front is seen: what lies behind depends on rounding.
             let is_left = place.is_some_and(|place| {
                 *entered >> place & 1 == 1 || self.outer_walls.is_seen_from_outside(place, ray.dir)
             });

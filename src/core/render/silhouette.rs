@@ -1,8 +1,10 @@
-//! The edges of some shapes as the camera sees them, also where something is in front of them: for outlines over the picture.
+//! The edges of some shapes as the camera sees them, also where something is in front of them: for outlines over the
+//! picture.
 //!
-//! One ray goes through the centre of every cell of a grid, against these shapes alone. Cells at an edge get sixteen more, so that the edge is known
-//! to a quarter of a cell. Only there is it asked whether the rest of the scene hides it: the work follows the size of the shapes in the
-//! picture and the length of their edges, not what else is in the scene.
+//! One ray goes through the centre of every cell of a grid, against these shapes alone. Cells at an edge get sixteen
+//! more, so that the edge is known to a quarter of a cell. Only there is it asked whether the rest of the scene hides
+//! it: the work follows the size of the shapes in the picture and the length of their edges, not what else is in the
+//! scene.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -166,8 +168,8 @@ struct EdgeCell {
     visible: u32,
 }
 
-/// Points on the edges of `shapes`, at most a quarter of a cell of `grid` apart. `scene` is the geometry that may hide them,
-/// but for what `sight` does not see of it. None if `cancel` was set in the
+/// Points on the edges of `shapes`, at most a quarter of a cell of `grid` apart. `scene` is the geometry that may hide
+/// them, but for what `sight` does not see of it. None if `cancel` was set in the
 /// meantime, or if there are too many. It uses all threads of the pool that it is called in.
 pub fn edges(
     shapes: &MarkedShapes,
@@ -287,7 +289,8 @@ struct Found<'a> {
 type Sample = (u32, Option<bool>);
 
 impl Found<'_> {
-    /// Adds the points between samples of a cell and their neighbours. Those to the left and above belong to the cell there, if it is at an edge as well.
+    /// Adds the points between samples of a cell and their neighbours. Those to the left and above belong to the cell
+    /// there, if it is at an edge as well.
     fn add_points_of(&self, cell: &EdgeCell, points: &mut Vec<EdgePoint>) {
         let corner = (FINE * cell.place).as_ivec2();
         for lane in 0..LANES {

@@ -1,8 +1,9 @@
-//! Light that the samples of one tile bring to pixels of others, as paths from the lights do (PBR 4th ed., section 5.4; Veach 1997,
-//! section 10.3).
+//! Light that the samples of one tile bring to pixels of others, as paths from the lights do (PBR 4th ed., section 5.4;
+//! Veach 1997, section 10.3).
 //!
-//! Tiles are done in any order, and a sum of floating-point numbers depends on its order. Sums of splats are therefore fixed-point numbers, which do
-//! not: they have the same bits for any number of threads, and for a picture that is put together from shares.
+//! Tiles are done in any order, and a sum of floating-point numbers depends on its order. Sums of splats are therefore
+//! fixed-point numbers, which do not: they have the same bits for any number of threads, and for a picture that is put
+//! together from shares.
 
 use glam::UVec2;
 
@@ -22,7 +23,8 @@ pub struct Splat {
 pub struct TileSplats {
     /// The light, in the order in which it was found.
     pub list: Vec<Splat>,
-    /// The number of paths from the lights that were traced, those without splats included; 0 if the method traces none.
+    /// The number of paths from the lights that were traced, those without splats included; 0 if the method traces
+    /// none.
     pub paths: u64,
 }
 
@@ -94,8 +96,8 @@ impl Splats {
         Rgb::new(r, g, b)
     }
 
-    /// The estimated variance of the luminance of [`Self::mean`]: few of very many paths bring anything to a pixel, so that it is the sum of the
-    /// squares.
+    /// The estimated variance of the luminance of [`Self::mean`]: few of very many paths bring anything to a pixel, so
+    /// that it is the sum of the squares.
     pub fn variance(&self, place: usize, pixels: u64) -> f32 {
         let scale = pixels as f64 / self.paths.max(1) as f64;
         let squares = self
@@ -187,8 +189,8 @@ mod tests {
         (0..50).map(splat).collect()
     }
 
-    /// The film, and the sums of splats as they arrived, once `workers` have done all passes: each takes the next tile of a pass, and any of
-    /// them may be the next to have done its own.
+    /// The film, and the sums of splats as they arrived, once `workers` have done all passes: each takes the next tile
+    /// of a pass, and any of them may be the next to have done its own.
     fn rendered(workers: u32) -> (Film, [Rgb; 3]) {
         let tiles = tiles(SIZE, SIZE);
         let passes = [0..1, 1..2, 2..4];

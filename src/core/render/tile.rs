@@ -48,7 +48,8 @@ pub struct PixelSum {
     pub albedo: Rgb,
     /// World normals of the same surfaces; the length tells how far they agree.
     pub normal: Vec3,
-    /// The sum of the distances from the origin of the camera ray to the first surface, 0 for samples that hit nothing.
+    /// The sum of the distances from the origin of the camera ray to the first surface, 0 for samples that hit
+    /// nothing.
     pub depth: f32,
     /// The sum of squared luminances, for the noise estimate.
     pub luminance_squared: f32,
@@ -86,7 +87,8 @@ impl From<PathSample> for PixelSum {
 pub struct TileSamples {
     /// The pixels that were rendered.
     pub tile: Tile,
-    /// The indices of the samples that the sums are over. Where blocks differ, they count the samples of the mean pixel.
+    /// The indices of the samples that the sums are over. Where blocks differ, they count the samples of the mean
+    /// pixel.
     pub samples: Range<u32>,
     /// The indices of the samples of each block, where [adaptive sampling](super::adaptive) has blocks differ.
     pub blocks: Option<Arc<PerBlock<Range<u32>>>>,
@@ -175,7 +177,8 @@ pub struct TilePreview {
     pub rays: u64,
 }
 
-/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set in the meantime (it is checked from time to time).
+/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set in the meantime (it is checked from
+/// time to time).
 pub fn render_tile(
     scene: &RenderScene,
     view: &View,
@@ -186,7 +189,8 @@ pub fn render_tile(
     render_blocks(scene, view, tile, samples, None, cancel)
 }
 
-/// Renders a tile as [`render_tile`] does, or of each of its `blocks` the samples of these indices; `samples` are then those of the mean pixel.
+/// Renders a tile as [`render_tile`] does, or of each of its `blocks` the samples of these indices; `samples` are then
+/// those of the mean pixel.
 pub fn render_blocks(
     scene: &RenderScene,
     view: &View,
@@ -246,7 +250,8 @@ pub fn render_blocks(
                 if is_finite(&sample) {
                     let share = limit.map_or(1.0, |limit| limit.share(&sample, weight));
                     traced.add_layers(job, &sample, weight * share, &mut layers);
-                    // Albedo and normal are not weighted: freedom from noise and the right range matter more for them than sharpness.
+                    // Albedo and normal are not weighted: freedom from noise and the right range matter more for them
+                    // than sharpness.
                     sample.radiance *= weight * share;
                     sum.add(&sample.into());
                 } else {
@@ -264,7 +269,8 @@ pub fn render_blocks(
     Some(result)
 }
 
-/// The approximate number of samples that are traced before they are summed up: enough to keep all lanes busy, and few enough for the cache.
+/// The approximate number of samples that are traced before they are summed up: enough to keep all lanes busy, and few
+/// enough for the cache.
 const SAMPLES_AT_ONCE: u32 = 4096;
 
 /// Renders one sample in the middle of each block of `step` x `step` pixels; None if cancelled.

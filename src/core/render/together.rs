@@ -27,7 +27,8 @@ impl<T, R: Clone> Together<T, R> {
         }
     }
 
-    /// The result, which `finish` makes of the parts. `make` makes the part of block number n. None if `cancel` was set in the meantime, and if a block has failed.
+    /// The result, which `finish` makes of the parts. `make` makes the part of block number n. None if `cancel` was set
+    /// in the meantime, and if a block has failed.
     pub fn get(&self, make: impl Fn(u32) -> T, finish: impl FnOnce(Vec<T>) -> R, cancel: &AtomicBool) -> Option<R> {
         if let Some(result) = self.result.get() {
             return result.clone();

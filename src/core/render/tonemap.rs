@@ -2,9 +2,9 @@
 //!
 //! Not part of what is accumulated or saved as EXR: it can be changed at any time without rendering anew.
 //!
-//! Sources of the curves: E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 3; S. Hill's
-//! fit of the ACES reference rendering transform and sRGB output transform; J. Hable, "Uncharted 2: HDR Lighting", GDC 2010; T. Sobotka's AgX in B. Wrensch's polynomial
-//! form, "Minimal AgX Implementation", 2023.
+//! Sources of the curves: E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 3; S.
+//! Hill's fit of the ACES reference rendering transform and sRGB output transform; J. Hable, "Uncharted 2: HDR
+//! Lighting", GDC 2010; T. Sobotka's AgX in B. Wrensch's polynomial form, "Minimal AgX Implementation", 2023.
 
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
@@ -279,8 +279,8 @@ fn agx(linear: Vec3Lanes) -> Vec3Lanes {
 
 /// The sRGB curve to eight bits without powers, and without error: the same byte as rounding the exact curve.
 ///
-/// The range is cut into cells so narrow that none holds two places where the byte changes (near black the curve rises by
-/// 12.92 * 255 / 4096 = 0.8 bytes per cell). Each cell knows its first byte; one comparison decides on the next.
+/// The range is cut into cells so narrow that none holds two places where the byte changes (near black the curve rises
+/// by 12.92 * 255 / 4096 = 0.8 bytes per cell). Each cell knows its first byte; one comparison decides on the next.
 struct SrgbTable {
     first_byte: [u8; CELLS + 1],
     /// The smallest linear value with at least this byte; the last is out of reach.
@@ -377,9 +377,10 @@ mod tests {
         }
     }
 
-    /// The values are worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 / 1.18 = 0.152_54 -> 108.87;
-    /// filmic 0.093_06 / 0.725_13 = 0.128_34 -> 100.34; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4.
-    /// AgX's curve pivots at middle grey, which it takes to one half of the display's range, 127.5.
+    /// The values are worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 /
+    /// 1.18 = 0.152_54 -> 108.87; filmic 0.093_06 / 0.725_13 = 0.128_34 -> 100.34; ACES (0.18 * 0.204_579 -
+    /// 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4. AgX's curve pivots at middle grey, which it
+    /// takes to one half of the display's range, 127.5.
     #[test]
     fn middle_grey() {
         let byte = |tone_map| {
@@ -396,10 +397,11 @@ mod tests {
         assert!(byte(ToneMap::AgX).abs_diff(127) <= 1, "{}", byte(ToneMap::AgX));
     }
 
-    /// The bytes are those of independent programs, rounded: `aces`, OpenColorIO 2.6's own "ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0" between
-    /// the matrices of colour-science 0.4.7, whose curve Hill's fit approximates; `filmic`, `tonemapping_operator_filmic` of colour-hdri 0.2.6 with the
-    /// constants of Uncharted 2; `reinhard`, NumPy; `agx`, OpenColorIO with Sobotka's configuration and lookup table of AgX ("AgX Base"), followed by
-    /// the inverse of its matrix, which later versions have.
+    /// The bytes are those of independent programs, rounded: `aces`, OpenColorIO 2.6's own "ACES-OUTPUT -
+    /// ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0" between the matrices of colour-science 0.4.7, whose curve Hill's
+    /// fit approximates; `filmic`, `tonemapping_operator_filmic` of colour-hdri 0.2.6 with the constants of
+    /// Uncharted 2; `reinhard`, NumPy; `agx`, OpenColorIO with Sobotka's configuration and lookup table of AgX ("AgX
+    /// Base"), followed by the inverse of its matrix, which later versions have.
     #[test]
     fn curves_are_those_of_other_programs() {
         let colors = [
@@ -452,7 +454,8 @@ mod tests {
             [93, 154, 201],
             [255, 211, 173],
         ];
-        // Formulas agree but for rounding; the fit of ACES is good to four bytes in saturated colours, and the polynomial of AgX to two.
+        // Formulas agree but for rounding; the fit of ACES is good to four bytes in saturated colours, and the
+        // polynomial of AgX to two.
         for (tone_map, expected, tolerance) in [
             (ToneMap::Filmic, filmic, 1),
             (ToneMap::Reinhard, reinhard, 1),

@@ -1,4 +1,5 @@
-//! Samples of pixels, traced in the way that a view asks for: many paths abreast, paths from both ends, or one after another.
+//! Samples of pixels, traced in the way that a view asks for: many paths abreast, paths from both ends, or one after
+//! another.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -38,7 +39,8 @@ impl Tracer {
         }
     }
 
-    /// The way to trace a preview. The light that comes by splats is not there in so few samples, so that paths find it.
+    /// The way to trace a preview. The light that comes by splats is not there in so few samples, so that paths find
+    /// it.
     pub fn of_preview(view: &View) -> Self {
         match Self::of(view) {
             Self::Bidirectional(settings, _) => Self::Lanes(settings),

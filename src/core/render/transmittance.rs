@@ -32,8 +32,8 @@ impl ShadowRay {
     }
 }
 
-/// The share of a light's radiance that arrives at the start of `shadow`. Counts the rays it traces into `rays`. What is in between lets pass what `through`
-/// says.
+/// The share of a light's radiance that arrives at the start of `shadow`. Counts the rays it traces into `rays`. What
+/// is in between lets pass what `through` says.
 pub(super) fn transmittance(
     scene: &RenderScene,
     shadow: &ShadowRay,
@@ -55,10 +55,11 @@ pub(super) fn transmittance(
 
 /// [`transmittance`] where there are surfaces through which light may pass.
 ///
-/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
-/// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
-/// target is at the surface itself, within rounding, and the ray has arrived. The distance to the target therefore falls at each crossing:
-/// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
+/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target
+/// that is a point the ray is then aimed again, which corrects the rounding of that move, but only if the target lies
+/// on the far side as well. Otherwise the target is at the surface itself, within rounding, and the ray has arrived.
+/// The distance to the target therefore falls at each crossing: with `r` from the surface to the target, `n` the normal
+/// to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
 #[inline(never)]
 pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut impl Between, rays: &mut u32) -> Rgb {
     let ShadowRay { wi, target, .. } = *shadow;

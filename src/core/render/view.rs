@@ -60,8 +60,8 @@ pub enum Integrator {
     Path(PathSettings),
     /// Light, by bidirectional path tracing. Media are left out.
     Bidirectional(PathSettings),
-    /// The same with photons beside it, which find what is seen of light through glass and in mirrors: vertex connection and merging. It blurs light a
-    /// little, by less with each round of samples.
+    /// The same with photons beside it, which find what is seen of light through glass and in mirrors: vertex
+    /// connection and merging. It blurs light a little, by less with each round of samples.
     Merging(PathSettings, PhotonSettings),
     /// Light, by paths from the lights alone. What mirrors and glass show is black. Media are left out.
     LightTracing(PathSettings),
@@ -100,7 +100,8 @@ pub enum Shown {
     /// The result of the integrator.
     #[default]
     Radiance,
-    /// The radiance in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].
+    /// The radiance in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and
+    /// [`Strategy::Mis`].
     StrategyThirds,
     /// The work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
@@ -114,24 +115,26 @@ pub enum Shown {
 
 /// The most segments of a path, and with it the most surfaces that a shadow ray passes, where the scene sets no limit.
 ///
-/// It keeps a fault of the geometry from holding a thread for ever. Pictures do not depend on it: Russian roulette with its default depth
-/// lets a path of this length go on with a probability below 0.95^65000, and rays through dense foliage pass some hundreds of
-/// surfaces, so that the bound leaves two orders of magnitude.
+/// It keeps a fault of the geometry from holding a thread for ever. Pictures do not depend on it: Russian roulette with
+/// its default depth lets a path of this length go on with a probability below 0.95^65000, and rays through dense
+/// foliage pass some hundreds of surfaces, so that the bound leaves two orders of magnitude.
 pub const LONGEST_PATH: u32 = 1 << 16;
 
 /// The parameters of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
-    /// The longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that
-    /// bound.
+    /// The longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for
+    /// an unbounded path, mean that bound.
     pub max_depth: u32,
-    /// The depth from which on Russian roulette may end a path; it waits sixteen more where surfaces leave no choice of direction.
+    /// The depth from which on Russian roulette may end a path; it waits sixteen more where surfaces leave no choice
+    /// of direction.
     pub rr_depth: u32,
     /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
     pub hide_emitters: bool,
     /// The strategy for direct light at each vertex.
     pub strategy: Strategy,
-    /// Whether participating media are there. Surfaces that let light pass straight then count for no segment of the path, as in Mitsuba's `volpath`.
+    /// Whether participating media are there. Surfaces that let light pass straight then count for no segment of the
+    /// path, as in Mitsuba's `volpath`.
     pub media: bool,
 }
 
@@ -148,7 +151,8 @@ impl PathSettings {
         depth >= self.longest_path()
     }
 
-    /// The most surfaces that a shadow ray may pass that leaves the vertex number `depth` of a path, which is not the last one.
+    /// The most surfaces that a shadow ray may pass that leaves the vertex number `depth` of a path, which is not the
+    /// last one.
     #[inline(always)]
     pub(super) fn crossings(&self, depth: u32) -> u32 {
         match self.media {
@@ -163,7 +167,8 @@ impl PathSettings {
 pub struct PhotonSettings {
     /// The paths from the lights for one sample of all pixels; None for one in four pixels, within bounds.
     pub paths: Option<u32>,
-    /// The radius within which the first samples take photons for those of their place, in pixels as the camera sees them; above 0.
+    /// The radius within which the first samples take photons for those of their place, in pixels as the camera sees
+    /// them; above 0.
     pub radius: f32,
 }
 
@@ -172,7 +177,8 @@ pub struct PhotonSettings {
 pub enum Strategy {
     /// The path follows the bsdf to find emitters (lights that cannot be hit are still sampled).
     Bsdf,
-    /// The lights are sampled; emitters that are hit count only where lights cannot be sampled, after a specular bounce.
+    /// The lights are sampled; emitters that are hit count only where lights cannot be sampled, after a specular
+    /// bounce.
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
@@ -216,7 +222,8 @@ impl View {
         }
     }
 
-    /// The camera ray of sample number `sample_index` of a pixel, before [`Self::sight`] narrows it. The same arguments always give the same ray.
+    /// The camera ray of sample number `sample_index` of a pixel, before [`Self::sight`] narrows it. The same arguments
+    /// always give the same ray.
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
         let place = self.filter.sample(sampler.at_2d(FILTER));

@@ -1,18 +1,20 @@
 //! White balance shows the picture as an eye sees it that is adapted to light of another white than the display's.
 //!
-//! The white is that of a black body (M. Krystek, "An algorithm to calculate correlated colour temperature", Color Research &
-//! Application 10, 1985), moved by the small step that takes the one of 6504 K to the display's white, D65. The eye gets used to it by
-//! scaling the responses of its cones (von Kries), in the space of the Bradford transform (K. M. Lam, 1985; CIECAM97s).
+//! The white is that of a black body (M. Krystek, "An algorithm to calculate correlated colour temperature", Color
+//! Research & Application 10, 1985), moved by the small step that takes the one of 6504 K to the display's white, D65.
+//! The eye gets used to it by scaling the responses of its cones (von Kries), in the space of the Bradford transform
+//! (K. M. Lam, 1985; CIECAM97s).
 
 use glam::{Mat3, Vec2, Vec3};
 
 /// The light that shall look white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteBalance {
-    /// The temperature in kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets bluer.
+    /// The temperature in kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets
+    /// bluer.
     pub temperature: f32,
-    /// The excess of green of the light over a black body's, in [-150, 150]; 3000 is a distance of 1 in the CIE 1960 diagram, as in photo programs.
-    /// Greater values make the picture more magenta.
+    /// The excess of green of the light over a black body's, in [-150, 150]; 3000 is a distance of 1 in the CIE 1960
+    /// diagram, as in photo programs. Greater values make the picture more magenta.
     pub tint: f32,
 }
 
@@ -93,7 +95,8 @@ fn xyz(xy: Vec2) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// These are published chromaticities of black bodies: CIE standard illuminant A is one of 2856 K; 4000 K follows from Planck's law.
+    /// These are published chromaticities of black bodies: CIE standard illuminant A is one of 2856 K; 4000 K follows
+    /// from Planck's law.
     #[test]
     fn black_bodies_have_their_colours() {
         for (kelvin, x, y) in [(2855.5, 0.447_57, 0.407_45), (4000.0, 0.380_45, 0.376_75)] {
@@ -129,8 +132,9 @@ mod tests {
         }
     }
 
-    /// The matrices are those of colour-science 0.4.7: `CCT_to_uv_Krystek1985` moved by the step from 6504 K to D65, and
-    /// `matrix_chromatic_adaptation_VonKries` with "Bradford", between its matrices of sRGB. Rows are written one after the other.
+    /// The matrices are those of colour-science 0.4.7: `CCT_to_uv_Krystek1985` moved by the step from 6504 K to D65,
+    /// and `matrix_chromatic_adaptation_VonKries` with "Bradford", between its matrices of sRGB. Rows are written
+    /// one after the other.
     #[test]
     fn matrices_are_those_of_another_program() {
         for (temperature, rows) in [

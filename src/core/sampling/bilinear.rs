@@ -1,15 +1,18 @@
-//! A density on the unit square, bilinear between the nodes of a regular grid: what a bilinearly filtered picture is sampled by.
+//! A density on the unit square, bilinear between the nodes of a regular grid: what a bilinearly filtered picture is
+//! sampled by.
 //!
-//! The marginal over rows is piecewise linear, and so is the conditional within any line between two rows: the blend of the rows'
-//! cumulative sums. Both are inverted by bisection and a quadratic (compare PBR 4th ed., appendix A.4 and A.5, for the constant case).
-//! The rounding of sums (6e-8 of a row) moves shares between neighbours but adds up to nothing. The share of a cell is taken from the densities at
-//! its corners, not from the difference of two sums, so that it is covered evenly however small it is.
+//! The marginal over rows is piecewise linear, and so is the conditional within any line between two rows: the blend of
+//! the rows' cumulative sums. Both are inverted by bisection and a quadratic (compare PBR 4th ed., appendix A.4 and
+//! A.5, for the constant case). The rounding of sums (6e-8 of a row) moves shares between neighbours but adds up to
+//! nothing. The share of a cell is taken from the densities at its corners, not from the difference of two sums, so
+//! that it is covered evenly however small it is.
 
 use glam::DVec2;
 
 use crate::math::{Mask, Real, Word};
 
-/// Half a step of the 24-bit random numbers: they stand for the middle of their interval, so that no sample falls on a node of density 0.
+/// Half a step of the 24-bit random numbers: they stand for the middle of their interval, so that no sample falls on a
+/// node of density 0.
 const HALF_STEP: f32 = 0.5 / (1 << 24) as f32;
 
 /// A draw from a [`PiecewiseBilinear2d`].
@@ -38,8 +41,8 @@ pub struct PiecewiseBilinear2d {
     nodes: Vec<Node>,
     /// The integral over the square up to each row.
     up_to_row: Vec<f32>,
-    /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On generating random variates
-    /// from an empirical distribution, 1974).
+    /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On
+    /// generating random variates from an empirical distribution, 1974).
     guides: Vec<u32>,
     /// The number of such shares in a row.
     shares: usize,
@@ -54,8 +57,8 @@ impl PiecewiseBilinear2d {
     /// Bytes of memory for each node of the grid: density, integral and half an entry of the guides.
     pub(crate) const BYTES_PER_NODE: u64 = 10;
 
-    /// Builds from `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is positive,
-    /// or if there are fewer than two rows or columns.
+    /// Builds from `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero.
+    /// `None` if none is positive, or if there are fewer than two rows or columns.
     pub fn new(columns: usize, rows: usize, values: &[f32]) -> Option<Self> {
         if columns < 2 || rows < 2 || values.len() != columns * rows {
             return None;

@@ -1,11 +1,13 @@
 //! Tabulated distributions: a choice among weights, and a piecewise constant density on [0, 1).
 //!
-//! Both invert the cumulative sum instead of using an alias table: the inverse is monotonic, so well spread numbers give well spread
-//! choices. A guide table (Chen and Asau 1974) makes the search constant time on average. Two dimensions: `bilinear.rs`.
+//! Both invert the cumulative sum instead of using an alias table: the inverse is monotonic, so well spread numbers
+//! give well spread choices. A guide table (Chen and Asau 1974) makes the search constant time on average. Two
+//! dimensions: `bilinear.rs`.
 
 use super::ONE_MINUS_EPSILON;
 
-/// Uniform numbers have 24 bits; a discrete distribution shares out exactly these 2^24 cells, so that `pmf` is the true frequency.
+/// Uniform numbers have 24 bits; a discrete distribution shares out exactly these 2^24 cells, so that `pmf` is the true
+/// frequency.
 const CELLS: u32 = 1 << 24;
 
 /// The most positive weights of which each is granted a cell of its own.
@@ -18,8 +20,8 @@ pub struct DiscreteSample {
     pub index: u32,
     /// The probability of the choice.
     pub pmf: f32,
-    /// The rest of the random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands of weights draw a fresh
-    /// number instead.
+    /// The rest of the random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands
+    /// of weights draw a fresh number instead.
     pub remapped_u: f32,
 }
 
@@ -36,7 +38,8 @@ pub struct DiscreteDistribution {
 impl DiscreteDistribution {
     /// Builds from weights of any scale. Negative and non-finite weights count as zero. `None` if none is positive.
     ///
-    /// Every positive weight stays possible, however small: the probabilities are those of the weights within 2^-24 per weight.
+    /// Every positive weight stays possible, however small: the probabilities are those of the weights within 2^-24 per
+    /// weight.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let weights = || weights.iter().map(|&weight| usable(weight));
         let total: f64 = weights().sum();
@@ -139,14 +142,15 @@ pub struct ContinuousSample {
 pub struct PiecewiseConstant1d {
     /// The cumulative probability at the start of each step, and 1 at the end.
     cumulative: Vec<f32>,
-    /// The step at each of n equal distances of the probability, where a search begins (Chen and Asau, On Generating Random Variates from an Empirical
-    /// Distribution, 1974).
+    /// The step at each of n equal distances of the probability, where a search begins (Chen and Asau, On Generating
+    /// Random Variates from an Empirical Distribution, 1974).
     guide: Vec<u32>,
     integral: f32,
 }
 
 impl PiecewiseConstant1d {
-    /// Builds from function values of any scale, one for each step. Negative and non-finite values count as zero. `None` if none is positive.
+    /// Builds from function values of any scale, one for each step. Negative and non-finite values count as zero.
+    /// `None` if none is positive.
     pub fn new(values: &[f32]) -> Option<Self> {
         let total: f64 = values.iter().map(|&value| usable(value)).sum();
         if total <= 0.0 {

@@ -1,8 +1,8 @@
 //! Integer hashes of several words at once, the source of all randomness.
 //!
-//! `pcg3d` and `pcg4d` of Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020: a linear congruential step per word,
-//! then two rounds in which the words are multiplied into each other. Every output word depends on every input word. Not for
-//! cryptography.
+//! `pcg3d` and `pcg4d` of Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020: a linear congruential
+//! step per word, then two rounds in which the words are multiplied into each other. Every output word depends on every
+//! input word. Not for cryptography.
 
 pub(super) const MULTIPLIER: u32 = 1_664_525;
 pub(super) const INCREMENT: u32 = 1_013_904_223;

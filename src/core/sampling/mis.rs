@@ -2,11 +2,12 @@
 
 use crate::math::Real;
 
-/// The power heuristic with exponent 2 (Veach 1997, section 9.2) for one sample from each of two techniques: the weight of a sample
-/// that was drawn with density `pdf` and could have been drawn by the other technique with density `other_pdf`.
+/// The power heuristic with exponent 2 (Veach 1997, section 9.2) for one sample from each of two techniques: the weight
+/// of a sample that was drawn with density `pdf` and could have been drawn by the other technique with density
+/// `other_pdf`.
 ///
-/// Both densities are in the same measure. The weight is zero if the sample was impossible (`pdf` 0), one if only its density is without bound, and
-/// one half if both are. No finite densities overflow.
+/// Both densities are in the same measure. The weight is zero if the sample was impossible (`pdf` 0), one if only its
+/// density is without bound, and one half if both are. No finite densities overflow.
 #[inline(always)]
 pub fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));

@@ -1,13 +1,15 @@
 //! The counter-based sampler: numbers as a pure function of (pixel, sample index, dimension, seed).
 //!
-//! `Independent` is white noise. `Sobol` is the first two dimensions of the Sobol sequence with hashed Owen scrambling, padded: every
-//! draw is a differently scrambled and differently shuffled copy of the same good 2D sequence (Burley, Practical Hash-based Owen
-//! Scrambling, JCGT 9(4), 2020), so there is no limit on dimensions and no correlation between draws. Within one draw the first 2^k
-//! samples of a pixel form a (0, k, 2)-net. In the first few draws, which are of the camera and the first surface, pixels near each
-//! other share a sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
-//! the eye, or in a blurred picture, is less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via
-//! hierarchical ordering of pixels, 2020; there for one known number of samples, here whatever that is). These are pixels of quads of one colour, as on a chess board:
-//! quads that share an edge are independent, because adaptive sampling has one decide about the other. In later draws all pixels are independent of each other.
+//! `Independent` is white noise. `Sobol` is the first two dimensions of the Sobol sequence with hashed Owen scrambling,
+//! padded: every draw is a differently scrambled and differently shuffled copy of the same good 2D sequence (Burley,
+//! Practical Hash-based Owen Scrambling, JCGT 9(4), 2020), so there is no limit on dimensions and no correlation
+//! between draws. Within one draw the first 2^k samples of a pixel form a (0, k, 2)-net. In the first few draws, which
+//! are of the camera and the first surface, pixels near each other share a sequence and take parts of it that complete
+//! each other, so that their errors differ in sign and what is left of them in the eye, or in a blurred picture, is
+//! less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of
+//! pixels, 2020; there for one known number of samples, here whatever that is). These are pixels of quads of one
+//! colour, as on a chess board: quads that share an edge are independent, because adaptive sampling has one decide
+//! about the other. In later draws all pixels are independent of each other.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -34,19 +36,21 @@ pub(super) const BLOCK_BITS: u32 = 4;
 /// The bit of a place that tells the colour of its quad.
 pub(crate) const COLOUR: u32 = 1;
 
-/// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next to them.
+/// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next
+/// to them.
 pub(super) const QUADS: u32 = 0x55;
 
-/// The effect of the bits of a pixel's place on the index into the sequence. (With t = 0 throughout, index, place, x and y would be nets in four
-/// dimensions, which base 2 does not have.) Found by a random search for small t, where few samples count more.
+/// The effect of the bits of a pixel's place on the index into the sequence. (With t = 0 throughout, index, place, x
+/// and y would be nets in four dimensions, which base 2 does not have.) Found by a random search for small t, where few
+/// samples count more.
 pub(super) const OF_PLACE: [u32; 2 * BLOCK_BITS as usize] = [
     0xf4d372, 0x194c6b, 0xebcd64, 0x6500de, 0xb61727, 0x6d3e1e, 0x0a1176, 0xbe79db,
 ];
 
 /// The numbers of one sample of one pixel.
 ///
-/// A "dimension" is one draw, of one number or of a pair. Draws of different dimensions are independent of each other; a number and a pair
-/// of the same dimension are not.
+/// A "dimension" is one draw, of one number or of a pair. Draws of different dimensions are independent of each other;
+/// a number and a pair of the same dimension are not.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     pub(super) kind: SequenceKind,
@@ -65,8 +69,9 @@ pub(super) struct Counter<Word> {
     pub index: Word,
 }
 
-/// A pixel's number within its block, the most significant bit lowest: that bit is the colour of the pixel's quad, as on a chess board of quads, and the others go
-/// along a curve of Morton through the quads of that colour, whose row within four pixels follows from the column.
+/// A pixel's number within its block, the most significant bit lowest: that bit is the colour of the pixel's quad, as
+/// on a chess board of quads, and the others go along a curve of Morton through the quads of that colour, whose row
+/// within four pixels follows from the column.
 pub(crate) fn place_in_block(x: u32, y: u32) -> u32 {
     let colour = (x ^ y) >> 1 & 1;
     let bits = |of: u32| {
@@ -153,9 +158,9 @@ impl Sampler {
     }
 }
 
-/// Nested uniform (Owen) scrambling in base 2 of a number whose most significant digit is bit 0: each bit is flipped by a hash of the
-/// bits below it and the seed. The hash of Laine and Karras with the constants of Vegdahl (Building a Better LK Hash, 2021): additions
-/// and multiplications carry upwards only, which is all that is asked of it.
+/// Nested uniform (Owen) scrambling in base 2 of a number whose most significant digit is bit 0: each bit is flipped by
+/// a hash of the bits below it and the seed. The hash of Laine and Karras with the constants of Vegdahl (Building a
+/// Better LK Hash, 2021): additions and multiplications carry upwards only, which is all that is asked of it.
 fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -164,9 +169,9 @@ fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Deals the places of each quad out anew: which two of its four belong together differs from draw to draw, or else errors that two draws
-/// have in common would add up. What is done to a quad depends on the larger ones that it is in, lest stripes be seen. (All 24 orders: Ahmed and
-/// Wonka 2020. Here the twelve even ones, with the scrambling before.)
+/// Deals the places of each quad out anew: which two of its four belong together differs from draw to draw, or else
+/// errors that two draws have in common would add up. What is done to a quad depends on the larger ones that it is in,
+/// lest stripes be seen. (All 24 orders: Ahmed and Wonka 2020. Here the twelve even ones, with the scrambling before.)
 fn shuffle_quads(place: u32, seeds: [u32; 2]) -> u32 {
     let (high, low) = (place & QUADS, place >> 1 & QUADS);
     let both = high ^ low;
@@ -178,11 +183,12 @@ fn shuffle_quads(place: u32, seeds: [u32; 2]) -> u32 {
     new_high | new_low << 1
 }
 
-/// The second Sobol dimension of `index`, most significant digit in bit 0. (The first, in this bit order, is `index` itself.)
+/// The second Sobol dimension of `index`, most significant digit in bit 0. (The first, in this bit order, is `index`
+/// itself.)
 ///
-/// Its generator matrix is Pascal's triangle modulo 2. By Lucas's theorem the entry (i, j) is odd exactly if the set bits of i are
-/// among those of j, so the product is a sum over supersets, done in log2(32) steps (as Ahmed, An Implementation Algorithm of 2D Sobol
-/// Sequence, EGSR 2024).
+/// Its generator matrix is Pascal's triangle modulo 2. By Lucas's theorem the entry (i, j) is odd exactly if the set
+/// bits of i are among those of j, so the product is a sum over supersets, done in log2(32) steps (as Ahmed, An
+/// Implementation Algorithm of 2D Sobol Sequence, EGSR 2024).
 fn sobol_second_reversed(index: u32) -> u32 {
     let mut x = index;
     x ^= x >> 16;
@@ -217,7 +223,8 @@ mod tests {
     #[test]
     fn scrambling_permutes_and_keeps_nesting() {
         for seed in [0, 1, 0x9e37_79b9, u32::MAX] {
-            // Numbers that agree in the lowest k bits must agree in them afterwards, and differ where they first differed.
+            // Numbers that agree in the lowest k bits must agree in them afterwards, and differ where they first
+            // differed.
             for (a, bit) in (0..2000u32).zip((0..32).cycle()) {
                 let a = a.wrapping_mul(0x85eb_ca6b);
                 let b = a ^ (1 << bit);

@@ -1,19 +1,22 @@
 //! Uniform sampling of the solid angle under which a rectangle is seen, from one point or from sixteen.
 //!
-//! Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013. In single precision, which wants another
-//! formula for the solid angle than the sum of angles there. Only for rectangles; a parallelogram that is none is sampled by area.
+//! Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013. In single
+//! precision, which wants another formula for the solid angle than the sum of angles there. Only for rectangles; a
+//! parallelogram that is none is sampled by area.
 
 use glam::Vec3;
 
 use crate::math::{Real, Vector, atan2, real_struct, sin_cos};
 
-/// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
+/// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no
+/// more.
 const PERPENDICULARITY: f64 = 1e-5;
 
 /// Below this solid angle (sr) sampling by area is as good, and this method runs out of digits.
 const SMALLEST_SOLID_ANGLE: f32 = 1e-3;
 
-/// Beside a rectangle and lower than this over its plane, relative to the distance, this method runs out of digits as well.
+/// Beside a rectangle and lower than this over its plane, relative to the distance, this method runs out of digits as
+/// well.
 const LOWEST: f32 = 0.02;
 
 real_struct! {
@@ -35,7 +38,8 @@ real_struct! {
 pub struct SphericalRectangle<R: Real = f32> {
     axes: [R::Vec3; 3],
     origin: R::Vec3,
-    /// The rectangle along those axes, relative to the origin: `x[0]` to `x[1]` and `y[0]` to `y[1]` at the height `above`.
+    /// The rectangle along those axes, relative to the origin: `x[0]` to `x[1]` and `y[0]` to `y[1]` at the height
+    /// `above`.
     x: [R; 2],
     y: [R; 2],
     above: R,
@@ -79,7 +83,8 @@ impl<R: Real> Turn<R> {
 }
 
 impl Rectangle {
-    /// The rectangle `corner + a edge_u + b edge_v`, a and b in [0, 1]. `None` if the edges are not perpendicular, or one has no length.
+    /// The rectangle `corner + a edge_u + b edge_v`, a and b in [0, 1]. `None` if the edges are not perpendicular, or
+    /// one has no length.
     pub fn new(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Option<Self> {
         let (edge_u, edge_v) = (edge_u.as_dvec3(), edge_v.as_dvec3());
         let (width, height) = (edge_u.length(), edge_v.length());
@@ -127,8 +132,8 @@ impl<R: Real> Rectangle<R> {
 
     /// The solid angle of the rectangle at these places, `height` over the origin.
     ///
-    /// It is a sum of four arc tangents. Those at both ends of a short edge are nearly alike where the rectangle looks thin or small, so that their
-    /// difference is taken without them. The long edges have digits enough.
+    /// It is a sum of four arc tangents. Those at both ends of a short edge are nearly alike where the rectangle looks
+    /// thin or small, so that their difference is taken without them. The long edges have digits enough.
     #[inline(always)]
     fn solid_angle(&self, x: [R; 2], y: [R; 2], height: R) -> R {
         let is_high = self.width.is_less(self.height);
@@ -167,8 +172,8 @@ impl<R: Real> SphericalRectangle<R> {
         R::ONE / self.solid_angle
     }
 
-    /// A mask of where it can be sampled: not in the rectangle's plane, nor beside it and low above that, nor where the solid angle is tiny. Sample by
-    /// area there.
+    /// A mask of where it can be sampled: not in the rectangle's plane, nor beside it and low above that, nor where the
+    /// solid angle is tiny. Sample by area there.
     #[inline(always)]
     pub fn is_large(&self) -> R::Mask {
         let height = self.above.abs();
@@ -182,8 +187,9 @@ impl<R: Real> SphericalRectangle<R> {
     #[inline(always)]
     pub fn sample(&self, [u, v]: [R; 2]) -> R::Vec3 {
         let ([x0, x1], [y0, y1], height) = (self.x, self.y, self.above.abs());
-        // The planes through the origin and three of the edges. Their unit normals have, beside z, only an x or only a y component, so that
-        // neighbours' dot products are products of z components. The interior angle between neighbours is acos(-n n') = pi / 2 + asin(n n').
+        // The planes through the origin and three of the edges. Their unit normals have, beside z, only an x or only a
+        // y component, so that neighbours' dot products are products of z components. The interior angle
+        // between neighbours is acos(-n n') = pi / 2 + asin(n n').
         let [n0, n2, n3] = [-y0, y1, -x0].map(|offset| Turn::towards(height, offset));
         let last = Turn::of_sines(n2, n3).then(Turn::of_sines(n3, n0));
         // The angle at which the solid angle left of x is zero, pi less those two.
@@ -191,8 +197,9 @@ impl<R: Real> SphericalRectangle<R> {
             cos: -last.cos,
             sin: last.sin,
         };
-        // The x at which the part of the rectangle on its left covers the fraction u of the solid angle: with the paper's f = m / sin and
-        // c = +-1 / sqrt(f^2 + b0^2), x = -c z0 / sqrt(1 - c^2), both fractions of roots in one.
+        // The x at which the part of the rectangle on its left covers the fraction u of the solid angle: with the
+        // paper's f = m / sin and c = +-1 / sqrt(f^2 + b0^2), x = -c z0 / sqrt(1 - c^2), both fractions of
+        // roots in one.
         let (sin, cos) = sin_cos(u * self.solid_angle);
         let turn = Turn { cos, sin }.then(start);
         let m = turn.cos.mul_add(n0.sin, -n2.sin);
@@ -273,7 +280,8 @@ mod tests {
                     worst_angle = worst_angle.max((found / one.solid_angle() - 1.0).abs() / allowed);
                     let expected = one.sample(u.map(|numbers| numbers.as_array()[lane]));
                     let place = places.get(lane) - expected;
-                    // By the edges, or by the angle where the rectangle is so near that it reaches as far as the horizon.
+                    // By the edges, or by the angle where the rectangle is so near that it reaches as far as the
+                    // horizon.
                     let [along, across] = edges.map(|edge| place.dot(edge).abs() / edge.length_squared());
                     let angle = place.length() / expected.distance(origins.get(lane));
                     worst_place = worst_place.max(along.max(across).min(angle));

@@ -1,7 +1,7 @@
 //! Uniform sampling of the solid angle under which a triangle is seen.
 //!
-//! Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995; the solid angle after Van Oosterom and Strackee 1983. In double
-//! precision inside, for the sake of slivers.
+//! Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995; the solid angle after Van Oosterom and Strackee
+//! 1983. In double precision inside, for the sake of slivers.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -31,7 +31,8 @@ pub(crate) struct SphericalTriangle {
 impl SphericalTriangle {
     /// The triangle with `corners` as seen from `origin`, both in one space, with either side visible.
     ///
-    /// `None` if the origin lies in the triangle's plane, or if the triangle looks small or as thin as a line: sample by area then.
+    /// `None` if the origin lies in the triangle's plane, or if the triangle looks small or as thin as a line: sample
+    /// by area then.
     pub fn new(corners: [Vec3; 3], origin: Vec3) -> Option<Self> {
         let origin = origin.as_dvec3();
         let [p0, p1, p2] = corners.map(Vec3::as_dvec3);
@@ -72,8 +73,8 @@ impl SphericalTriangle {
     /// Samples a point on the triangle whose direction from the origin is uniform in solid angle.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
-        // The point c' of the edge from `a` to `c` that cuts off the fraction u of the solid angle beside the edge from `a` to `b`: by
-        // its cosine q from `a`.
+        // The point c' of the edge from `a` to `c` that cuts off the fraction u of the solid angle beside the edge from
+        // `a` to `b`: by its cosine q from `a`.
         let (sin_area, cos_area) = (u * self.solid_angle).sin_cos();
         let sin = sin_area * self.cos_alpha - cos_area * self.sin_alpha;
         let cos = cos_area * self.cos_alpha + sin_area * self.sin_alpha;
@@ -120,8 +121,8 @@ mod tests {
         }
     }
 
-    /// The mean direction has a closed form: half the sum over edges of the angle times the unit normal of the edge's plane (Lambert's
-    /// formula for the vector irradiance of a polygon).
+    /// The mean direction has a closed form: half the sum over edges of the angle times the unit normal of the edge's
+    /// plane (Lambert's formula for the vector irradiance of a polygon).
     #[test]
     fn the_mean_direction_is_that_of_the_polygon() {
         let triangles = [

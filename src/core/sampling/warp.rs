@@ -1,7 +1,8 @@
-//! Maps from the unit square (or cube) to disks, spheres, triangles and cones that preserve area ratios, with their densities.
+//! Maps from the unit square (or cube) to disks, spheres, triangles and cones that preserve area ratios, with their
+//! densities.
 //!
-//! Directions are unit vectors in a local frame with z up. All maps are continuous almost everywhere, so that well spread numbers stay
-//! well spread.
+//! Directions are unit vectors in a local frame with z up. All maps are continuous almost everywhere, so that well
+//! spread numbers stay well spread.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -69,8 +70,8 @@ pub const UNIFORM_HEMISPHERE_PDF: f32 = 1.0 / TAU;
 
 /// Uniform directions within the cone around z whose half angle has cosine `1 - one_minus_cos`, in (0, 2].
 ///
-/// It takes 1 - cos because narrow cones have lost it in the cosine; from the sine s of a half angle below 90 degrees it is
-/// s^2 / (1 + sqrt(1 - s^2)). The density is [`uniform_cone_pdf`].
+/// It takes 1 - cos because narrow cones have lost it in the cosine; from the sine s of a half angle below 90 degrees
+/// it is s^2 / (1 + sqrt(1 - s^2)). The density is [`uniform_cone_pdf`].
 #[inline(always)]
 pub fn uniform_cone<R: Real>(u: [R; 2], one_minus_cos: R) -> R::Vec3 {
     let [x, y] = concentric_disk(u);
@@ -91,8 +92,8 @@ pub fn unit_ball<R: Real>(u: [R; 2], u_radius: R) -> R::Vec3 {
     uniform_sphere(u) * cube_root(u_radius)
 }
 
-/// Uniform points on a triangle as barycentric weights (of the second and the third vertex; the first has the rest), by the folding
-/// map of Heitz (A Low-Distortion Map Between Triangle and Square, 2019). The density is one over the area.
+/// Uniform points on a triangle as barycentric weights (of the second and the third vertex; the first has the rest), by
+/// the folding map of Heitz (A Low-Distortion Map Between Triangle and Square, 2019). The density is one over the area.
 pub fn uniform_triangle(u: Vec2) -> Vec2 {
     if u.y > u.x {
         let half = 0.5 * u.x;

@@ -1,13 +1,16 @@
-//! Beckmann's distribution of microfacet normals, whose slopes are Gaussian: its Smith masking, and sampling of visible normals.
+//! Beckmann's distribution of microfacet normals, whose slopes are Gaussian: its Smith masking, and sampling of visible
+//! normals.
 //!
-//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. Masking is their rational function, as in the
-//! renderer whose scene format this program reads; it is within 0.4 % of the exact one, with which visible normals are sampled.
+//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. Masking is their rational
+//! function, as in the renderer whose scene format this program reads; it is within 0.4 % of the exact one, with which
+//! visible normals are sampled.
 //!
-//! At unit roughness, for a view with cosine c and sine s, visible slopes along its azimuth have the density (c - s x)+ exp(-x^2);
-//! across they are Gaussian (Heitz and d'Eon, Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals,
-//! EGSR 2014). With b = erf(x) the cumulative distribution is H(b) / H(b_max), H = c (1 + b) + s exp(-x^2) / sqrt(pi), which is
-//! concave: its slope c - s x falls from the left to 0 at x = c / s. It is inverted in b (Jakob, An Improved Visible Normal Sampling
-//! Routine for the Beckmann Distribution, 2014), by Newton's method within a bracket.
+//! At unit roughness, for a view with cosine c and sine s, visible slopes along its azimuth have the density (c - s x)+
+//! exp(-x^2); across they are Gaussian (Heitz and d'Eon, Importance Sampling Microfacet-Based BSDFs using the
+//! Distribution of Visible Normals, EGSR 2014). With b = erf(x) the cumulative distribution is H(b) / H(b_max), H = c
+//! (1 + b) + s exp(-x^2) / sqrt(pi), which is concave: its slope c - s x falls from the left to 0 at x = c / s. It is
+//! inverted in b (Jakob, An Improved Visible Normal Sampling Routine for the Beckmann Distribution, 2014), by Newton's
+//! method within a bracket.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_SQRT_PI};
 
@@ -79,8 +82,8 @@ impl<R: Real> Beckmann<R> {
         reach(cos, sin) / rational_reach(cos, sin)
     }
 
-    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1 being exact. Only where `is_asked` holds is it
-    /// exact.
+    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1
+    /// being exact. Only where `is_asked` holds is it exact.
     #[inline(always)]
     pub(crate) fn sample_visible(&self, wo: R::Vec3, [u, v]: [R; 2], is_asked: R::Mask) -> R::Vec3 {
         let alpha = R::Vec3::of(self.alpha_x, self.alpha_y, R::ONE);
@@ -124,8 +127,8 @@ fn visible_slope<R: Real>(cos: R, sin: R, u: R, is_asked: R::Mask) -> R {
     let one = R::ONE;
     let largest = erf(cos / sin);
     let target = u * reach(cos, sin);
-    // A concave function lies above its chord: the solution is to the left of that of the chord. The start is the solution for a
-    // grazing view, stretched to the range.
+    // A concave function lies above its chord: the solution is to the left of that of the chord. The start is the
+    // solution for a grazing view, stretched to the range.
     let (mut low, mut high) = (-one, u * (one + largest) - one);
     let mut b = (one + largest) * (one - erf((-ln(u)).max(R::ZERO).sqrt())) - one;
     let mut goes_on = is_asked;

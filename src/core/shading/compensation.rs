@@ -1,16 +1,18 @@
-//! The factor by which all bounces between the microfacets of a rough metal make it brighter than the first bounce alone.
+//! The factor by which all bounces between the microfacets of a rough metal make it brighter than the first bounce
+//! alone.
 //!
-//! Albedo scaling: Turquin, Practical multiple scattering compensation for microfacet models, 2019. With the albedo E(wo) of the white
-//! surface and the reflectance F0 at normal incidence, the lobe grows by 1 + F0 (1 - E) / E: exact for a white metal, and a coloured
-//! one saturates. The loss of reciprocity does not matter to paths that start at the camera.
+//! Albedo scaling: Turquin, Practical multiple scattering compensation for microfacet models, 2019. With the albedo
+//! E(wo) of the white surface and the reflectance F0 at normal incidence, the lobe grows by 1 + F0 (1 - E) / E: exact
+//! for a white metal, and a coloured one saturates. The loss of reciprocity does not matter to paths that start at the
+//! camera.
 
 use super::{ConductorSpecular, MicroalbedoId, Microfacet, ShadingTables, microalbedo};
 use crate::color::Rgb;
 use crate::math::{Mask, Real, Vector, real_struct};
 
 real_struct! {
-    /// The compensation for the light that a rough metal loses between its microfacets: the number of its table, and the factors that do not depend on
-    /// directions.
+    /// The compensation for the light that a rough metal loses between its microfacets: the number of its table, and
+    /// the factors that do not depend on directions.
     pub struct Compensation<R> {
         /// Whether there is one. Else the scattering is single.
         is_there: R::Mask,
@@ -31,8 +33,8 @@ impl Compensation {
         head_on: Rgb::ZERO,
     };
 
-    /// The compensation of a metal by the table of its distribution. Where roughness depends on the direction, it is that of the root mean
-    /// square: some percent off.
+    /// The compensation of a metal by the table of its distribution. Where roughness depends on the direction, it is
+    /// that of the root mean square: some percent off.
     pub fn new(table: MicroalbedoId, distribution: &Microfacet, specular: &ConductorSpecular) -> Self {
         Self {
             is_there: true,

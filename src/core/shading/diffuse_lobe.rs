@@ -3,8 +3,8 @@
 use crate::math::{Real, real_struct};
 
 real_struct! {
-    /// The numbers `u_lobe` for which [`Bsdf::sample`](super::Bsdf::sample) takes a direction with the density of the cosine with the normal: those from `start` on, up to
-    /// `start + share`, from 0 to 1.
+    /// The numbers `u_lobe` for which [`Bsdf::sample`](super::Bsdf::sample) takes a direction with the density of the
+    /// cosine with the normal: those from `start` on, up to `start + share`, from 0 to 1.
     pub struct DiffuseLobe<R> {
         /// The first number.
         pub start: R,

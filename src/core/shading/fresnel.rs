@@ -7,7 +7,8 @@ real_struct! {
     pub struct DielectricFresnel<R> {
         /// The reflected fraction of the power, in [0, 1]; 1 under total internal reflection.
         pub reflectance: R,
-        /// Cosine of the refracted direction, with the opposite sign of the incident one; 0 under total internal reflection.
+        /// Cosine of the refracted direction, with the opposite sign of the incident one; 0 under total internal
+        /// reflection.
         pub cos_t: R,
         /// Refractive index of the far side over that of the near side, as the path sees it.
         pub eta_it: R,
@@ -22,8 +23,8 @@ pub enum DielectricModel {
     /// Fresnel's equations.
     #[default]
     Exact,
-    /// Schlick's polynomial, in the angle on the thinner side: it meets total internal reflection without a jump and is the same both
-    /// ways.
+    /// Schlick's polynomial, in the angle on the thinner side: it meets total internal reflection without a jump and is
+    /// the same both ways.
     Schlick,
 }
 
@@ -39,7 +40,8 @@ impl LanesOf<DielectricModel> for DielectricModel {
     }
 }
 
-/// Reflectance and refraction at `cos_i` (either sign; positive is outside), where `eta` is the inner over the outer index.
+/// Reflectance and refraction at `cos_i` (either sign; positive is outside), where `eta` is the inner over the outer
+/// index.
 #[inline(always)]
 pub fn dielectric<R: Real>(cos_i: R, eta: R, model: DielectricModel) -> DielectricFresnel<R> {
     let is_outside = !cos_i.is_less(R::ZERO);
@@ -75,10 +77,11 @@ pub fn dielectric<R: Real>(cos_i: R, eta: R, model: DielectricModel) -> Dielectr
     }
 }
 
-/// Reflectance of a conductor with the complex index `eta + i k` relative to the outside, per channel, at `cos_i` in [0, 1].
+/// Reflectance of a conductor with the complex index `eta + i k` relative to the outside, per channel, at `cos_i` in
+/// [0, 1].
 ///
-/// The intensity form of Fresnel's equations: with a^2 - b^2 = eta^2 - k^2 - sin^2 and a^2 + b^2 its modulus with 4 eta^2 k^2
-/// (K. D. Moeller, Optics, 1988). Index 0 + i reflects everything.
+/// The intensity form of Fresnel's equations: with a^2 - b^2 = eta^2 - k^2 - sin^2 and a^2 + b^2 its modulus with 4
+/// eta^2 k^2 (K. D. Moeller, Optics, 1988). Index 0 + i reflects everything.
 #[inline(always)]
 pub fn conductor<R: Real>(cos_i: R, eta: R::Vec3, k: R::Vec3) -> R::Vec3 {
     let cos2 = cos_i * cos_i;
@@ -100,22 +103,24 @@ pub fn conductor<R: Real>(cos_i: R, eta: R::Vec3, k: R::Vec3) -> R::Vec3 {
     )
 }
 
-/// The difference over the sum. 0 / 0 happens at two limits only, index 0 head on and index 1 at grazing incidence: all is reflected there.
+/// The difference over the sum. 0 / 0 happens at two limits only, index 0 head on and index 1 at grazing incidence: all
+/// is reflected there.
 #[inline(always)]
 fn ratio<R: Real>(even: R, odd: R) -> R {
     let sum = even + odd;
     R::select(sum.is_more(R::ZERO), (even - odd) / sum, R::ONE)
 }
 
-/// The reflectance of a dielectric with the index `eta`, inner over outer, for diffuse light from outside: the integral of
-/// 2 F(mu) mu over the cosines. From inside it is that of `1 / eta`.
+/// The reflectance of a dielectric with the index `eta`, inner over outer, for diffuse light from outside: the integral
+/// of 2 F(mu) mu over the cosines. From inside it is that of `1 / eta`.
 ///
-/// Duntley, The Optical Properties of Diffusing Materials, JOSA 1942, for eta > 1. Below, by conservation: with the solid angle
-/// stretched by eta^2, as much gets through one way as the other, 1 - F(1 / n) = (1 - F(n)) / n^2.
+/// Duntley, The Optical Properties of Diffusing Materials, JOSA 1942, for eta > 1. Below, by conservation: with the
+/// solid angle stretched by eta^2, as much gets through one way as the other, 1 - F(1 / n) = (1 - F(n)) / n^2.
 pub fn diffuse_reflectance(eta: f32) -> f32 {
     let n = f64::from(eta.max(eta.recip()));
     let n2 = n * n;
-    // The terms have a pole of second order at 1 and cancel: below this, the first one of the series has more digits left.
+    // The terms have a pole of second order at 1 and cancel: below this, the first one of the series has more digits
+    // left.
     let outside = if n < 1.0 + 1e-4 {
         (n - 1.0) / 3.0
     } else {

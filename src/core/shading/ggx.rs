@@ -1,7 +1,8 @@
 //! The GGX (Trowbridge-Reitz) distribution of microfacet normals, its Smith masking, and sampling of visible normals.
 //!
-//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007; Heitz, Understanding the Masking-Shadowing
-//! Function, JCGT 2014. Masking is separable, G = G1(wo) G1(wi), as in the renderer whose scene format this program reads.
+//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007; Heitz, Understanding the
+//! Masking-Shadowing Function, JCGT 2014. Masking is separable, G = G1(wo) G1(wi), as in the renderer whose scene
+//! format this program reads.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -44,8 +45,8 @@ impl<R: Real> Ggx<R> {
         R::splat(FRAC_1_PI) / (self.alpha_x * self.alpha_y * stretched * stretched)
     }
 
-    /// The divisor of masking: |cos| of `v` plus the length of `v` in the configuration of unit roughness. Smith's G1 = 2 / (1 + sqrt(1 + alpha^2
-    /// tan^2)) is 2 |cos| / reach, without a division by a grazing cosine.
+    /// The divisor of masking: |cos| of `v` plus the length of `v` in the configuration of unit roughness. Smith's G1 =
+    /// 2 / (1 + sqrt(1 + alpha^2 tan^2)) is 2 |cos| / reach, without a division by a grazing cosine.
     #[inline(always)]
     fn reach(&self, v: R::Vec3) -> R {
         v.z().abs()

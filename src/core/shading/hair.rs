@@ -1,20 +1,22 @@
 //! A hair or a strand of fur: a rough dielectric cylinder that absorbs light inside.
 //!
-//! Chiang, Bitterli, Tappan and Burley, A Practical and Controllable Hair and Fur Model for Production Path Tracing, 2016, with the
-//! longitudinal function of d'Eon et al., An Energy-Conserving Hair Reflectance Model, 2011, and the conventions of Mitsuba 3 and of
-//! Pharr, The Implementation of a Hair Scattering Model, 2016.
+//! Chiang, Bitterli, Tappan and Burley, A Practical and Controllable Hair and Fur Model for Production Path Tracing,
+//! 2016, with the longitudinal function of d'Eon et al., An Energy-Conserving Hair Reflectance Model, 2011, and the
+//! conventions of Mitsuba 3 and of Pharr, The Implementation of a Hair Scattering Model, 2016.
 //!
-//! The fibre runs along y. One evaluation stands for the whole way of light through the fibre: p = 0 is reflected (R), p = 1 crosses it
-//! (TT), p = 2 is reflected once inside (TRT), the last lobe is all that is reflected more often. Each lobe is the product of what is
-//! left of the light, A_p, a function of the inclinations to the cross-section, M_p, and one of the azimuths around the fibre, N_p.
-//! f |cos wi| = sum A_p M_p N_p, and M_p N_p is a density of directions, so that a lobe is chosen by its luminance and then sampled exactly.
+//! The fibre runs along y. One evaluation stands for the whole way of light through the fibre: p = 0 is reflected (R),
+//! p = 1 crosses it (TT), p = 2 is reflected once inside (TRT), the last lobe is all that is reflected more often. Each
+//! lobe is the product of what is left of the light, A_p, a function of the inclinations to the cross-section, M_p, and
+//! one of the azimuths around the fibre, N_p. f |cos wi| = sum A_p M_p N_p, and M_p N_p is a density of directions, so
+//! that a lobe is chosen by its luminance and then sampled exactly.
 //!
-//! Where the ray meets the fibre off its axis follows from the direction to the viewer in the frame of the surface, not from texture
-//! coordinates: h is the sine of the azimuth of `wo` about the normal. So the surface must be round across, as cylinders are.
-//! Seen from behind, that is from within the fibre, the surface lets light pass straight through: the light that leaves on the far side was
-//! scattered when it came in.
+//! Where the ray meets the fibre off its axis follows from the direction to the viewer in the frame of the surface, not
+//! from texture coordinates: h is the sine of the azimuth of `wo` about the normal. So the surface must be round
+//! across, as cylinders are. Seen from behind, that is from within the fibre, the surface lets light pass straight
+//! through: the light that leaves on the far side was scattered when it came in.
 //!
-//! The model is not reciprocal, for A_p and the tilt of the scales depend on `wo` alone. Importance is scattered as radiance is.
+//! The model is not reciprocal, for A_p and the tilt of the scales depend on `wo` alone. Importance is scattered as
+//! radiance is.
 
 use std::f32::consts::{FRAC_PI_8, PI, TAU};
 
@@ -57,15 +59,15 @@ pub struct Hair {
     pub sigma_a: Rgb,
 }
 
-/// The absorption coefficient, per radius, of these concentrations of the pigments in human hair (d'Eon et al. 2011): 0.3 of eumelanin
-/// is blond, 1.3 brown, 8 black; pheomelanin makes hair red.
+/// The absorption coefficient, per radius, of these concentrations of the pigments in human hair (d'Eon et al. 2011):
+/// 0.3 of eumelanin is blond, 1.3 brown, 8 black; pheomelanin makes hair red.
 pub fn melanin_absorption(eumelanin: f32, pheomelanin: f32) -> Rgb {
     eumelanin * Rgb::new(0.419, 0.697, 1.37) + pheomelanin * Rgb::new(0.187, 0.4, 1.05)
 }
 
 impl Fiber {
-    /// Roughnesses are in [0, 1], along the fibre and around it, and about linear to the eye. `scale_tilt` is the angle of the scales on the
-    /// surface, in radians; above 0, it turns what is mirrored by twice as much towards +y.
+    /// Roughnesses are in [0, 1], along the fibre and around it, and about linear to the eye. `scale_tilt` is the angle
+    /// of the scales on the surface, in radians; above 0, it turns what is mirrored by twice as much towards +y.
     pub fn new(eta: f32, longitudinal_roughness: f32, azimuthal_roughness: f32, scale_tilt: f32) -> Self {
         let [along, around] =
             [longitudinal_roughness, azimuthal_roughness].map(|beta| beta.clamp(LEAST_ROUGHNESS, 1.0));
@@ -129,8 +131,8 @@ impl Lobe {
     /// A direction with the density M_p N_p.
     fn sample(&self, u_azimuth: f32, u: Vec2) -> Vec3 {
         let v = self.variance;
-        // The distribution is around the mirror image of the viewer, as in d'Eon, Marschner and Hanika, A Fiber Scattering Model with Non-Separable
-        // Lobes, 2014.
+        // The distribution is around the mirror image of the viewer, as in d'Eon, Marschner and Hanika, A Fiber
+        // Scattering Model with Non-Separable Lobes, 2014.
         let depth = -v * (u.x * (-2.0 / v).exp_m1()).ln_1p();
         let (cos, sin) = (1.0 - depth, (depth * (2.0 - depth)).max(0.0).sqrt());
         let (sin_around, cos_around) = (TAU * u.y).sin_cos();

@@ -1,8 +1,9 @@
 //! Optical constants of named materials.
 //!
-//! The names are those of the Mitsuba 3 scene format. Dielectrics: refractive index near 589 nm at room temperature (mostly Hecht,
-//! Optics). Conductors: complex index from spectra by Palik (Handbook of Optical Constants of Solids) and others, integrated against
-//! the CIE observer and taken to linear sRGB, negative components cut off, as renderers do that work in RGB.
+//! The names are those of the Mitsuba 3 scene format. Dielectrics: refractive index near 589 nm at room temperature
+//! (mostly Hecht, Optics). Conductors: complex index from spectra by Palik (Handbook of Optical Constants of Solids)
+//! and others, integrated against the CIE observer and taken to linear sRGB, negative components cut off, as renderers
+//! do that work in RGB.
 
 use crate::color::Rgb;
 use glam::Vec3;

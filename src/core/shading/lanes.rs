@@ -1,6 +1,7 @@
 //! Models for sixteen surfaces at once: every lane has a model of its own with its own parameters.
 //!
-//! Each model that some lane has is evaluated in all lanes, and each lane keeps its own. Contracts are those of [`super`].
+//! Each model that some lane has is evaluated in all lanes, and each lane keeps its own. Contracts are those of
+//! [`super`].
 
 use super::{Bsdf, BsdfSample, DiffuseLobe, Model, ModelLanes, ShadingTables, TransportMode, Visit};
 use crate::math::Vector;

@@ -50,7 +50,8 @@ impl Microalbedo {
     }
 }
 
-/// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between the nodes that `node` gives as [`Microalbedo::node`].
+/// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between the nodes that `node` gives
+/// as [`Microalbedo::node`].
 #[inline(always)]
 pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R {
     let (i, u) = node_before(row, ALPHAS);

@@ -1,6 +1,7 @@
 //! The distributions of the normals of rough surfaces.
 //!
-//! Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, JCGT 2014. Masking is separable, G = G1(wo) G1(wi).
+//! Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, JCGT 2014. Masking is separable, G =
+//! G1(wo) G1(wi).
 
 use super::ggx::SMOOTHEST_ALPHA;
 use super::{Beckmann, Ggx};
@@ -85,7 +86,8 @@ impl<R: Real> Microfacet<R> {
         self.choose(|ggx| ggx.g1_over_four_cos(v), |beckmann| beckmann.g1_over_four_cos(v))
     }
 
-    /// The ratio of G1(v) to that with which visible normals are sampled: 1, except where the masking of the model is an approximation.
+    /// The ratio of G1(v) to that with which visible normals are sampled: 1, except where the masking of the model is
+    /// an approximation.
     #[inline(always)]
     pub(crate) fn masking_ratio(&self, v: R::Vec3) -> R {
         self.choose(|_| R::ONE, |beckmann| beckmann.masking_ratio(v))
@@ -97,7 +99,8 @@ impl<R: Real> Microfacet<R> {
         self.density(m) * self.g1_over_four_cos(wo) / self.masking_ratio(wo)
     }
 
-    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo for an exact G1.
+    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo for an
+    /// exact G1.
     #[inline(always)]
     pub(crate) fn sample_visible(&self, wo: R::Vec3, u: [R; 2]) -> R::Vec3 {
         let of_ggx = Ggx::new(self.alpha_x, self.alpha_y).sample_visible(wo, u);

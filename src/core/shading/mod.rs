@@ -1,18 +1,21 @@
 //! The scattering of light at surfaces: the contract of every model, and the dispatch to them.
 //!
-//! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to the viewer (where the path came
-//! from), `wi` to the light (where it goes on). Along a path from a light the two change places: a [`TransportMode`] says what a path
-//! carries, and matters to models that refract. For every model:
+//! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to the viewer (where
+//! the path came from), `wi` to the light (where it goes on). Along a path from a light the two change places: a
+//! [`TransportMode`] says what a path carries, and matters to models that refract. For every model:
 //!
 //! - `eval(wo, wi, mode)` is f |cos wi|, without delta lobes.
-//! - `pdf(wo, wi)` is the solid angle density with which `sample(wo)` returns `wi`, without delta lobes. It integrates to the
-//!   probability that a sample is returned, at most 1. It is the same in both modes.
-//! - `sample(wo, mode)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The mean of the weights is
-//!   the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance, and for the layers of [`Principled`]).
+//! - `pdf(wo, wi)` is the solid angle density with which `sample(wo)` returns `wi`, without delta lobes. It integrates
+//!   to the probability that a sample is returned, at most 1. It is the same in both modes.
+//! - `sample(wo, mode)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The
+//!   mean of the weights is the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance,
+//!   and for the layers of [`Principled`]).
 //!
-//! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission or geometry.
+//! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission
+//! or geometry.
 //!
-//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]). What some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
+//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]). What
+//! some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
 //! within the model are of.
 
 mod beckmann;
@@ -79,8 +82,8 @@ real_struct! {
         pub pdf: R,
         /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
         pub is_delta: R::Mask,
-        /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette
-        /// divides radiance by its square).
+        /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the
+        /// path sees it (Russian roulette divides radiance by its square).
         pub eta: R,
         /// Whether there is one: else the light is absorbed, and the other fields have any values.
         pub is_returned: R::Mask,
@@ -89,17 +92,19 @@ real_struct! {
 
 /// A scattering model in one form of numbers; the contracts are those of this module.
 pub(crate) trait Model<R: Real> {
-    /// Whether it is so short that lanes evaluate it in place. Longer models would take the registers of all that is around them.
+    /// Whether it is so short that lanes evaluate it in place. Longer models would take the registers of all that is
+    /// around them.
     const IS_SHORT: bool = false;
 
-    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] gives `wi`, both without delta lobes. The default is for models whose lobes are all
-    /// delta.
+    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] gives `wi`, both without delta
+    /// lobes. The default is for models whose lobes are all delta.
     #[inline(always)]
     fn eval_and_pdf(&self, _: &ShadingTables, _: R::Vec3, _: R::Vec3, _: TransportMode) -> (R::Vec3, R) {
         (R::Vec3::even(R::ZERO), R::ZERO)
     }
 
-    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places.
+    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u`
+    /// places.
     fn sample(&self, tables: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], mode: TransportMode) -> BsdfSample<R>;
 
     /// The lobe of [`Bsdf::diffuse_lobe`].
@@ -114,7 +119,8 @@ trait Visit {
     fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M);
 }
 
-/// Declares the models: those whose formulas are for lanes as well, with their fields in [`ModelLanes`], and those that are evaluated one by one.
+/// Declares the models: those whose formulas are for lanes as well, with their fields in [`ModelLanes`], and those that
+/// are evaluated one by one.
 macro_rules! models {
     (
         in lanes { $($(#[$about:meta])* $Model:ident: $field:ident,)* }
@@ -253,8 +259,8 @@ impl Bsdf {
         self.eval_and_pdf(tables, wo, wi, TransportMode::Radiance).1
     }
 
-    /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. `None` if the
-    /// light is absorbed.
+    /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate),
+    /// `u` places. `None` if the light is absorbed.
     pub fn sample(
         &self,
         tables: &ShadingTables,
@@ -293,8 +299,8 @@ impl Bsdf {
         )
     }
 
-    /// The lobe of [`Self::sample`] whose directions have the density of the cosine with the normal. It is empty where there is none, and for what
-    /// lets light through.
+    /// The lobe of [`Self::sample`] whose directions have the density of the cosine with the normal. It is empty where
+    /// there is none, and for what lets light through.
     pub fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
         Model::diffuse_lobe(self, tables, wo)
     }
@@ -385,8 +391,8 @@ impl Bsdf {
         }
     }
 
-    /// The colour of the surface for denoisers and debug views: reflectance, mirror colour at normal incidence, white for glass. It is in [0, 1]
-    /// for physical parameters.
+    /// The colour of the surface for denoisers and debug views: reflectance, mirror colour at normal incidence, white
+    /// for glass. It is in [0, 1] for physical parameters.
     pub fn albedo(&self) -> Rgb {
         match self {
             Self::Diffuse(diffuse) => diffuse.reflectance,
@@ -403,7 +409,8 @@ impl Bsdf {
     }
 }
 
-/// Where a view goes on at a surface if it knows neither roughness nor refraction, with the share of the light from there.
+/// Where a view goes on at a surface if it knows neither roughness nor refraction, with the share of the light from
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Onward {
     /// Behind the surface, in the same direction.
@@ -413,8 +420,8 @@ pub enum Onward {
 }
 
 impl Bsdf {
-    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors on their front. None for other surfaces, whose
-    /// gloss does not count.
+    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors on
+    /// their front. None for other surfaces, whose gloss does not count.
     pub fn onward(&self, wo: Vec3) -> Option<Onward> {
         let is_front = wo.z > 0.0;
         let mirror = |share: Rgb| is_front.then_some(Onward::Mirrored(share));

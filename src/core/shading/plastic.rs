@@ -1,8 +1,10 @@
-//! A diffuse base below a smooth dielectric coat, light between the two being reflected until it escapes; black from behind.
+//! A diffuse base below a smooth dielectric coat, light between the two being reflected until it escapes; black from
+//! behind.
 //!
-//! The coat mirrors F(wo); the rest gets in, is scattered by the base, and of that the fraction R_int returns to the base each time:
-//! f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic keeps the colour by leaving a out
-//! of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, 2007; Elias, Simonot and Menu, 2001.)
+//! The coat mirrors F(wo); the rest gets in, is scattered by the base, and of that the fraction R_int returns to the
+//! base each time: f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic
+//! keeps the colour by leaving a out of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet
+//! Surfaces, 2007; Elias, Simonot and Menu, 2001.)
 
 use super::fresnel::{self, DielectricModel};
 use super::{BsdfSample, DiffuseLobe, Model, ShadingTables, TransportMode};

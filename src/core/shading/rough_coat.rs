@@ -1,8 +1,10 @@
-//! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays inside.
+//! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays
+//! inside.
 //!
-//! They are computed by quadrature over visible normals: what a facet lets through or reflects arrives if it is on the right side of the surface and not
-//! masked. One table serves all surfaces with the same distribution, index and roughness, or with any roughness up to 1. It takes some ten
-//! milliseconds to make and 260 bytes per roughness to keep.
+//! They are computed by quadrature over visible normals: what a facet lets through or reflects arrives if it is on the
+//! right side of the surface and not masked. One table serves all surfaces with the same distribution, index and
+//! roughness, or with any roughness up to 1. It takes some ten milliseconds to make and 260 bytes per roughness to
+//! keep.
 
 use super::fresnel::{self, DielectricModel};
 use super::microalbedo::node_before;
@@ -12,14 +14,15 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-/// The number of nodes over the cosine, as in the renderer whose scene format this program reads: pictures show the interpolation between the first
-/// two.
+/// The number of nodes over the cosine, as in the renderer whose scene format this program reads: pictures show the
+/// interpolation between the first two.
 const COSINES: usize = 64;
 
 /// Nodes over the root of the roughness, where it varies.
 const ALPHAS: usize = 32;
 
-/// Gauss nodes along each of the two numbers that a normal is made from. The one with total internal reflection has kinks.
+/// Gauss nodes along each of the two numbers that a normal is made from. The one with total internal reflection has
+/// kinks.
 const NODES: u32 = 32;
 const NODES_WITH_KINKS: u32 = 48;
 
@@ -32,7 +35,8 @@ pub(super) struct CoatLayer {
     internal_reflectance: f32,
 }
 
-/// The key of a coat: the distribution, and the bits of the index of refraction and of the roughness, which is None where it varies.
+/// The key of a coat: the distribution, and the bits of the index of refraction and of the roughness, which is None
+/// where it varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct CoatKey {
     pub kind: MicrofacetKind,
@@ -55,8 +59,8 @@ impl CoatKey {
     }
 }
 
-/// The layers of a coat: one, or [`ALPHAS`] with their roughness in equal steps of its root from 0 to 1. They are computed once and kept for
-/// the scenes that come later.
+/// The layers of a coat: one, or [`ALPHAS`] with their roughness in equal steps of its root from 0 to 1. They are
+/// computed once and kept for the scenes that come later.
 pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
     static COMPUTED: LazyLock<Mutex<HashMap<CoatKey, Arc<[CoatLayer]>>>> = LazyLock::new(Mutex::default);
     // A thread that panics while it holds the lock leaves no incomplete entry.
@@ -123,7 +127,8 @@ impl CoatLayer {
         let nodes = |eta: f32| gauss_legendre(if eta > 1.0 { NODES } else { NODES_WITH_KINKS });
         let cosine = |i: usize| (i as f32 / (COSINES - 1) as f32).max(1e-6);
         let (outside, inside) = (nodes(eta), nodes(eta.recip()));
-        // The plain mean over the nodes, ends in full: 1.5 % less than the integral for glass, but so are the pictures to be matched.
+        // The plain mean over the nodes, ends in full: 1.5 % less than the integral for glass, but so are the pictures
+        // to be matched.
         let reflected: f32 = (0..COSINES)
             .map(|i| cosine(i) * split(&facets, cosine(i), eta.recip(), &inside).reflected)
             .sum();

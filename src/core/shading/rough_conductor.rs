@@ -1,7 +1,7 @@
 //! A metal with a rough surface: scattering off microfacets; black from behind.
 //!
-//! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too dark, unless the
-//! lobe is scaled up by what it lost ([`Compensation`]).
+//! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too
+//! dark, unless the lobe is scaled up by what it lost ([`Compensation`]).
 
 use super::{BsdfSample, Compensation, ConductorSpecular, Microfacet, Model, ShadingTables, TransportMode};
 use crate::math::{Mask, Real, Vector, real_struct};
@@ -13,8 +13,8 @@ real_struct! {
         pub specular: ConductorSpecular<R>,
         /// Roughness of the surface.
         pub distribution: Microfacet<R>,
-        /// The compensation for light that bounces several times, of the same constants and roughness; none is single scattering. With it the
-        /// model is not reciprocal.
+        /// The compensation for light that bounces several times, of the same constants and roughness; none is single
+        /// scattering. With it the model is not reciprocal.
         pub multiple_scattering: Compensation<R>,
     }
 }

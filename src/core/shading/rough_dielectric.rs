@@ -1,7 +1,7 @@
 //! A rough interface between two transparent media: reflection and refraction by microfacets.
 //!
-//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. The surface is the same from both sides;
-//! f(wo, wi) / n_o^2 is symmetric for radiance, n_o being the index on the side of wo.
+//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. The surface is the same from both
+//! sides; f(wo, wi) / n_o^2 is symmetric for radiance, n_o being the index on the side of wo.
 
 use super::fresnel::{self, DielectricModel};
 use super::{BsdfSample, LEAST_HALF_VECTOR, Microfacet, Model, ShadingTables, TransportMode};
@@ -10,7 +10,8 @@ use crate::math::{Mask, Real, Vector, real_struct};
 real_struct! {
     /// Ground glass, ice, and the like; the normal points outside.
     pub struct RoughDielectric<R> {
-        /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth dielectric is used then.
+        /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth
+        /// dielectric is used then.
         pub eta: R,
         /// The law of the Fresnel reflectance: the same in all lanes.
         pub model: DielectricModel,

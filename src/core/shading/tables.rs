@@ -1,5 +1,5 @@
-//! The tables that models refer to by index. They are part of a scene, as flat lists without pointers, so that they can be copied to another
-//! device as they are.
+//! The tables that models refer to by index. They are part of a scene, as flat lists without pointers, so that they can
+//! be copied to another device as they are.
 
 use super::MicrofacetKind;
 use super::microalbedo::{self, Microalbedo};
@@ -37,8 +37,8 @@ struct Coat {
     layer_count: u32,
 }
 
-/// What scattering models have tabulated: transmittances of rough coats, albedos of rough mirrors. The same requests in the same order give
-/// equal tables.
+/// What scattering models have tabulated: transmittances of rough coats, albedos of rough mirrors. The same requests in
+/// the same order give equal tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadingTables {
     coats: Vec<Coat>,
@@ -51,7 +51,8 @@ pub struct ShadingTables {
 }
 
 impl ShadingTables {
-    /// A coat of the same roughness everywhere, with the refractive index `eta` relative to the outside, above 0. It is added unless it is there.
+    /// A coat of the same roughness everywhere, with the refractive index `eta` relative to the outside, above 0. It is
+    /// added unless it is there.
     pub fn uniform_coat(&mut self, kind: MicrofacetKind, eta: f32, alpha: f32) -> CoatId {
         self.coat_of(CoatKey::new(kind, eta, Some(alpha)))
     }
@@ -115,7 +116,8 @@ impl ShadingTables {
         }
     }
 
-    /// The micro-albedo of the table of this number, at the place `row` of [`microalbedo::row_of`], seen at `cos` in [0, 1].
+    /// The micro-albedo of the table of this number, at the place `row` of [`microalbedo::row_of`], seen at `cos` in
+    /// [0, 1].
     #[inline(always)]
     pub(super) fn microalbedo<R: Real>(&self, table: R::Word, row: R, cos: R) -> R {
         let size = R::Word::splat(microalbedo::NODES as u32);

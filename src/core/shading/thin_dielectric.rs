@@ -1,4 +1,5 @@
-//! A thin pane of glass: both its interfaces and all reflections between them as one surface, through which light goes straight.
+//! A thin pane of glass: both its interfaces and all reflections between them as one surface, through which light goes
+//! straight.
 
 use super::fresnel::{self, DielectricModel};
 use super::{BsdfSample, Model, ShadingTables, TransportMode};

@@ -1,5 +1,5 @@
-//! A picture over the uv square. Conventions are Mitsuba 3's: v = 0 is the upper edge of the picture, texel centres lie at half-integers, and texels are
-//! made linear before they are interpolated.
+//! A picture over the uv square. Conventions are Mitsuba 3's: v = 0 is the upper edge of the picture, texel centres lie
+//! at half-integers, and texels are made linear before they are interpolated.
 
 use std::sync::Arc;
 
@@ -68,8 +68,8 @@ impl Bitmap {
         }
     }
 
-    /// The derivative of the luminance by u and v; zero for the nearest texel. (Mitsuba 3.9 scales by the picture's size after `to_uv` instead of
-    /// before it, which differs where `to_uv` rotates a picture that is not square.)
+    /// The derivative of the luminance by u and v; zero for the nearest texel. (Mitsuba 3.9 scales by the picture's
+    /// size after `to_uv` instead of before it, which differs where `to_uv` rotates a picture that is not square.)
     pub(super) fn gradient(&self, uv: Vec2) -> Vec2 {
         if self.filter == Filter::Nearest {
             return Vec2::ZERO;
@@ -94,8 +94,8 @@ impl Bitmap {
         self.to_uv.transform_point2(uv) * self.size()
     }
 
-    /// The four texels whose centres surround a point (upper left, upper right, lower left, lower right), and the weights of the right
-    /// and the lower ones.
+    /// The four texels whose centres surround a point (upper left, upper right, lower left, lower right), and the
+    /// weights of the right and the lower ones.
     fn cell(&self, at: Vec2) -> ([Rgb; 4], Vec2) {
         let at = at - 0.5;
         let (x, y) = (whole(at.x), whole(at.y));
@@ -234,7 +234,8 @@ mod tests {
             bitmap.to_uv = Affine2::from_cols_array(&[2.0, 0.5, -1.0, 3.0, 0.3, 0.1]);
             for i in 0..100 {
                 let uv = Vec2::new((i * 37 % 100) as f32, (i * 59 % 100) as f32) * 0.023;
-                // Central differences of a bilinear patch are exact but for rounding, where they do not leave the patch.
+                // Central differences of a bilinear patch are exact but for rounding, where they do not leave the
+                // patch.
                 let h = 1e-3;
                 let cell = |uv: Vec2| (bitmap.in_texels(uv) - 0.5).floor();
                 let steps = [Vec2::X * h, Vec2::Y * h];

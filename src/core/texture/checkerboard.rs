@@ -5,8 +5,8 @@ use glam::{Affine2, Vec2};
 use super::Parameter;
 use crate::color::Rgb;
 
-/// Two by two squares per unit of transformed uv. As a colour, `colors[0]` is at the origin; as a number it is `colors[1]`: that is how
-/// Mitsuba 3.9 has it, and its scenes are made to look right there.
+/// Two by two squares per unit of transformed uv. As a colour, `colors[0]` is at the origin; as a number it is
+/// `colors[1]`: that is how Mitsuba 3.9 has it, and its scenes are made to look right there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
     /// The two colours, each of which may be a texture before this one in the table.

@@ -1,6 +1,7 @@
 //! Colours of OpenEXR pictures in other primaries than those of Rec. 709.
 //!
-//! They keep the light that they are: nothing is adapted to another white, as in Mitsuba and in the functions of OpenEXR itself.
+//! They keep the light that they are: nothing is adapted to another white, as in Mitsuba and in the functions of
+//! OpenEXR itself.
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::Vec2;
@@ -13,7 +14,8 @@ const REC_709: [[f32; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127,
 /// What differs by less from [`REC_709`] is the same: others round the numbers.
 const AS_GOOD_AS_EQUAL: f32 = 1e-3;
 
-/// Turns pixels of three channels into those of Rec. 709. They stay as they are where they have its primaries already, and where the file's span no colours.
+/// Turns pixels of three channels into those of Rec. 709. They stay as they are where they have its primaries already,
+/// and where the file's span no colours.
 pub(super) fn to_rec709(samples: Samples, file: &Chromaticities) -> Samples {
     let points = [file.red, file.green, file.blue, file.white].map(|Vec2(x, y)| [x, y]);
     let differs = |(a, b): (&[f32; 2], &[f32; 2])| (0..2).any(|i| (a[i] - b[i]).abs() > AS_GOOD_AS_EQUAL);
@@ -35,7 +37,8 @@ pub(super) fn to_rec709(samples: Samples, file: &Chromaticities) -> Samples {
     Samples::F32(floats)
 }
 
-/// The matrix from colours to XYZ that gives white a Y of 1. None if the primaries lie on a line or white has no luminance.
+/// The matrix from colours to XYZ that gives white a Y of 1. None if the primaries lie on a line or white has no
+/// luminance.
 fn xyz_from_rgb([red, green, blue, white]: [[f32; 2]; 4]) -> Option<DMat3> {
     let column = |[x, y]: [f32; 2]| DVec3::new(x.into(), y.into(), 1.0 - f64::from(x) - f64::from(y));
     let primaries = DMat3::from_cols(column(red), column(green), column(blue));

@@ -1,11 +1,12 @@
 //! Reads OpenEXR pictures: half or single floats, of the channels that make a colour.
 //!
-//! Names count after a prefix: renderers name layers so (`ViewLayer.Combined.R`). Chosen are R, G, B of a part, of whichever part has all, else of several
-//! parts that have one each, else Y, else the channel of a part that has no other; names without a prefix come before those with one, and a colour has one
-//! prefix.
+//! Names count after a prefix: renderers name layers so (`ViewLayer.Combined.R`). Chosen are R, G, B of a part, of
+//! whichever part has all, else of several parts that have one each, else Y, else the channel of a part that has no
+//! other; names without a prefix come before those with one, and a colour has one prefix.
 //!
-//! The display window is the picture: it is black outside of the data window, and what is outside of it is left out, as in OpenEXR's own viewer. Where both
-//! do not meet, the data window is the picture. Colours of other primaries become those of Rec. 709 ([`super::exr_color`]).
+//! The display window is the picture: it is black outside of the data window, and what is outside of it is left out, as
+//! in OpenEXR's own viewer. Where both do not meet, the data window is the picture. Colours of other primaries become
+//! those of Rec. 709 ([`super::exr_color`]).
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -76,8 +77,8 @@ pub(crate) fn read_exr_parts(bytes: &[u8]) -> std::result::Result<FlatImage, Ima
         .map_err(refused)
 }
 
-/// Reserves, before pixels are read, what the headers promise, and so many more bytes for each pixel of a part, whose number of channels is given. An
-/// error for files of kinds that are not read.
+/// Reserves, before pixels are read, what the headers promise, and so many more bytes for each pixel of a part, whose
+/// number of channels is given. An error for files of kinds that are not read.
 pub(crate) fn reserve_exr(
     bytes: &[u8],
     more_bytes: impl Fn(usize) -> u64,
@@ -112,7 +113,8 @@ pub(crate) fn reserve_exr(
     all.reserve(bytes.len())
 }
 
-/// The most pixels of a display window beyond the data, in all and for each pixel with data; the larger one counts. A window costs a file nothing.
+/// The most pixels of a display window beyond the data, in all and for each pixel with data; the larger one counts. A
+/// window costs a file nothing.
 const MOST_AROUND: u64 = 1 << 24;
 const MOST_FOR_EACH: u64 = 4096;
 
@@ -215,7 +217,8 @@ fn color_of<'a, 'b>(channels: &'a [PartChannel<'b>]) -> Option<Vec<&'a PartChann
         .or_else(|| grey().or_else(only).map(|channel| vec![channel]))
 }
 
-/// R, G and B of one window and one group, each of which has a number and a name. Groups without a name come first, else those that the file has first.
+/// R, G and B of one window and one group, each of which has a number and a name. Groups without a name come first,
+/// else those that the file has first.
 fn rgb<'a, 'b>(
     channels: &'a [PartChannel<'b>],
     group: impl Fn(&'a PartChannel<'b>) -> (usize, &'a String),
@@ -245,7 +248,8 @@ fn rgb<'a, 'b>(
     })
 }
 
-/// The channels side by side, of each pixel of the frame; zero outside of the window that they are of. Halves if all channels are, else floats.
+/// The channels side by side, of each pixel of the frame; zero outside of the window that they are of. Halves if all
+/// channels are, else floats.
 fn interleave(channels: &[&PartChannel], data: &Window, frame: &Window) -> Samples {
     let halves: Option<Vec<&[f16]>> = channels
         .iter()

@@ -44,8 +44,9 @@ pub enum Transfer {
     Srgb,
 }
 
-/// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments, so that these bytes are
-/// reserved together with such a picture; those for other pictures are reserved when the tables are made.
+/// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments, so
+/// that these bytes are reserved together with such a picture; those for other pictures are reserved when the tables
+/// are made.
 pub(super) const ENVIRONMENT_BYTES: u64 = PiecewiseBilinear2d::BYTES_PER_NODE;
 
 /// A picture of one channel (grey) or three (Rec. 709), at least one pixel large.
@@ -63,8 +64,8 @@ pub struct Image {
 }
 
 impl Image {
-    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some. What is infinite or no number becomes 0: a
-    /// single such pixel would spoil every average, and a light that is chosen by it.
+    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some. What is infinite or no
+    /// number becomes 0: a single such pixel would spoil every average, and a light that is chosen by it.
     pub fn new(width: u32, height: u32, channels: usize, mut samples: Samples, transfer: Transfer) -> Option<Self> {
         let wanted = (width as usize).checked_mul(height as usize)?.checked_mul(channels)?;
         if !(matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len()) {
@@ -105,7 +106,8 @@ impl Image {
         }
     }
 
-    /// Reserves memory for the tables by which the picture is sampled as an environment, unless it is a part of the picture's own.
+    /// Reserves memory for the tables by which the picture is sampled as an environment, unless it is a part of the
+    /// picture's own.
     pub fn reserve_environment(&self) -> Result<Held, Shortage> {
         match &self.samples {
             Samples::F16(_) | Samples::F32(_) => Ok(self.memory.clone()),
@@ -135,7 +137,8 @@ impl Image {
         self.not_finite
     }
 
-    /// Brings what is above [`BRIGHTEST`], or below its negative, to that; the number of pixels that had such a channel.
+    /// Brings what is above [`BRIGHTEST`], or below its negative, to that; the number of pixels that had such a
+    /// channel.
     pub fn limit(&mut self) -> usize {
         let limited = |sample: f32| (sample.abs() > BRIGHTEST).then(|| BRIGHTEST.copysign(sample));
         match &mut self.samples {

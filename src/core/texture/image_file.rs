@@ -1,5 +1,5 @@
-//! Bytes of a file -> [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance HDR and PFM (linear). The
-//! content decides which it is, never the name.
+//! Bytes of a file -> [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance HDR and PFM
+//! (linear). The content decides which it is, never the name.
 
 use std::io::Cursor;
 
@@ -38,7 +38,8 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
     decode(limited_decoder(bytes, format)?, bytes.len())
 }
 
-/// Decodes a whole file of this format, one of those with integers. What is reserved with it are its samples and `more_bytes` for each pixel.
+/// Decodes a whole file of this format, one of those with integers. What is reserved with it are its samples and
+/// `more_bytes` for each pixel.
 pub(crate) fn decode_picture(
     bytes: &[u8],
     format: ImageFormat,
@@ -50,7 +51,8 @@ pub(crate) fn decode_picture(
 /// The most memory in bytes that a decoder of PNG takes beside the picture: for colour profiles, texts and rows.
 const BESIDE_PNG: u64 = 64 << 20;
 
-/// The most memory that a decoder may take for itself. The picture is reserved, and what a PNG file has packed beside it is not.
+/// The most memory that a decoder may take for itself. The picture is reserved, and what a PNG file has packed beside
+/// it is not.
 fn most_memory(bytes: &[u8], format: ImageFormat) -> u64 {
     let budget = memory::budget().limit();
     // The size stands in the first chunk.

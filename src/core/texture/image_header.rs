@@ -33,8 +33,8 @@ pub enum ImageFileError {
     UnsupportedExr(String),
 }
 
-/// The most bytes of a picture that any format packs into one: DWAB needs two bytes for a constant block of 64 halves, and deflate packs 1032
-/// of those into one.
+/// The most bytes of a picture that any format packs into one: DWAB needs two bytes for a constant block of 64 halves,
+/// and deflate packs 1032 of those into one.
 const MOST_PER_BYTE: u64 = 64 * 1032;
 
 /// The size that the header of a picture promises.

@@ -1,4 +1,5 @@
-//! Whether a JPEG file is whole. Its decoder makes a picture also of the first part of a file, and leaves the rest grey.
+//! Whether a JPEG file is whole. Its decoder makes a picture also of the first part of a file, and leaves the rest
+//! grey.
 
 const START_OF_IMAGE: u8 = 0xd8;
 const END_OF_IMAGE: u8 = 0xd9;
@@ -6,7 +7,8 @@ const RESTARTS: std::ops::RangeInclusive<u8> = 0xd0..=0xd7;
 /// "For temporary private use", without a length.
 const TEMPORARY: u8 = 0x01;
 
-/// Whether the markers of a file lead to the one that ends the picture (ITU-T T.81, section B.1.1). What follows it is of no interest.
+/// Whether the markers of a file lead to the one that ends the picture (ITU-T T.81, section B.1.1). What follows it is
+/// of no interest.
 pub(super) fn is_whole(bytes: &[u8]) -> bool {
     let mut rest = bytes;
     // Between segments lies entropy-coded data, in which 0xff is followed by 0 unless it begins a marker.

@@ -1,7 +1,7 @@
 //! Values that vary over a surface: the contract of every texture, and the dispatch to them.
 //!
-//! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are either constant
-//! or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
+//! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are
+//! either constant or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
 
 mod bitmap;
 mod checkerboard;
@@ -111,12 +111,14 @@ impl TextureTable {
         }
     }
 
-    /// The light that a colour stands for: nothing where the colour is negative, as pixels of EXR and PFM pictures may be.
+    /// The light that a colour stands for: nothing where the colour is negative, as pixels of EXR and PFM pictures may
+    /// be.
     pub fn light(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
         self.color(parameter, at).max(Rgb::ZERO)
     }
 
-    /// A picture in colour gives its luminance; a colour of a checkerboard gives its mean, as one that stands alone does when it is read.
+    /// A picture in colour gives its luminance; a colour of a checkerboard gives its mean, as one that stands alone
+    /// does when it is read.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,
@@ -124,8 +126,8 @@ impl TextureTable {
         }
     }
 
-    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, from which bumps are made. Zero but for bilinear bitmaps, as in
-    /// Mitsuba.
+    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, from which bumps are made. Zero but for
+    /// bilinear bitmaps, as in Mitsuba.
     pub(crate) fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
         match parameter {
             Parameter::Constant(_) => Vec2::ZERO,

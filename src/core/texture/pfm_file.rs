@@ -1,9 +1,11 @@
-//! Reads portable float maps: one or three channels of 32-bit floats, rows from the bottom up (Debevec, "PFM: Portable FloatMap").
+//! Reads portable float maps: one or three channels of 32-bit floats, rows from the bottom up (Debevec, "PFM: Portable
+//! FloatMap").
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, hold};
 
-/// `bytes` begin with `PF` (colour) or `Pf` (grey). The scale's sign names the byte order; its size multiplies the samples, as in Mitsuba.
+/// `bytes` begin with `PF` (colour) or `Pf` (grey). The scale's sign names the byte order; its size multiplies the
+/// samples, as in Mitsuba.
 pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
     let damaged = |what: &str| ImageFileError::Damaged(what.to_owned());
     let channels = if bytes.starts_with(b"PF") { 3 } else { 1 };

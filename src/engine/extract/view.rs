@@ -43,8 +43,8 @@ impl Extracted {
         }
     }
 
-    /// Gives the view the guide of the scene, a new one if that has changed: it would be learnt anew, and until then keep the old scene. Returns the guide of
-    /// before.
+    /// Gives the view the guide of the scene, a new one if that has changed: it would be learnt anew, and until then
+    /// keep the old scene. Returns the guide of before.
     pub(super) fn keep_guide(&mut self, same_scene: bool) -> Option<Guide> {
         let old = (!same_scene).then(|| std::mem::take(&mut self.guide));
         if let Some(view) = &mut self.view {
@@ -83,7 +83,8 @@ impl Extracted {
 
     pub(super) fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
         self.errors.view.clear();
-        // Without a sensor the last view stays, so that replacing one sensor by another shows no blank picture in between.
+        // Without a sensor the last view stays, so that replacing one sensor by another shows no blank picture in
+        // between.
         let Some((order, id, sensor, film, to_world, in_medium)) =
             authored.active.0.and_then(|sensor| authored.sensors.get(sensor).ok())
         else {

@@ -10,8 +10,8 @@ use crate::render::film::SetAside;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
-/// The light of a layer may be so many times as strong as it was for some of its samples, and may have so many times fewer samples than there are: a weak
-/// lamp gets few samples, whose noise grows with it.
+/// The light of a layer may be so many times as strong as it was for some of its samples, and may have so many times
+/// fewer samples than there are: a weak lamp gets few samples, whose noise grows with it.
 pub(super) const MOST_RISE: f32 = 4.0;
 
 /// The most layers of light that are set aside.

@@ -35,11 +35,12 @@ struct Plan {
 }
 
 impl Job {
-    /// Goes on with the samples that it has if nothing has changed in the scene but how strong lights are and which emitters there are, and gives the film the
-    /// light of these. False if that is not possible.
+    /// Goes on with the samples that it has if nothing has changed in the scene but how strong lights are and which
+    /// emitters there are, and gives the film the light of these. False if that is not possible.
     pub fn relight(&mut self, wanted: &Wanted, stop: &StopCondition, film: &mut RenderFilm) -> bool {
         let view = wanted.view;
-        // Exact pictures are what they would be without any change, and noise that decides where samples go is of the old light.
+        // Exact pictures are what they would be without any change, and noise that decides where samples go is of the
+        // old light.
         if stop.is_exact || stop.is_adaptive || !self.can_be_relit(wanted.scene, view, film) {
             return false;
         }

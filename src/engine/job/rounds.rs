@@ -32,7 +32,8 @@ impl Job {
         step: u32,
     ) -> WorkQueue {
         let done = self.least_samples();
-        // An interrupted round goes on to its own end. Where else it ended would depend on the moment of the interruption, and so would the picture.
+        // An interrupted round goes on to its own end. Where else it ended would depend on the moment of the
+        // interruption, and so would the picture.
         let (asked_then, end) = self.round;
         let goes_on = asked_then == asked && end != u32::MAX && done < end;
         if !goes_on && previews.is_empty() && asked.0.is_some() {
@@ -83,7 +84,8 @@ impl Job {
         }
     }
 
-    /// Whether replicas tell the noise after so many samples, if a limit of it is asked for. Of a share it is not asked.
+    /// Whether replicas tell the noise after so many samples, if a limit of it is asked for. Of a share it is not
+    /// asked.
     pub(super) fn has_replicas_at(&self, samples: u32) -> bool {
         samples >= FEWEST_FOR_NOISE && self.share.is_none() && has_replicas(self.view.integrator)
     }
@@ -102,8 +104,8 @@ impl Job {
         self.active.iter().map(|&index| self.tiles[index]).collect()
     }
 
-    /// Judges the noise once all pixels of the region have the same number of samples, and replicas as many where there are any. The tiles are read in a
-    /// fixed order, so that the result does not depend on the threads.
+    /// Judges the noise once all pixels of the region have the same number of samples, and replicas as many where there
+    /// are any. The tiles are read in a fixed order, so that the result does not depend on the threads.
     pub(super) fn judge(&mut self, film: &mut RenderFilm) {
         let samples = self.least_samples();
         if !self.are_equal(samples) || samples == 0 {

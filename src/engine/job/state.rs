@@ -44,8 +44,9 @@ impl Job {
         to.0
     }
 
-    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run yet. The region is the one that was rendered
-    /// then, of which are the round under way, the judged noise and the replicas. [`Damaged`] if the state ends too early, or says what cannot be.
+    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run
+    /// yet. The region is the one that was rendered then, of which are the round under way, the judged noise and
+    /// the replicas. [`Damaged`] if the state ends too early, or says what cannot be.
     pub fn resume(&mut self, state: &[u8], saved: Film, film: &mut RenderFilm) -> Result<(), Damaged> {
         let mut from = Reader(state);
         for done in &mut self.done {
@@ -147,7 +148,8 @@ mod tests {
         ShapeKind, Strategy, ToWorld,
     };
 
-    /// A ball before an even sky, and a lamp that is found by chance, so that some pixels are much noisier than others. Two tiles by two, of which three are small.
+    /// A ball before an even sky, and a lamp that is found by chance, so that some pixels are much noisier than others.
+    /// Two tiles by two, of which three are small.
     fn scene_and_view() -> (RenderScene, View) {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));

@@ -39,7 +39,8 @@ pub(in crate::engine) struct Layout {
 }
 
 impl Layout {
-    /// Divides the shapes of the world and of each group, in order, into what goes into the hierarchy and a record of each that is kept.
+    /// Divides the shapes of the world and of each group, in order, into what goes into the hierarchy and a record of
+    /// each that is kept.
     pub fn new(
         in_world: (Instances, Vec<InstanceRecord>),
         members: Vec<(Vec<Instance>, Vec<InstanceRecord>)>,
@@ -123,7 +124,8 @@ impl Layout {
         shape >= self.in_world
     }
 
-    /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that [`Self::new`] gave with it.
+    /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that
+    /// [`Self::new`] gave with it.
     pub fn build(&self, instances: PackedShapes, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
         let members = instances.members.into_iter();
         let groups = members.map(|members| Arc::new(Tlas::group(members, method))).collect();

@@ -1,4 +1,5 @@
-//! The list of the scene's materials as that of the renderer: references become ids. What each of them becomes says `bsdf.rs`.
+//! The list of the scene's materials as that of the renderer: references become ids. What each of them becomes says
+//! `bsdf.rs`.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
@@ -101,8 +102,8 @@ pub(in crate::engine) fn material_table(
     MaterialTable::checked(materials, tables)
 }
 
-/// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
-/// same list; pictures are grey, and what makes no sense is the default.
+/// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those
+/// inside of it in the same list; pictures are grey, and what makes no sense is the default.
 pub(crate) fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
     // Only the identity of the entities matters.
     let entity = |place: usize| Entity::from_raw_u32(place as u32);

@@ -1,5 +1,6 @@
-//! Turns components into the renderer's records, with plain functions, one file for each kind of record. Every check of a range and every change of
-//! unit is made here, those of materials and lights in `ranges.rs`; the kernel (`render` and below) trusts its numbers.
+//! Turns components into the renderer's records, with plain functions, one file for each kind of record. Every check of
+//! a range and every change of unit is made here, those of materials and lights in `ranges.rs`; the kernel (`render`
+//! and below) trusts its numbers.
 
 mod bsdf;
 pub(super) mod environment;

@@ -13,7 +13,8 @@
 //! | `bump` | shaded as if moved by the picture times `-bm`, in units of the mesh; about its normals if it holds some |
 //! | `d` < 1, `map_d` | opaque with this share, or as far as the picture is bright |
 //!
-//! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
+//! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at
+//! random.
 
 use super::Checker;
 use super::bsdf::PERFECT_MIRROR;
@@ -91,7 +92,8 @@ pub(in crate::engine) fn push_mtl(
     }
 }
 
-/// Whether the picture of a `bump` statement holds normals, which exporters (Blender's among them) write so: they are light blue in the mean, as no heights are.
+/// Whether the picture of a `bump` statement holds normals, which exporters (Blender's among them) write so: they are
+/// light blue in the mean, as no heights are.
 fn has_normals(map: &MtlMap, textures: &TexturePacker) -> bool {
     const UPRIGHT: Rgb = Rgb::new(0.5, 0.5, 0.9);
     let is_upright = |mean: Rgb| (mean - UPRIGHT).abs().max_element() < 0.15;
@@ -100,7 +102,8 @@ fn has_normals(map: &MtlMap, textures: &TexturePacker) -> bool {
         .is_some_and(|image| is_upright(image.mean(true)))
 }
 
-/// What a material emits: nothing if that is black. Odd colours have been reported with the other parameters or do not matter.
+/// What a material emits: nothing if that is black. Odd colours have been reported with the other parameters or do not
+/// matter.
 pub(super) fn emission(mtl: &MtlMaterial, textures: &mut TexturePacker) -> Parameter<Rgb> {
     match &mtl.maps.ke {
         Some(map) => textures.parameter(&mtl_picture(map, false)),

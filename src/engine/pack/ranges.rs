@@ -1,4 +1,5 @@
-//! Brings the parameters of materials and lights into the ranges that are declared of them, because edits need not come from a file.
+//! Brings the parameters of materials and lights into the ranges that are declared of them, because edits need not come
+//! from a file.
 
 use super::Checker;
 use crate::color::{BRIGHTEST, Rgb};
@@ -173,7 +174,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks the table of a phase function. An unusable one is replaced by one that scatters equally in all directions.
+    /// Checks the table of a phase function. An unusable one is replaced by one that scatters equally in all
+    /// directions.
     fn table(&mut self, info: &ParameterInfo, values: &mut Vec<f32>) {
         let is_good = |value: &f32| (0.0..=BRIGHTEST).contains(value);
         let sums_up = values.iter().any(|value| *value > 0.0);

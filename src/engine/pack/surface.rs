@@ -41,7 +41,8 @@ pub(in crate::engine) struct PackedSurfaces {
     pub materials: Vec<Material>,
     /// Light sources with the shapes they are, their ids as in `table`.
     pub lights: Vec<(Entity, WeightedSource)>,
-    /// The numbers of the shapes whose slots follow from more than their records: they shine, or have materials of a mesh file or none that there is.
+    /// The numbers of the shapes whose slots follow from more than their records: they shine, or have materials of a
+    /// mesh file or none that there is.
     pub special: Vec<u32>,
 }
 
@@ -60,8 +61,8 @@ pub(in crate::engine) struct SurfacePacker<'a, 't, F> {
 }
 
 impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
-    /// Packs the surfaces. `old` is the table that was packed before. With `edits` what has not changed is taken from it: the ids are those of that time,
-    /// and `special` are the special shapes by their present numbers.
+    /// Packs the surfaces. `old` is the table that was packed before. With `edits` what has not changed is taken from
+    /// it: the ids are those of that time, and `special` are the special shapes by their present numbers.
     pub fn pack(
         mut self,
         materials: Vec<Material>,

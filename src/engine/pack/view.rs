@@ -22,7 +22,8 @@ use crate::scene::{
     Sequence,
 };
 
-/// The most bounces before Russian roulette begins. Nothing else ends the paths of a closed white room, which would go on for minutes each.
+/// The most bounces before Russian roulette begins. Nothing else ends the paths of a closed white room, which would go
+/// on for minutes each.
 const LATEST_ROULETTE: u32 = 1024;
 /// The same where every vertex of a path from the camera is joined with every vertex of one from a light.
 const LATEST_ROULETTE_OF_JOINED: u32 = 128;

@@ -4,7 +4,8 @@ use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The canonical folder of this name for files that can be made again. It is made if it is not there. None if nothing can be written.
+/// The canonical folder of this name for files that can be made again. It is made if it is not there. None if nothing
+/// can be written.
 pub(crate) fn cache_folder(name: &str) -> Option<PathBuf> {
     let folder = cache_folders(name).find(|folder| prepare(folder).is_ok());
     folder.and_then(|folder| folder.canonicalize().ok())
@@ -39,8 +40,8 @@ fn suffix_of_user() -> String {
     String::new()
 }
 
-/// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user: such a folder may hold
-/// links and files that another user has put there.
+/// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user:
+/// such a folder may hold links and files that another user has put there.
 pub(super) fn prepare(folder: &Path) -> io::Result<()> {
     let planted = || io::Error::other("the folder is a link, or belongs to another user");
     for folder in folder.ancestors().take(2).collect::<Vec<_>>().into_iter().rev() {

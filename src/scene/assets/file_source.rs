@@ -1,7 +1,7 @@
 //! The asset server's source of files: refuses at once what [`crate::files`] refuses.
 //!
-//! The server's own reader would wait for ever for a pipe. This one gives no bytes: the loaders read the whole file themselves, because the server
-//! passes bytes between threads in small pieces.
+//! The server's own reader would wait for ever for a pipe. This one gives no bytes: the loaders read the whole file
+//! themselves, because the server passes bytes between threads in small pieces.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Opens glTF files as scenes: they are taken apart into files of the cache, and a document that names these.
 //!
-//! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are keep their names,
-//! and are not loaded again.
+//! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are
+//! keep their names, and are not loaded again.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -66,8 +66,8 @@ pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     }
 }
 
-/// The meshes of a glTF file where its scene places them, each with its pose, world from local. Nothing is kept in the cache. `limit`: the most bytes of
-/// the file, and of each file that it names. The error says why it cannot be read.
+/// The meshes of a glTF file where its scene places them, each with its pose, world from local. Nothing is kept in the
+/// cache. `limit`: the most bytes of the file, and of each file that it names. The error says why it cannot be read.
 pub(crate) fn placed_meshes(
     path: &Path,
     access: &Access,

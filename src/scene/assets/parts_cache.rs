@@ -1,8 +1,9 @@
-//! The folder of files that glTF files were taken apart into. Everything in it can be made again, so that it may be removed at any time.
+//! The folder of files that glTF files were taken apart into. Everything in it can be made again, so that it may be
+//! removed at any time.
 //!
-//! A part lies in a folder named by the hash of its content, and is used again only if its content is the same. Links are never followed: a
-//! link in the place of a folder or a part is removed. The folder is kept below 4 GiB: parts that were not used for the longest time
-//! are removed first, but none that a running program has in use.
+//! A part lies in a folder named by the hash of its content, and is used again only if its content is the same. Links
+//! are never followed: a link in the place of a folder or a part is removed. The folder is kept below 4 GiB: parts that
+//! were not used for the longest time are removed first, but none that a running program has in use.
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -24,8 +25,8 @@ const KEPT: Duration = Duration::from_secs(30 * 24 * 3600);
 /// The size of the cache in bytes. It holds the parts of one file of the largest size that is read.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// A file in the folder of a part. Its age tells when the part was used last. The part itself is not touched, because programs that watch it would
-/// take that for a change.
+/// A file in the folder of a part. Its age tells when the part was used last. The part itself is not touched, because
+/// programs that watch it would take that for a change.
 const MARKER: &str = "last-used";
 
 /// The names of lists of parts in use begin so.
@@ -43,7 +44,8 @@ pub(crate) struct PartsCache {
     in_use: Mutex<InUse>,
 }
 
-/// The parts that this program has used. Other programs read them in a file that is locked for as long as this one runs.
+/// The parts that this program has used. Other programs read them in a file that is locked for as long as this one
+/// runs.
 #[derive(Default)]
 struct InUse {
     hashes: HashSet<String>,
@@ -80,7 +82,8 @@ impl PartsCache {
         if !holds(&path, bytes)? {
             // The new file takes the place of a link, not of the file that the link leads to.
             let mut file = NamedTempFile::new_in(&folder)?;
-            // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
+            // Writing through `file` itself would give errors that name the temporary file, which the user does not
+            // know.
             file.as_file_mut().write_all(bytes)?;
             file.persist(&path).map_err(|error| error.error)?;
         }
@@ -202,8 +205,9 @@ fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     Ok(used.map(|used| Part { folder, bytes, used }))
 }
 
-/// The parts in the lists of all programs that run. The list of a program that has ended is removed. An error if a list is there that cannot be
-/// read, or is longer than [`LARGEST_NOTE`], which is four million parts: any part may be in use then.
+/// The parts in the lists of all programs that run. The list of a program that has ended is removed. An error if a list
+/// is there that cannot be read, or is longer than [`LARGEST_NOTE`], which is four million parts: any part may be in
+/// use then.
 fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
     let mut hashes = HashSet::new();
     for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
@@ -242,7 +246,8 @@ pub fn is_part(path: &Path) -> bool {
     cache_folders(NAME).any(|folder| path.starts_with(folder))
 }
 
-/// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links of unknown origin.
+/// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links of
+/// unknown origin.
 pub(crate) fn allow_parts(allow: impl FnOnce(&Path)) {
     if let Some(folder) = &CACHE.folder {
         allow(folder);

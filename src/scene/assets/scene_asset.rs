@@ -38,7 +38,8 @@ impl Drop for SceneAsset {
     }
 }
 
-/// The values for the `$name`s of scene files, by path. They are shared with the loader, because reloads need them as well.
+/// The values for the `$name`s of scene files, by path. They are shared with the loader, because reloads need them as
+/// well.
 #[derive(Resource, Clone, Default)]
 pub struct SceneDefines(Arc<RwLock<HashMap<PathBuf, Vec<(String, String)>>>>);
 
@@ -128,7 +129,8 @@ fn read_scene_within(
     }
 }
 
-/// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
+/// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's
+/// diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     let read = files::finish_set_within(path, &access).and_then(|()| access.read(path, largest(path)));
     let bytes = read.map_err(|source| unreadable(path, source))?;

@@ -1,4 +1,5 @@
-//! Meshes of shapes that are no meshes themselves: in their own space, with the texture coordinates and normals that they have.
+//! Meshes of shapes that are no meshes themselves: in their own space, with the texture coordinates and normals that
+//! they have.
 
 use std::f32::consts::{PI, TAU};
 
@@ -15,7 +16,8 @@ const AROUND: u32 = 64;
 /// The rows of a sphere from pole to pole.
 const ROWS: u32 = 32;
 
-/// The mesh of a shape; None for one whose mesh is in a file, and for one without a surface. Round shapes have 64 pieces around them.
+/// The mesh of a shape; None for one whose mesh is in a file, and for one without a surface. Round shapes have 64
+/// pieces around them.
 pub fn shape_mesh(kind: &ShapeKind) -> Option<MeshData> {
     Some(match kind {
         ShapeKind::Sphere { center, radius } => grid(AROUND, ROWS, |at| {
@@ -52,7 +54,8 @@ pub fn shape_mesh(kind: &ShapeKind) -> Option<MeshData> {
     })
 }
 
-/// A grid over uv from 0 to 1, with the place and the normal at each of its points. Triangles face to where the normals point.
+/// A grid over uv from 0 to 1, with the place and the normal at each of its points. Triangles face to where the normals
+/// point.
 fn grid(columns: u32, rows: u32, at: impl Fn(Vec2) -> (Vec3, Vec3)) -> MeshData {
     let mut mesh = MeshData::default();
     for row in 0..=rows {

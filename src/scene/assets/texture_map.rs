@@ -45,7 +45,8 @@ pub struct TextureMap {
 }
 
 impl TextureMap {
-    /// What counts as something else than the file says, in words; None if all is as it is there. Negative pixels matter to lights alone.
+    /// What counts as something else than the file says, in words; None if all is as it is there. Negative pixels
+    /// matter to lights alone.
     pub(crate) fn warning(&self, is_light: bool) -> Option<String> {
         let too_bright = format!("a value above {BRIGHTEST:e}, which takes its place");
         let negative = if is_light { self.negative_pixels } else { 0 };

@@ -56,7 +56,8 @@ impl TriangleMesh {
     }
 }
 
-/// The loaded file of a shape whose kind is `Mesh`. It follows the shape's path: it is set when the path is, and removed when the shape is no mesh.
+/// The loaded file of a shape whose kind is `Mesh`. It follows the shape's path: it is set when the path is, and
+/// removed when the shape is no mesh.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
@@ -120,8 +121,8 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
     })
 }
 
-/// Reads an OBJ or PLY file. `path` is that of the file the bytes are from. Material libraries are looked for beside it, as far as `access`
-/// permits, and the names of their pictures become absolute.
+/// Reads an OBJ or PLY file. `path` is that of the file the bytes are from. Material libraries are looked for beside
+/// it, as far as `access` permits, and the names of their pictures become absolute.
 pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();

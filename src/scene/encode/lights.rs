@@ -10,7 +10,8 @@ use crate::document::{Category, Object, Value};
 use crate::scene::emitter::frame_along;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 
-/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are relative to it.
+/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are
+/// relative to it.
 pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngles>, folder: &Path) -> Object {
     let mut writer = IntoObject {
         object: Object::new(Category::Emitter, emitter.plugin()),

@@ -1,4 +1,5 @@
-//! Components as plugins of a document. Reading uses this to know what saving would write for a thing that nobody edited.
+//! Components as plugins of a document. Reading uses this to know what saving would write for a thing that nobody
+//! edited.
 
 mod into_object;
 pub mod lights;

@@ -1,4 +1,5 @@
-//! Components as plugins of the file, every parameter spelled out. References to materials and media are not these functions' business.
+//! Components as plugins of the file, every parameter spelled out. References to materials and media are not these
+//! functions' business.
 
 use std::path::Path;
 
@@ -42,7 +43,8 @@ pub fn medium(medium: &Medium, folder: &Path) -> Object {
 /// The plugin that a folder's transform is written as.
 pub const FRAME: &str = "constvolume";
 
-/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; the mesh's name is relative to it.
+/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; the mesh's name is
+/// relative to it.
 pub fn shape(
     shape: &Shape,
     to_world: &Affine3A,

@@ -8,14 +8,15 @@ use crate::scene::{EulerAngles, Turned};
 /// The most that a map taken apart and put together again may differ from itself, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
 
-/// The most that shortening the numbers of a transform may change, relative to the largest of the linear part, and to each coordinate of the place:
-/// some units in the last place.
+/// The most that shortening the numbers of a transform may change, relative to the largest of the linear part, and to
+/// each coordinate of the place: some units in the last place.
 const SHORTENED: f32 = 4e-7;
 
 /// The most that shortening may move a camera, relative to its distance from the origin.
 const MOVED: f64 = 1e-6;
 
-/// The step with numbers of so many digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them. Angles that are known stay.
+/// The step with numbers of so many digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
+/// Angles that are known stay.
 fn shortened(step: &TransformOp, digits: i32, is_turned_so: bool) -> TransformOp {
     match *step {
         TransformOp::Scale(factors) => TransformOp::Scale(short(factors, digits)),
@@ -40,7 +41,8 @@ fn short(numbers: Vec3, digits: i32) -> Vec3 {
     })
 }
 
-/// Rounds the points to a unit that gives the largest of all coordinates `digits` digits: beside 3, a coordinate of 2.4e-7 becomes 0.
+/// Rounds the points to a unit that gives the largest of all coordinates `digits` digits: beside 3, a coordinate of
+/// 2.4e-7 becomes 0.
 pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; N] {
     let largest = points
         .iter()
@@ -59,8 +61,9 @@ pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; 
     })
 }
 
-/// The map as scale, rotations about the axes x, y and z in this order, and translation, each only where it does something; as a matrix when it has shear.
-/// `angles`: those that are written if they give its rotation, and otherwise the ones that are sought nearby.
+/// The map as scale, rotations about the axes x, y and z in this order, and translation, each only where it does
+/// something; as a matrix when it has shear. `angles`: those that are written if they give its rotation, and otherwise
+/// the ones that are sought nearby.
 pub(crate) fn as_steps(map: &Affine3A, angles: Option<EulerAngles>) -> Vec<TransformOp> {
     let as_matrix = || vec![TransformOp::Matrix(Mat4::from(*map))];
     let Some(Turned { scale, degrees }) = Turned::of(&map.matrix3, angles.map(|angles| angles.0)) else {
@@ -109,7 +112,8 @@ pub(crate) fn as_steps(map: &Affine3A, angles: Option<EulerAngles>) -> Vec<Trans
     if is_same { steps } else { as_matrix() }
 }
 
-/// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single precision can hold.
+/// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single
+/// precision can hold.
 pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let rotation = Mat3::from(map.matrix3);
     let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;

@@ -8,8 +8,8 @@ use crate::scene::ShapeKind;
 use crate::scene::description::SceneDescription;
 use crate::scene::pictures::pictures_of_lights;
 
-/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture. `of_libraries`: the pictures that the materials
-/// of mesh files name.
+/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
+/// `of_libraries`: the pictures that the materials of mesh files name.
 pub fn first_in_use<'f>(
     scene: &SceneDescription,
     of_libraries: &BTreeSet<PathBuf>,

@@ -101,7 +101,8 @@ impl Level {
         self.constant() == Some(Rgb::splat(number))
     }
 
-    /// A mixture with the share `weight` of the other. Of a texture and something else the one with the greater share is taken.
+    /// A mixture with the share `weight` of the other. Of a texture and something else the one with the greater share
+    /// is taken.
     pub fn mixed(self, other: Self, weight: f32) -> Self {
         match (self.constant(), other.constant()) {
             (Some(a), Some(b)) => Self::Constant(a.lerp(b, weight)),

@@ -18,7 +18,8 @@ pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
-    /// Whether lightmaps beside the file have the light that glTF has no counterpart for, so that its absence from the file is not reported.
+    /// Whether lightmaps beside the file have the light that glTF has no counterpart for, so that its absence from the
+    /// file is not reported.
     pub is_baked: bool,
 }
 

@@ -1,4 +1,5 @@
-//! What a material of the scene looks like in the terms of glTF. What has no counterpart there is left out or approximated, and noted.
+//! What a material of the scene looks like in the terms of glTF. What has no counterpart there is left out or
+//! approximated, and noted.
 
 use super::level::{Level, Map};
 use super::look::{Appearance, Look};

@@ -1,4 +1,5 @@
-//! Collects what an export says about what is lost: a sentence for each material, and one for all other things that lose the same.
+//! Collects what an export says about what is lost: a sentence for each material, and one for all other things that
+//! lose the same.
 
 use std::collections::{HashMap, HashSet};
 

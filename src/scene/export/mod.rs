@@ -1,7 +1,7 @@
 //! Exports a scene to glTF 2.0: what of the scene becomes what there, and what is said about the rest.
 //!
-//! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them. How glTF files are built is in
-//! [`crate::gltf::write`], and the table of docs/scene-format.md says what becomes what.
+//! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them.
+//! How glTF files are built is in [`crate::gltf::write`], and the table of docs/scene-format.md says what becomes what.
 
 mod error;
 mod form;
@@ -66,8 +66,8 @@ impl Kind {
     }
 }
 
-/// Makes the files of a scene that will be written to `target`, a name that ends with `.glb` or `.gltf`. `hidden`: the indices of shapes and emitters that are
-/// left out. Meshes and pictures are read as far as `access` permits.
+/// Makes the files of a scene that will be written to `target`, a name that ends with `.glb` or `.gltf`. `hidden`: the
+/// indices of shapes and emitters that are left out. Meshes and pictures are read as far as `access` permits.
 pub fn export(
     scene: &SceneDescription,
     hidden: &Hidden,
@@ -113,14 +113,15 @@ pub fn export(
 pub struct Collected {
     /// The content.
     pub writer: GltfWriter,
-    /// One sentence for each thing of the level that it does not say as the scene does; nothing about the settings of pictures.
+    /// One sentence for each thing of the level that it does not say as the scene does; nothing about the settings of
+    /// pictures.
     pub messages: Vec<String>,
     /// The pictures that materials of mesh files name, for [`first_in_use`].
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `is_baked`: there will be lightmaps and probes beside the file,
-/// and the light that they have is not reported as left out.
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `is_baked`: there will be
+/// lightmaps and probes beside the file, and the light that they have is not reported as left out.
 pub fn collect(
     scene: &SceneDescription,
     hidden: &Hidden,

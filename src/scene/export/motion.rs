@@ -1,4 +1,5 @@
-//! Key frames of poses as animations of glTF: values at times between which glTF goes straight, and turns along the shortest arc.
+//! Key frames of poses as animations of glTF: values at times between which glTF goes straight, and turns along the
+//! shortest arc.
 
 use bevy::math::{Affine3A, Quat, Vec3};
 

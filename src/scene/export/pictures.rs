@@ -1,4 +1,5 @@
-//! The pictures of textures: files as they are where glTF means the same by them, and else pictures that are made of the textures' values.
+//! The pictures of textures: files as they are where glTF means the same by them, and else pictures that are made of
+//! the textures' values.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -100,8 +101,8 @@ impl<'a> Pictures<'a> {
         varying.factor * sum / (side * side) as f32
     }
 
-    /// The texture of a picture with these planes, and the number by which its values are to be multiplied, besides by the factors of the planes. None if
-    /// there are no planes, or if it cannot be made, which is reported.
+    /// The texture of a picture with these planes, and the number by which its values are to be multiplied, besides by
+    /// the factors of the planes. None if there are no planes, or if it cannot be made, which is reported.
     pub fn texture(
         &mut self,
         writer: &mut GltfWriter,
@@ -182,7 +183,8 @@ impl<'a> Pictures<'a> {
         is_right.then_some(bytes)
     }
 
-    /// A PNG file of the planes' values, and the number by which they were divided. `lies_alike`: whether all textures lie as the picture will.
+    /// A PNG file of the planes' values, and the number by which they were divided. `lies_alike`: whether all textures
+    /// lie as the picture will.
     fn baked(
         &mut self,
         planes: &Planes,

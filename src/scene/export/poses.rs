@@ -44,7 +44,8 @@ pub(super) fn map_of(pose: &Pose) -> Affine3A {
     )
 }
 
-/// Where a camera or a light stands, without what scales it: forward stays, up is made perpendicular to it, and a mirrored pose stays mirrored.
+/// Where a camera or a light stands, without what scales it: forward stays, up is made perpendicular to it, and a
+/// mirrored pose stays mirrored.
 pub(super) fn rigid(pose: &Affine3A) -> Option<Affine3A> {
     let [left, up, forward] = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis];
     let forward = forward.try_normalize()?;

@@ -35,7 +35,8 @@ pub(super) struct Shapes<'a> {
     /// For each triangle whether pictures lie mirrored on it, in the same way.
     mirrored: HashMap<String, Rc<[bool]>>,
     meshes: HashMap<String, usize>,
-    /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything visible.
+    /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything
+    /// visible.
     groups: HashMap<(usize, bool), Option<usize>>,
     /// The members of each group.
     members: Vec<Vec<usize>>,
@@ -251,7 +252,8 @@ impl<'a> Shapes<'a> {
         mesh
     }
 
-    /// The parts of a shape, one for each material that can be seen, or two where pictures lie both ways on one with a normal map.
+    /// The parts of a shape, one for each material that can be seen, or two where pictures lie both ways on one with a
+    /// normal map.
     fn primitives(
         &mut self,
         shape: &ShapeDescription,
@@ -423,7 +425,8 @@ impl<'a> Shapes<'a> {
         self.tangents.insert(key, attributes.get("TANGENT").copied());
     }
 
-    /// The triangles of a material slot, of so many, that are in a part as another placing has it; None if there are none.
+    /// The triangles of a material slot, of so many, that are in a part as another placing has it; None if there are
+    /// none.
     fn indices(
         &mut self,
         form: &Form,

@@ -1,5 +1,5 @@
-//! Tangents of meshes with normal maps. In glTF the bitangent follows the handedness of the texture coordinates, here it does so only where a material
-//! says it: what lies mirrored gets a picture of its own then.
+//! Tangents of meshes with normal maps. In glTF the bitangent follows the handedness of the texture coordinates, here
+//! it does so only where a material says it: what lies mirrored gets a picture of its own then.
 
 use bevy::math::{Affine3A, Vec2, Vec3, Vec4};
 
@@ -36,7 +36,8 @@ pub(super) fn mirrored(mesh: &MeshData, corners: impl Iterator<Item = [u32; 3]>)
     corners.map(is_mirrored).collect()
 }
 
-/// The directions in which a triangle's points move with u and with v, zero where coordinates have no area; None without coordinates.
+/// The directions in which a triangle's points move with u and with v, zero where coordinates have no area; None
+/// without coordinates.
 fn derivatives(mesh: &MeshData, triangle: [u32; 3]) -> Option<[Vec3; 2]> {
     let [p, q, r] = triangle.map(|corner| mesh.positions[corner as usize]);
     let [a, b, c]: [Option<&Vec2>; 3] = triangle.map(|corner| mesh.uvs.get(corner as usize));
@@ -49,8 +50,9 @@ fn derivatives(mesh: &MeshData, triangle: [u32; 3]) -> Option<[Vec3; 2]> {
     Some([by_u, by_v].map(|direction| side * direction.normalize_or_zero()))
 }
 
-/// A tangent for each vertex, from the triangles around it that are mirrored, or from those that are not: the mean of the directions of u, weighted by
-/// the angles of the triangles, as MikkTSpace has it. None without normals, or without coordinates.
+/// A tangent for each vertex, from the triangles around it that are mirrored, or from those that are not: the mean of
+/// the directions of u, weighted by the angles of the triangles, as MikkTSpace has it. None without normals, or without
+/// coordinates.
 pub(super) fn of_coordinates(
     mesh: &MeshData,
     corners: impl Iterator<Item = [u32; 3]>,

@@ -1,4 +1,5 @@
-//! Materials as the user knows them: the bsdfs of the format with their own parameters, and the components that refer to them.
+//! Materials as the user knows them: the bsdfs of the format with their own parameters, and the components that refer
+//! to them.
 
 mod models;
 mod principled;
@@ -22,7 +23,8 @@ static USUAL: LazyLock<HashMap<&str, Material>> = LazyLock::new(|| {
 });
 
 impl Material {
-    /// What a plugin of this name is when its file gives no parameter, to be read; [`Material::of_plugin`] makes a new one.
+    /// What a plugin of this name is when its file gives no parameter, to be read; [`Material::of_plugin`] makes a new
+    /// one.
     pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
         USUAL.get(plugin)
     }
@@ -46,7 +48,8 @@ impl Material {
         });
     }
 
-    /// Shows `meet` the transform of uv of every picture and checkerboard among the parameters, with the declaration of its parameter.
+    /// Shows `meet` the transform of uv of every picture and checkerboard among the parameters, with the declaration of
+    /// its parameter.
     pub(crate) fn for_each_placing(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, &mut Affine2)) {
         self.visit_mut(&mut |info, value| {
             value.for_each_texture(info, &mut |info, texture| {
@@ -55,8 +58,8 @@ impl Material {
         });
     }
 
-    /// The picture at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
-    /// is looked at raw.
+    /// The picture at a place of the parameter of this name. Where there was no texture before, a picture of anything
+    /// but colours is looked at raw.
     pub fn set_picture(&mut self, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
         self.visit_mut(&mut |info, value| value.set_picture(info, parameter, place, picture));
     }

@@ -173,7 +173,8 @@ declare_plugins! {
             use_shadowing_function: bool = true => Flag(USE_SHADOWING_FUNCTION),
         },
 
-        /// Shows the material inside with the normals of a surface that is displaced by `scale` times a height; flat without a texture.
+        /// Shows the material inside with the normals of a surface that is displaced by `scale` times a height; flat
+        /// without a texture.
         [PluginInfo::new("bumpmap", "bump map").nesting(1..=1)]
         BumpMap {
             height: Parameter<f32> = 0.0.into() => Height(ParameterInfo::new(
@@ -196,7 +197,8 @@ declare_plugins! {
         [PluginInfo::new("null", "nothing")]
         Null,
 
-        /// A model of this program: a coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a random point of the unit ball.
+        /// A model of this program: a coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a
+        /// random point of the unit ball.
         [PluginInfo::new("metal", "metal with fuzz")]
         Metal {
             reflectance: Parameter<Rgb> = grey() => Reflectance(REFLECTANCE),

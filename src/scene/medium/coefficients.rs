@@ -54,7 +54,8 @@ impl Coefficients {
 }
 
 impl Coefficients {
-    /// The extinction per unit of length before the medium's `scale`, where it is the same everywhere that there is any; None for a grid.
+    /// The extinction per unit of length before the medium's `scale`, where it is the same everywhere that there is
+    /// any; None for a grid.
     pub fn uniform_extinction(&self) -> Option<Rgb> {
         match self {
             Self::Extinction { sigma_t, .. } => match sigma_t {

@@ -10,8 +10,8 @@ use crate::scene::DocumentOrder;
 use crate::scene::parameter_info::ParameterInfo;
 use crate::scene::parameters::{ParameterMut, ParameterRef};
 
-/// A participating medium: what fills the space between surfaces. In the file it is `homogeneous` if its density is the same
-/// everywhere, and else `heterogeneous`.
+/// A participating medium: what fills the space between surfaces. In the file it is `homogeneous` if its density is the
+/// same everywhere, and else `heterogeneous`.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(DocumentOrder)]
@@ -97,7 +97,8 @@ impl Medium {
 }
 
 impl Medium {
-    /// Shows `meet` every volume that has a place: the map from the unit cube to the world, and the file if it is a grid.
+    /// Shows `meet` every volume that has a place: the map from the unit cube to the world, and the file if it is a
+    /// grid.
     pub(crate) fn for_each_placed(&self, meet: &mut dyn FnMut(&Affine3A, Option<&super::GridFile>)) {
         let of_coefficients = match &self.coefficients {
             Coefficients::Extinction { sigma_t, albedo } => [Some(sigma_t), Some(albedo)],
@@ -114,14 +115,14 @@ impl Medium {
         });
     }
 
-    /// How far light goes on average before it is scattered or absorbed, by colour, in units of the world; infinite where nothing is taken out. None if the
-    /// extinction varies in space.
+    /// How far light goes on average before it is scattered or absorbed, by colour, in units of the world; infinite
+    /// where nothing is taken out. None if the extinction varies in space.
     pub fn mean_free_path(&self) -> Option<Rgb> {
         Some((self.coefficients.uniform_extinction()? * self.scale).recip())
     }
 
-    /// Sets [`Self::mean_free_path`]. Colours whose path is not above 0, or is as before, keep their extinction. False if the extinction varies in space or
-    /// the density is 0.
+    /// Sets [`Self::mean_free_path`]. Colours whose path is not above 0, or is as before, keep their extinction. False
+    /// if the extinction varies in space or the density is 0.
     pub fn set_mean_free_path(&mut self, path: Rgb) -> bool {
         let (Some(extinction), Some(before)) = (self.coefficients.uniform_extinction(), self.mean_free_path()) else {
             return false;

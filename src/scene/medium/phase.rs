@@ -24,8 +24,8 @@ declare_plugins! {
         [PluginInfo::new("rayleigh", "Rayleigh")]
         Rayleigh,
 
-        /// Values at equal distances of the cosine of the angle between the way of light before and after, from -1 (back) to 1 (onwards). They need not be
-        /// normalised.
+        /// Values at equal distances of the cosine of the angle between the way of light before and after, from -1
+        /// (back) to 1 (onwards). They need not be normalised.
         [PluginInfo::new("tabphase", "table")]
         Tabulated { values: Vec<f32> = vec![1.0, 1.0] => Values(VALUES) },
 

@@ -98,7 +98,8 @@ pub struct GridFile {
     pub path: PathBuf,
     /// The kind of the file.
     pub format: VolumeFormat,
-    /// World from the grid's own space, in which it fills the unit cube, [0, 1]^3, or is where a `.vdb` file says. Invertible.
+    /// World from the grid's own space, in which it fills the unit cube, [0, 1]^3, or is where a `.vdb` file says.
+    /// Invertible.
     pub to_world: Affine3A,
     /// How values between the centres of voxels come about.
     pub filter: VolumeFilter,
@@ -146,8 +147,8 @@ impl VolumeFormat {
         }
     }
 
-    /// The path of the asset that a grid of this file is. Each grid of a `.vdb` file is an asset of its own, as if the file was a folder and the grid a
-    /// file in it.
+    /// The path of the asset that a grid of this file is. Each grid of a `.vdb` file is an asset of its own, as if the
+    /// file was a folder and the grid a file in it.
     pub fn asset_path(&self, file: &Path) -> PathBuf {
         let Self::Vdb { grid } = self else {
             return file.to_owned();

@@ -8,12 +8,13 @@ use crate::scene::Material;
 use crate::scene::description::{DeclarationPlace, MaterialDescription};
 use crate::scene::encode::objects;
 
-/// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is finite.
+/// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is
+/// finite.
 const DEEPEST: usize = 32;
 
 impl<'a> SceneReader<'a> {
-    /// The index of this bsdf in the description; read once, however often it is referred to. `place` is where it is written if that is
-    /// not the top level.
+    /// The index of this bsdf in the description; read once, however often it is referred to. `place` is where it is
+    /// written if that is not the top level.
     pub(super) fn read_bsdf(&mut self, object: &'a Object, place: DeclarationPlace, depth: usize) -> usize {
         if let Some(&known) = self.material_of.get(&address(object)) {
             return known;

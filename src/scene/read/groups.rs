@@ -76,7 +76,8 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// The crowds of the document that stand before this child of the scene become one shape each. The place of the last one in the file.
+    /// The crowds of the document that stand before this child of the scene become one shape each. The place of the
+    /// last one in the file.
     pub(super) fn read_crowds(&mut self, position: usize) -> Option<u32> {
         let mut last = None;
         while let Some(crowd) = self

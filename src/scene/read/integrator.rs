@@ -1,4 +1,5 @@
-//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; every other one is taken for `path` or `volpath`.
+//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; every other
+//! one is taken for `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader, Severity};
@@ -129,8 +130,8 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The layers of an integrator `aov`, whose parameter `aovs` is a list of names and kinds: `dd:depth,nn:sh_normal`. The names are those of channels in
-/// Mitsuba's files; ours have names of their own.
+/// The layers of an integrator `aov`, whose parameter `aovs` is a list of names and kinds: `dd:depth,nn:sh_normal`. The
+/// names are those of channels in Mitsuba's files; ours have names of their own.
 fn read_layers(reader: &mut Reader) -> Layers {
     let known = Layer::ALL.map(Layer::name_in_file);
     let Some(list) = reader.string("aovs") else {

@@ -1,4 +1,5 @@
-//! Names of media and metals that a scene file may use; a name outside these lists is an error with its place in the file.
+//! Names of media and metals that a scene file may use; a name outside these lists is an error with its place in the
+//! file.
 //!
 //! The numbers behind them are the renderer's, which this layer does not know; a test holds both lists equal.
 

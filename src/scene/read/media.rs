@@ -22,8 +22,8 @@ use crate::scene::{
 };
 
 impl<'a> SceneReader<'a> {
-    /// The index of this medium in the description; read once, however often it is referred to. `place` is where it is written if that is
-    /// not the top level. None (reported) if there is no such plugin.
+    /// The index of this medium in the description; read once, however often it is referred to. `place` is where it is
+    /// written if that is not the top level. None (reported) if there is no such plugin.
     pub(super) fn read_medium(&mut self, object: &'a Object, place: DeclarationPlace) -> Option<usize> {
         if let Some(&known) = self.medium_of.get(&address(object)) {
             return known;
@@ -150,7 +150,8 @@ impl FromFile<'_, '_, '_> {
         }
     }
 
-    /// A colour that may vary in space. None if the file does not give it, or if it is unusable, which has been reported.
+    /// A colour that may vary in space. None if the file does not give it, or if it is unusable, which has been
+    /// reported.
     pub(super) fn volume_color(&mut self, info: &ParameterInfo) -> Option<VolumeParameter<Rgb>> {
         let role = Role::of(self.reader.object().category, info.name);
         read_volume(self.reader, info.name, role, &info.range, self.pictures)

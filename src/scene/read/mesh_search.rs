@@ -1,8 +1,9 @@
 //! Finds the file of a mesh that a scene file names.
 //!
-//! A relative name is tried, in this order, in the folder of the file that holds it, the folder of the scene, the scene's `<path>` folders
-//! (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder. In the last two a leading `../assets/` of the name is left away, so that
-//! the scenes of the project find meshes that are kept elsewhere.
+//! A relative name is tried, in this order, in the folder of the file that holds it, the folder of the scene, the
+//! scene's `<path>` folders (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder.
+//! In the last two a leading `../assets/` of the name is left away, so that the scenes of the project find meshes that
+//! are kept elsewhere.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
@@ -14,7 +15,8 @@ use crate::files::{Access, FolderNames};
 /// The environment variable with further folders, separated as in `$PATH`.
 pub(crate) const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
 
-/// The folders of one scene, for one reading or writing of it: folders are looked into once, however many files are sought.
+/// The folders of one scene, for one reading or writing of it: folders are looked into once, however many files are
+/// sought.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshSearch {
     scene_folder: PathBuf,
@@ -54,7 +56,8 @@ impl Looks {
 /// The result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The file, absolute. If there is none, the place in the folder of the file that holds the name, where the scene may not read it.
+    /// The file, absolute. If there is none, the place in the folder of the file that holds the name, where the scene
+    /// may not read it.
     At(PathBuf),
     /// The places looked at, the first of them in the folder of the file that holds the name.
     Nowhere(Vec<PathBuf>),
@@ -161,7 +164,8 @@ impl MeshSearch {
     }
 }
 
-/// The path inside the assets: `../assets/models/a.ply` becomes `models/a.ply`; other names only lose their leading `..`.
+/// The path inside the assets: `../assets/models/a.ply` becomes `models/a.ply`; other names only lose their leading
+/// `..`.
 fn inside_assets(name: &Path) -> PathBuf {
     let mut parts = name
         .components()
@@ -238,7 +242,8 @@ mod tests {
         let beside = settle(&path("scenes/a.ply"));
         assert_eq!(search.find("a.ply", &path("scenes")), Found::At(beside));
         assert_eq!(access.refused(), [] as [PathBuf; 0]);
-        // The message is the same for a file that is elsewhere and for one that does not exist, but the former is remembered.
+        // The message is the same for a file that is elsewhere and for one that does not exist, but the former is
+        // remembered.
         for name in ["b.ply", "c.ply"] {
             let places = vec![settle(&path("scenes").join(name))];
             assert_eq!(search.find(name, &path("scenes")), Found::Nowhere(places));

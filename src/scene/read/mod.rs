@@ -1,8 +1,9 @@
-//! Turns a document into a [`SceneDescription`]: it knows which plugins and parameters exist, their defaults and their ranges.
+//! Turns a document into a [`SceneDescription`]: it knows which plugins and parameters exist, their defaults and their
+//! ranges.
 //!
-//! No ECS and no rendering; of the disk only whether files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file asks for
-//! that is not supported gets a stand-in and a warning with its place; what cannot be is an error, and the description is then only good
-//! for finding more errors. Reading never stops early.
+//! No ECS and no rendering; of the disk only whether files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file
+//! asks for that is not supported gets a stand-in and a warning with its place; what cannot be is an error, and the
+//! description is then only good for finding more errors. Reading never stops early.
 
 mod bsdfs;
 mod emitters;
@@ -184,7 +185,8 @@ impl SceneReader<'_> {
     }
 }
 
-/// Whether it is the transform of a folder. Mitsuba reads such a volume and does nothing with it, because nothing refers to it.
+/// Whether it is the transform of a folder. Mitsuba reads such a volume and does nothing with it, because nothing
+/// refers to it.
 pub(crate) fn is_frame(object: &Object) -> bool {
     let id = object.id.as_deref().unwrap_or_default();
     object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')

@@ -9,7 +9,8 @@ use crate::color::Rgb;
 use crate::document::{Reader, Severity};
 use crate::scene::{Parameter, Texture};
 
-/// Reads one kind of parameter. None if the file does not give it, or if its value is unusable, which has been reported.
+/// Reads one kind of parameter. None if the file does not give it, or if its value is unusable, which has been
+/// reported.
 pub trait Parameters {
     /// A colour between 0 and 1; above is possible but odd, below is an error.
     fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
@@ -31,8 +32,9 @@ pub trait Parameters {
     fn to_world(&mut self) -> Option<Affine3A>;
 }
 
-/// Reports a shape or an emitter that cannot be read. A plugin that Mitsuba has is a limit of this program: a warning, and the rest of the scene is
-/// worth seeing. A plugin that nobody has is a misspelt name: an error, because Mitsuba reads no such file either.
+/// Reports a shape or an emitter that cannot be read. A plugin that Mitsuba has is a limit of this program: a warning,
+/// and the rest of the scene is worth seeing. A plugin that nobody has is a misspelt name: an error, because Mitsuba
+/// reads no such file either.
 pub fn report_left_out(reader: &mut Reader, is_known_elsewhere: bool, help: Option<String>) {
     if reader.object().plugin.is_empty() {
         // The empty name was reported where it stands.

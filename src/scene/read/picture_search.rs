@@ -13,7 +13,8 @@ use crate::scene::{FileKind, MissingFile, MissingFiles, VolumeFormat};
 /// The most grids of one file that a scene may name, more than any file has. The file is read for each of them.
 const MOST_GRIDS: usize = 64;
 
-/// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
+/// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where
+/// each was named.
 pub struct PictureSearch {
     pub folders: MeshSearch,
     pub places: PicturePlaces,

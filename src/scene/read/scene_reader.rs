@@ -61,7 +61,8 @@ fn inside(object: &Object) -> impl Iterator<Item = &Arc<Object>> {
     })
 }
 
-/// The places of all objects, and of the first instance of each crowd: they are counted through in the order of the file.
+/// The places of all objects, and of the first instance of each crowd: they are counted through in the order of the
+/// file.
 fn places(document: &Document) -> (HashMap<usize, Place<'_>>, Vec<u32>) {
     let mut places = HashMap::new();
     let mut crowd_orders = Vec::new();

@@ -15,7 +15,8 @@ use crate::scene::{
 /// What the sampler says of the samples. It is part of the [`Film`] here, so that it is looked for there.
 const SAMPLER_PARAMETERS: [&str; 4] = ["sample_count", "noise_target", "adaptive", "seed"];
 
-/// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
+/// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24
+/// mm).
 pub fn fov_of_focal_length(millimetres: f32) -> f32 {
     2.0 * (0.5 * 36f32.hypot(24.0) / millimetres).atan().to_degrees()
 }
@@ -309,8 +310,8 @@ fn read_filter(mut reader: Reader) -> ReconstructionFilter {
     filter
 }
 
-/// The number of samples, and the noise that ends them. All samplers converge to the same picture, so that all are accepted, and the user chooses the
-/// sequence.
+/// The number of samples, and the noise that ends them. All samplers converge to the same picture, so that all are
+/// accepted, and the user chooses the sequence.
 fn read_sampler(mut reader: Reader, film: &mut Film) {
     let count = reader.integer_in("sample_count", 1..=i64::from(Film::LARGEST_SAMPLE_COUNT));
     film.sample_count = count

@@ -209,7 +209,8 @@ impl<'a> SceneReader<'a> {
         [self.description.materials.len(), self.description.media.len()]
     }
 
-    /// Has what was declared at a place that does not exist after all be declared at the top level. `before`: what was there before the place.
+    /// Has what was declared at a place that does not exist after all be declared at the top level. `before`: what was
+    /// there before the place.
     pub(super) fn forget_place(&mut self, place: DeclarationPlace, before: [usize; 2]) {
         let SceneDescription { materials, media, .. } = &mut self.description;
         let materials = materials[before[0]..].iter_mut().map(|it| &mut it.declared_in);

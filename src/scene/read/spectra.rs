@@ -1,8 +1,8 @@
 //! The plugins of `<spectrum type="...">`, each read as the colour that it has in a renderer of three colours.
 //!
-//! `uniform`, `d65`, `srgb` and `rawconstant` are what the RGB modes of Mitsuba 3 make of them: numbers are taken as they are, and
-//! the wavelengths of `uniform` have no effect. `regular`, `irregular` and `blackbody`, which those modes do not evaluate, are integrated as
-//! Mitsuba integrates the wavelengths and values of a `<spectrum value="...">`.
+//! `uniform`, `d65`, `srgb` and `rawconstant` are what the RGB modes of Mitsuba 3 make of them: numbers are taken as
+//! they are, and the wavelengths of `uniform` have no effect. `regular`, `irregular` and `blackbody`, which those modes
+//! do not evaluate, are integrated as Mitsuba integrates the wavelengths and values of a `<spectrum value="...">`.
 
 use glam::Vec3;
 
@@ -109,8 +109,8 @@ fn needed<'a, T>(
     read(reader)
 }
 
-/// Reads a `d65`: white times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture inside is taken without
-/// `scale`, as in Mitsuba.
+/// Reads a `d65`: white times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture
+/// inside is taken without `scale`, as in Mitsuba.
 fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let scale = reader.float("scale");
     let color = reader.rgb("color");

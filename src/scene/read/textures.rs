@@ -100,7 +100,8 @@ fn attribute_name(reader: &mut Reader) -> Option<String> {
     }
 }
 
-/// The map of the plane that `to_uv`, a transform of space, contains. One whose numbers become too large is an error, and none takes its place.
+/// The map of the plane that `to_uv`, a transform of space, contains. One whose numbers become too large is an error,
+/// and none takes its place.
 fn to_uv(reader: &mut Reader) -> Affine2 {
     let steps = reader.transform("to_uv").unwrap_or_default();
     let map = TransformOp::compose(&steps);

@@ -1,9 +1,9 @@
-//! Finds files of a scene that were changed by others since they were read here. Saving looks for them before it writes, so that two windows (or a
-//! window and a text editor) on one file do not overwrite each other's work.
+//! Finds files of a scene that were changed by others since they were read here. Saving looks for them before it
+//! writes, so that two windows (or a window and a text editor) on one file do not overwrite each other's work.
 //!
-//! Contents are compared, not times: a file that was written again with the same content has not changed. Among windows of this program the
-//! folder is locked from the comparison until the files are replaced; a text editor that writes in the very moment between the last
-//! comparison and the replacement cannot be noticed.
+//! Contents are compared, not times: a file that was written again with the same content has not changed. Among windows
+//! of this program the folder is locked from the comparison until the files are replaced; a text editor that writes in
+//! the very moment between the last comparison and the replacement cannot be noticed.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,8 @@ enum Found {
     Changed,
 }
 
-/// The files with their expected content that saving at `target` replaces: those that the scene was read from, if it stays where it was.
+/// The files with their expected content that saving at `target` replaces: those that the scene was read from, if it
+/// stays where it was.
 pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
     let known = world.get_resource::<KnownTexts>().cloned().unwrap_or_default();
     let known_of = |path: &Path| -> Vec<Option<String>> {
@@ -170,8 +171,9 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     Ok(())
 }
 
-/// Writes the files and those of the set unless one of the expected ones has changed; returns the texts that were written, or None. Expected files that
-/// are gone are written again, and with `overwrites` those that were changed are replaced.
+/// Writes the files and those of the set unless one of the expected ones has changed; returns the texts that were
+/// written, or None. Expected files that are gone are written again, and with `overwrites` those that were changed are
+/// replaced.
 pub(super) fn replace_files(
     expected: &[Expected],
     files: Vec<(PathBuf, String)>,
@@ -201,7 +203,8 @@ pub(super) fn replace_files(
 /// The longest wait for another window, which needs a fraction of it for a save.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// Locks the folders in which a save may write. Waits for other windows that are saving there, but not for ever: one of them may hang.
+/// Locks the folders in which a save may write. Waits for other windows that are saving there, but not for ever: one of
+/// them may hang.
 pub(super) fn lock_folders(world: &World, target: &Path) -> Result<Vec<FolderLock>, SaveError> {
     let origin = world.get_resource::<AuthoredScene>();
     let origin = origin.and_then(|scene| scene.origin.as_ref());

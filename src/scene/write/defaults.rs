@@ -1,4 +1,5 @@
-//! The defaults of parameters, which need not be written of things that were made here. They are found by reading a plugin without parameters.
+//! The defaults of parameters, which need not be written of things that were made here. They are found by reading a
+//! plugin without parameters.
 
 use std::cell::RefCell;
 use std::path::Path;

@@ -27,8 +27,8 @@ pub enum SaveError {
     /// Something else than a file is there, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),
-    /// The file was changed by others since it was read. `edited_twice` is the number of things that were edited both there and here; None where
-    /// that cannot be known.
+    /// The file was changed by others since it was read. `edited_twice` is the number of things that were edited both
+    /// there and here; None where that cannot be known.
     #[error("{} was changed elsewhere{}", path.display(), also_edited(*edited_twice))]
     Changed { path: PathBuf, edited_twice: Option<usize> },
     #[error("{} was changed elsewhere and cannot be read as it is now: {reason}", path.display())]

@@ -8,8 +8,9 @@ use crate::document::SourceFile;
 use crate::document::paths::settle;
 use crate::document::source::read_text;
 
-/// The contents that files are known to have for another reason than that the scene was read from them: the program wrote them but could not read
-/// them again, or the scene was recovered and is to be saved there. None: there was no such file.
+/// The contents that files are known to have for another reason than that the scene was read from them: the program
+/// wrote them but could not read them again, or the scene was recovered and is to be saved there. None: there was no
+/// such file.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct KnownTexts(pub(super) Vec<(PathBuf, Option<String>)>);
 

@@ -1,8 +1,9 @@
 //! Turns a [`SceneDescription`] back into a document; [`gather`] makes the description from the entities.
 //!
-//! Unedited parts are written as they were read, parameters that were not understood included. Materials stay where they were declared:
-//! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
-//! old text ([`save()`]); without that it makes a new file ([`write_anew`]).
+//! Unedited parts are written as they were read, parameters that were not understood included. Materials stay where
+//! they were declared: in place, or at the top level and referred to. The document still knows where each part of it
+//! was read, so that it can be written over the old text ([`save()`]); without that it makes a new file
+//! ([`write_anew`]).
 
 mod changed;
 mod defaults;
@@ -60,8 +61,8 @@ pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), Sav
     Ok(set.replace()?)
 }
 
-/// The texts to write when a scene is saved at `path`, of which that one is the last. Unedited parts are as they were written; edits in
-/// an included file are written there if the scene stays where it was.
+/// The texts to write when a scene is saved at `path`, of which that one is the last. Unedited parts are as they were
+/// written; edits in an included file are written there if the scene stays where it was.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
     Ok(plan(scene, path)?.0)
 }
@@ -88,8 +89,9 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
     Ok((files, moves))
 }
 
-/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
-/// are such: single triangles and building parts become meshes in files beside it, and for Mitsuba grids of `.vdb` files become `.vol` files.
+/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that
+/// Mitsuba knows too where there are such: single triangles and building parts become meshes in files beside it, and
+/// for Mitsuba grids of `.vdb` files become `.vol` files.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
@@ -186,8 +188,8 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     (document, moves)
 }
 
-/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and others are
-/// relative to the scene's folder. `target`: where it will be written.
+/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read
+/// from, and others are relative to the scene's folder. `target`: where it will be written.
 fn in_place(scene: &SceneDescription, target: &Path) -> Document {
     let root = Writer::new(scene, folder(&home(scene, target))).root();
     Document {
@@ -217,7 +219,8 @@ pub(in crate::scene) fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 
-/// Calls a function with the destination. `after` says where files are looked for when it is read again, by folder and `<path>`s.
+/// Calls a function with the destination. `after` says where files are looked for when it is read again, by folder and
+/// `<path>`s.
 fn with_destination<T>(
     scene: &SceneDescription,
     target: &Path,

@@ -1,4 +1,5 @@
-//! Moves the parts of opened glTF files, which are in a cache: a scene that is written gets the parts that it names, in a folder beside it.
+//! Moves the parts of opened glTF files, which are in a cache: a scene that is written gets the parts that it names, in
+//! a folder beside it.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -11,7 +12,8 @@ use crate::scene::assets::parts_cache::is_part;
 /// The paths at which parts are, with those that they go to, absolute.
 pub type Moves = BTreeMap<PathBuf, PathBuf>;
 
-/// Renames the parts that are named in a document which will be written to `target` (absolute). Names are relative to `folder`, before and after.
+/// Renames the parts that are named in a document which will be written to `target` (absolute). Names are relative to
+/// `folder`, before and after.
 pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
     let mut moves = Moves::new();
     // What an earlier save has put beside the scene stays there.
@@ -49,7 +51,8 @@ fn for_each_name(object: &mut Object, meet: &mut dyn FnMut(&mut String)) {
     }
 }
 
-/// The path of a part in the folder of this scene. Parts of several files may have the same name. `named`: the files that the scene names.
+/// The path of a part in the folder of this scene. Parts of several files may have the same name. `named`: the files
+/// that the scene names.
 fn place(part: PathBuf, target: &Path, named: &HashSet<PathBuf>, moves: &mut Moves) -> PathBuf {
     if let Some(place) = moves.get(&part) {
         return place.clone();

@@ -1,8 +1,8 @@
 //! A scene file as it was before a save, kept for edits that are undone after it.
 //!
-//! A save changes a text where the scene differs from what was read of it. As a rule that is the text that the file has. Once edits are undone
-//! that were saved, the text from before them is nearer to the scene: what they changed or deleted is still there, in its old spelling and at its old
-//! place.
+//! A save changes a text where the scene differs from what was read of it. As a rule that is the text that the file
+//! has. Once edits are undone that were saved, the text from before them is nearer to the scene: what they changed or
+//! deleted is still there, in its old spelling and at its old place.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -64,8 +64,8 @@ pub(crate) struct TakenId {
 }
 
 impl TakenId {
-    /// Gives things their ids again because the save has failed: the file still has them. What has got another id meanwhile keeps that, and an id that
-    /// something else has stays there.
+    /// Gives things their ids again because the save has failed: the file still has them. What has got another id
+    /// meanwhile keeps that, and an id that something else has stays there.
     pub(crate) fn give_again(all: Vec<Self>, world: &mut World) {
         if all.is_empty() {
             return;
@@ -99,7 +99,8 @@ impl PastFile {
         sources.map(|source| source.text.len()).sum()
     }
 
-    /// Makes it what a scene was read from that will be saved; its entities are given. False, and nothing is changed, if it does not fit.
+    /// Makes it what a scene was read from that will be saved; its entities are given. False, and nothing is changed,
+    /// if it does not fit.
     pub(super) fn put_under(&self, scene: &mut SceneDescription, entities: &Entities, expected: &[Expected]) -> bool {
         let sources = &self.origin.diagnostics.sources;
         let are_known = sources
@@ -138,7 +139,8 @@ impl PastFile {
         true
     }
 
-    /// The files to write in all: `files`, of which the main one is the last, and before it those that are to be as they were.
+    /// The files to write in all: `files`, of which the main one is the last, and before it those that are to be as
+    /// they were.
     pub(super) fn with_others(
         &self,
         mut files: Vec<(PathBuf, String)>,

@@ -36,7 +36,8 @@ pub(in crate::scene) fn superseded_by(name: &str) -> &'static [&'static str] {
     found.map_or(&[], |(_, others)| others)
 }
 
-/// The value that a parameter has where it is not written, if it has keys and can be left out. `value` is one that it had.
+/// The value that a parameter has where it is not written, if it has keys and can be left out. `value` is one that it
+/// had.
 pub(in crate::scene) fn unwritten_value(name: &str, value: &Value) -> Option<Value> {
     match value {
         Value::Transform(_) => Some(Value::Transform(Vec::new())),
@@ -89,7 +90,8 @@ impl Draft {
         draft
     }
 
-    /// Begins a patch of the integrator. Layers come around it and are taken from it without a change of its other settings.
+    /// Begins a patch of the integrator. Layers come around it and are taken from it without a change of its other
+    /// settings.
     pub fn of_integrator(authored: &Authored, current: Object) -> Self {
         let has_layers = |object: &Object| object.plugin == LAYERED;
         let inside = |object: &Object| {
@@ -204,7 +206,8 @@ impl Draft {
         self.remove_superseded(&property.name);
     }
 
-    /// Gives a value with keys the default that it now has, which is not written out: its keys must not go with it. False for other values.
+    /// Gives a value with keys the default that it now has, which is not written out: its keys must not go with it.
+    /// False for other values.
     fn reset_moving(&mut self, name: &str, now: &Object) -> bool {
         if now.objects().any(|child| child.name.as_deref() == Some(name)) {
             return false;
@@ -269,7 +272,8 @@ impl Draft {
         }
     }
 
-    /// Sets a texture or a volume, over the one given for the same parameter, or instead of the reference to one: others may refer to that as well.
+    /// Sets a texture or a volume, over the one given for the same parameter, or instead of the reference to one:
+    /// others may refer to that as well.
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
         let named = self.object.children.iter().position(|child| child.name() == name);
@@ -373,7 +377,8 @@ impl Draft {
     }
 }
 
-/// Writes `now` over the plugin that is in the file and was read as `before`; a reference is replaced by the plugin itself.
+/// Writes `now` over the plugin that is in the file and was read as `before`; a reference is replaced by the plugin
+/// itself.
 fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     let (Child::Object(authored), Some(before)) = (child, before) else {
         return now;

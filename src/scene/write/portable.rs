@@ -35,7 +35,8 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
         materials: Vec::new(),
     };
     if extensions == Extensions::Approximate {
-        // The members of a group have poses in the world, so that they stay where they are without the transform of the folder.
+        // The members of a group have poses in the world, so that they stay where they are without the transform of the
+        // folder.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
         root.children.retain(|child| !is_frame(child));
         keep_one_sky(root);
@@ -48,7 +49,8 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
     files.map(|(name, text)| (target.with_file_name(name), text)).collect()
 }
 
-/// The mesh files that are written beside the scene, of which no two have the same content, and the materials that move to the top level.
+/// The mesh files that are written beside the scene, of which no two have the same content, and the materials that move
+/// to the top level.
 struct BesideFiles<'s> {
     /// The name of the scene's file, with which the names of all meshes begin.
     stem: &'s str,
@@ -58,7 +60,8 @@ struct BesideFiles<'s> {
 }
 
 impl BesideFiles<'_> {
-    /// The name of the file with this text. If there is none yet, it is added, and `kind` gives a part of its name from its number.
+    /// The name of the file with this text. If there is none yet, it is added, and `kind` gives a part of its name from
+    /// its number.
     fn name_of(&mut self, text: String, kind: impl FnOnce(usize) -> String) -> String {
         if let Some((name, _)) = self.list.iter().find(|(_, known)| *known == text) {
             return name.clone();
@@ -183,8 +186,8 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
     });
 }
 
-/// The mesh that the numbers of a building part stand for. False if it has no triangles, as a wall that openings cover wholly: the part is to be
-/// left out then, because files without triangles are refused.
+/// The mesh that the numbers of a building part stand for. False if it has no triangles, as a wall that openings cover
+/// wholly: the part is to be left out then, because files without triangles are refused.
 fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool {
     let mut names = Vec::new();
     part.visit_mut(&mut |info, given| {
@@ -215,9 +218,9 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
     true
 }
 
-/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the mirrored
-/// direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution by twice its slope, whose deviation is alpha /
-/// sqrt(2); so alpha = f / sqrt(10).
+/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of
+/// radius f moves the mirrored direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's
+/// distribution by twice its slope, whose deviation is alpha / sqrt(2); so alpha = f / sqrt(10).
 fn metal(object: &mut Object, extensions: Extensions) {
     let fuzz = match value_of(object, "fuzz") {
         Some(Value::Float(fuzz)) => *fuzz,

@@ -1,4 +1,5 @@
-//! Writes media in words of the format: coefficients as extinction and albedo, and colours above 1 so that they are not taken for reflectances.
+//! Writes media in words of the format: coefficients as extinction and albedo, and colours above 1 so that they are not
+//! taken for reflectances.
 
 use super::patch::value_of;
 use crate::color::Rgb;
@@ -17,7 +18,8 @@ pub(super) fn medium(object: &mut Object, is_approximate: bool) {
     wrap_colors(object);
 }
 
-/// Turns scattering and absorption into extinction and albedo. Those with keys stay: the quotient of two tracks is none.
+/// Turns scattering and absorption into extinction and albedo. Those with keys stay: the quotient of two tracks is
+/// none.
 fn join_coefficients(object: &mut Object) {
     let is_joined = |name: &str| [&SIGMA_S, &SIGMA_A].iter().any(|info| info.name == name);
     let mut properties = object.properties.iter();
@@ -41,7 +43,8 @@ fn join_coefficients(object: &mut Object) {
     *object = joined;
 }
 
-/// Puts the colours of coefficients above 1 into volumes: a colour that is given directly is taken for a reflectance, which has an end there.
+/// Puts the colours of coefficients above 1 into volumes: a colour that is given directly is taken for a reflectance,
+/// which has an end there.
 fn wrap_colors(object: &mut Object) {
     let is_large = |value: &Value| matches!(value, Value::Rgb(color) if color.max_element() > 1.0);
     while let Some(place) = object.properties.iter().position(|property| is_large(&property.value)) {

@@ -70,7 +70,8 @@ impl<'f> VolumeFiles<'f> {
         (self.find)(name).unwrap_or_else(|| self.target.with_file_name(name))
     }
 
-    /// Turns every `vdbvolume` inside into a `gridvolume` at the same place. An error names a file that cannot be read or written.
+    /// Turns every `vdbvolume` inside into a `gridvolume` at the same place. An error names a file that cannot be read
+    /// or written.
     fn translate(&mut self, object: &mut Object) -> Result<(), SaveError> {
         for child in &mut object.children {
             if let Child::Object(inner) = child {
@@ -111,7 +112,8 @@ impl<'f> VolumeFiles<'f> {
         Ok(())
     }
 
-    /// Writes a grid once; the name of its file, and the space of the `.vdb` file from that in which the grid fills the unit cube.
+    /// Writes a grid once; the name of its file, and the space of the `.vdb` file from that in which the grid fills the
+    /// unit cube.
     fn write(&mut self, path: &Path, format: &VolumeFormat) -> Result<(String, Affine3A), SaveError> {
         let asset = format.asset_path(path);
         if let Some((_, name, world_from_local)) = self.written.iter().find(|(known, ..)| *known == asset) {

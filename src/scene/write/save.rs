@@ -1,9 +1,10 @@
 //! Saves the entities as a file. From then on the scene is that of the file.
 //!
-//! A save has three parts. The scene is copied from the world ([`Save::copy`]), all at once or step by step. The files are written and read again,
-//! which may be done on another thread ([`Save::write`]). Then the world follows the new files ([`Written::follow`]), step by step as well. The
-//! scene may be edited in between: what is edited before the copy is complete is in it, and later edits are edits of the new file. Nothing else may
-//! read or write files of the scene meanwhile.
+//! A save has three parts. The scene is copied from the world ([`Save::copy`]), all at once or step by step. The files
+//! are written and read again, which may be done on another thread ([`Save::write`]). Then the world follows the new
+//! files ([`Written::follow`]), step by step as well. The scene may be edited in between: what is edited before the
+//! copy is complete is in it, and later edits are edits of the new file. Nothing else may read or write files of the
+//! scene meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,9 +33,9 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
     save_with(world, path, OnChange::Refuse)
 }
 
-/// Saves the entities: see [`super::save_description`]. From then on they are the scene of that file. What others changed in the files of the scene since
-/// they were read is treated as `on_change` says. A sentence if the file cannot be opened again: nothing is lost, but something in it
-/// needs mending.
+/// Saves the entities: see [`super::save_description`]. From then on they are the scene of that file. What others
+/// changed in the files of the scene since they were read is treated as `on_change` says. A sentence if the file cannot
+/// be opened again: nothing is lost, but something in it needs mending.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
     save_over(world, path, on_change, |_| None).map(|saved| saved.trouble)
 }
@@ -91,7 +92,8 @@ struct Rest {
 }
 
 impl Save {
-    /// Begins to copy the scene. What others changed in its files since they were read is treated first, as `on_change` says.
+    /// Begins to copy the scene. What others changed in its files since they were read is treated first, as `on_change`
+    /// says.
     pub fn begin(world: &mut World, path: &Path, on_change: OnChange) -> Result<Self, SaveError> {
         let target = settle(path);
         // What an include or a mesh has in it would be lost, and the new file would include itself.
@@ -128,8 +130,8 @@ impl Save {
         self.rest.is_some()
     }
 
-    /// Writes the files, and reads them again. None if the scene is not copied, or if others have changed the files since the save began: nothing is
-    /// written then.
+    /// Writes the files, and reads them again. None if the scene is not copied, or if others have changed the files
+    /// since the save began: nothing is written then.
     pub fn write(self) -> Result<Option<Written>, SaveError> {
         let Self { target, rest, past, .. } = self;
         let Some(rest) = rest else {

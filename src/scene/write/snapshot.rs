@@ -1,5 +1,5 @@
-//! Copies the scene piece by piece, so that no frame has to copy all of a large one. The copy is of one moment, its end: what has changed since it was
-//! copied is copied again, until what is left is little enough to be copied at once.
+//! Copies the scene piece by piece, so that no frame has to copy all of a large one. The copy is of one moment, its
+//! end: what has changed since it was copied is copied again, until what is left is little enough to be copied at once.
 
 use bevy::ecs::archetype::{Archetype, ArchetypeId};
 use bevy::ecs::change_detection::Tick;
@@ -135,7 +135,8 @@ impl Snapshot {
         snapshot
     }
 
-    /// These things alone, without their materials and media, but with the groups and materials that they cannot be read without.
+    /// These things alone, without their materials and media, but with the groups and materials that they cannot be
+    /// read without.
     pub fn of_things(world: &World, things: &[Entity]) -> Self {
         let mut wanted: Vec<Entity> = Vec::new();
         let mut known = EntityHashSet::default();
@@ -158,7 +159,8 @@ impl Snapshot {
         snapshot
     }
 
-    /// Copies this number of things. True once the copy is complete: it is of the present moment then, and must not go on.
+    /// Copies this number of things. True once the copy is complete: it is of the present moment then, and must not go
+    /// on.
     pub fn step(&mut self, world: &mut World, things: usize) -> bool {
         for entity in self.rest.by_ref().take(things).collect::<Vec<_>>() {
             self.copy(world, entity);
@@ -363,7 +365,8 @@ impl Snapshot {
         &self.scene
     }
 
-    /// The description of the copied scene, each kind in the order of the file, and the entities that the descriptions are of.
+    /// The description of the copied scene, each kind in the order of the file, and the entities that the descriptions
+    /// are of.
     pub fn describe(self) -> (SceneDescription, Entities) {
         let Self {
             mut scene,

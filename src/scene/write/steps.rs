@@ -6,7 +6,8 @@ use crate::document::{TransformOp, Value};
 use crate::scene::EulerAngles;
 use crate::scene::encode::poses::short_together;
 
-/// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the same.
+/// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the
+/// same.
 const SAME: f32 = 1e-5;
 
 /// The most that two angles of the same rotation differ, in degrees.
@@ -21,8 +22,8 @@ pub fn is_turned(before: Option<&Value>, now: Option<&Value>) -> bool {
     before != now
 }
 
-/// The steps of `now`, with as many steps of `old` as possible. `is_turned`: the angles of `now` are those that are wanted; others that give the same map
-/// will not do.
+/// The steps of `now`, with as many steps of `old` as possible. `is_turned`: the angles of `now` are those that are
+/// wanted; others that give the same map will not do.
 pub fn revised(old: &[TransformOp], now: &[TransformOp], is_turned: bool) -> Vec<TransformOp> {
     let map = TransformOp::compose(now);
     let exact = looking(old, &map);

@@ -15,7 +15,8 @@ use crate::scene::encode::{lights, objects};
 use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
 
-/// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
+/// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level
+/// instead.
 const DEEPEST: usize = 40;
 
 pub(in crate::scene) struct Writer<'s> {
@@ -221,7 +222,8 @@ impl<'s> Writer<'s> {
         root
     }
 
-    /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still `unwritten` is this one.
+    /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still
+    /// `unwritten` is this one.
     fn crowd(&self, shape: &ShapeDescription, places: &[Affine3], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
         let Some(group) = shape.instance_of else {
             return Vec::new();
@@ -337,7 +339,8 @@ impl<'s> Writer<'s> {
         }
     }
 
-    /// The medium inside of `owner`: in place where it is declared there, or else as a reference. `declared` is the one that was declared there already.
+    /// The medium inside of `owner`: in place where it is declared there, or else as a reference. `declared` is the one
+    /// that was declared there already.
     fn medium_in(&self, owner: DeclarationPlace, medium: Option<usize>, declared: &mut Option<usize>) -> Option<Child> {
         let medium = medium?;
         if self.medium_places[medium] == Some(owner) && *declared != Some(medium) {
@@ -363,8 +366,8 @@ impl<'s> Writer<'s> {
     }
 }
 
-/// Gives ids to what is referred to. The first use by the owner becomes the declaration, and every other use refers to it and needs its id. `kind` is how new ids
-/// begin.
+/// Gives ids to what is referred to. The first use by the owner becomes the declaration, and every other use refers to
+/// it and needs its id. `kind` is how new ids begin.
 fn name_what_is_referred_to(
     uses: &[(DeclarationPlace, usize)],
     places: &[Option<DeclarationPlace>],
@@ -388,8 +391,8 @@ fn name_what_is_referred_to(
     }
 }
 
-/// Has the scene's properties say its unit. One that they said already keeps its place in the file. If the file uses the name otherwise
-/// (`uses_name`), it cannot be added or removed.
+/// Has the scene's properties say its unit. One that they said already keeps its place in the file. If the file uses
+/// the name otherwise (`uses_name`), it cannot be added or removed.
 fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>) {
     let known = properties.iter().position(|property| property.name == UNIT);
     let value = Value::String(unit.name().to_owned());

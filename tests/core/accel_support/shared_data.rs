@@ -14,7 +14,8 @@ fn shared(path: &str) -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
-/// A shared ray set with another program's answers, if it is there: t (infinite for a miss) and triangle (`u32::MAX` for a miss).
+/// A shared ray set with another program's answers, if it is there: t (infinite for a miss) and triangle (`u32::MAX`
+/// for a miss).
 ///
 /// Little endian: a header of four u32, then records of origin, direction, t, triangle.
 pub fn answered_rays(name: &str) -> Option<Vec<(Ray, f32, u32)>> {

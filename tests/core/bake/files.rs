@@ -1,4 +1,5 @@
-//! Checkpoints and shares of bakes that are damaged: each is told from a whole one, whatever is wrong with it. The fuzz entry `bake` looks behind the checksum.
+//! Checkpoints and shares of bakes that are damaged: each is told from a whole one, whatever is wrong with it. The fuzz
+//! entry `bake` looks behind the checksum.
 
 use std::path::Path;
 
@@ -61,7 +62,8 @@ fn flipped_bits_are_found() {
     }
 }
 
-/// Lengths and counts that promise more than there is, in files whose checksum is right. Memory for what they promise would not be there.
+/// Lengths and counts that promise more than there is, in files whose checksum is right. Memory for what they promise
+/// would not be there.
 #[test]
 fn wrong_lengths_are_errors_and_take_no_memory() {
     for file in whole() {

@@ -45,7 +45,8 @@ fn gathering<'a>(scene: &'a RenderScene, view: &'a View) -> Gathering<'a> {
     }
 }
 
-/// A square around `centre` that faces `normal`, with `texels` on each side; the lower left corner lies `offset` texels from that of the lightmap.
+/// A square around `centre` that faces `normal`, with `texels` on each side; the lower left corner lies `offset` texels
+/// from that of the lightmap.
 fn patch(centre: Vec3, normal: Vec3, half_size: f32, texels: f32, offset: Vec2) -> BakeSurface {
     let (s, t) = normal.any_orthonormal_pair();
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];

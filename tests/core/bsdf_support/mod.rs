@@ -180,7 +180,8 @@ pub fn assert_figure(case: &Single, (wo, wi, value, pdf): Figure, value_toleranc
     assert!(close, "{:?} {wo} {wi}: off by {value}, {pdf}", case.bsdf);
 }
 
-/// The density of a sample is that of its direction, and its weight is value over density, to a fraction `tolerance` of the density.
+/// The density of a sample is that of its direction, and its weight is value over density, to a fraction `tolerance` of
+/// the density.
 pub fn assert_weights(case: &Single, viewers: &[Vec3], tolerance: f32) {
     for &wo in viewers {
         for sample in (0..500).filter_map(|i| case.sample(wo, i)) {
@@ -224,7 +225,8 @@ pub fn assert_mean_weight(case: &Single, viewers: &[Vec3]) {
     }
 }
 
-/// The weight of sampled importance is that of radiance without the factor eta^2, and the rest of the sample is the same.
+/// The weight of sampled importance is that of radiance without the factor eta^2, and the rest of the sample is the
+/// same.
 pub fn assert_unscaled(case: &Single, wo: Vec3, u_lobe: f32, u: Vec2) {
     let sample = |mode| {
         case.bsdf
@@ -243,8 +245,8 @@ pub fn assert_unscaled(case: &Single, wo: Vec3, u_lobe: f32, u: Vec2) {
     assert_eq!(BsdfSample { weight, ..importance }, radiance, "{name} {wo}");
 }
 
-/// What refracts scatters importance as the adjoint of radiance, f*(wo, wi) = f(wi, wo), to this fraction: seen from `viewers`, as evaluated
-/// and as sampled.
+/// What refracts scatters importance as the adjoint of radiance, f*(wo, wi) = f(wi, wo), to this fraction: seen from
+/// `viewers`, as evaluated and as sampled.
 pub fn assert_adjoint(case: &Single, viewers: &[Vec3], tolerance: f32) {
     let mut refracted = 0;
     for (&wo, i) in viewers.iter().flat_map(|wo| (0..200).map(move |i| (wo, i))) {
@@ -279,8 +281,8 @@ pub fn assert_reciprocal(case: &Single) {
     assert_reciprocal_between(case, [1.0, 1.0], |_, _| true);
 }
 
-/// As [`assert_reciprocal`], between these sides of a surface that compresses no radiance: 1 is above, -1 below. For pairs of directions
-/// that there `is` a way between.
+/// As [`assert_reciprocal`], between these sides of a surface that compresses no radiance: 1 is above, -1 below. For
+/// pairs of directions that there `is` a way between.
 pub fn assert_reciprocal_between(case: &Single, sides: [f32; 2], is: impl Fn(Vec3, Vec3) -> bool) {
     let mut seen = 0;
     for i in 0..500 {

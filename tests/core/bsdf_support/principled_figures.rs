@@ -1,5 +1,5 @@
-//! Figures of Mitsuba 3.9.1, variant `scalar_rgb`. Where its variants differ, with sheen on glass that has no base below, they are those of
-//! `llvm_ad_rgb`, which continue what both say of little base.
+//! Figures of Mitsuba 3.9.1, variant `scalar_rgb`. Where its variants differ, with sheen on glass that has no base
+//! below, they are those of `llvm_ad_rgb`, which continue what both say of little base.
 
 /// A line for each figure: the name of a case, viewer and light (as x y z), value (as r g b), density.
 pub const FIGURES: &str = "\

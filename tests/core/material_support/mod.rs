@@ -1,5 +1,5 @@
-//! Materials for tests: each is put together twice, as the table wants it and as a function of what its parts give. Functions take
-//! directions in the local frame of one slanted surface.
+//! Materials for tests: each is put together twice, as the table wants it and as a function of what its parts give.
+//! Functions take directions in the local frame of one slanted surface.
 
 mod textured;
 
@@ -220,7 +220,8 @@ impl Made {
     /// The surface moved by `scale` times the smooth picture.
     fn bump_map(self, scale: f32, flip: bool, shadow: bool) -> Self {
         let height = Parameter::Texture(TextureId(2));
-        // The slope along the surface that gives the heights their derivatives by u and v; the steps stay between the same texels.
+        // The slope along the surface that gives the heights their derivatives by u and v; the steps stay between the
+        // same texels.
         let (uv, step) = (texel_uv(2, 1), 0.25 / 64.0);
         let at = |uv| pictures().float(height, &TexturePoint::of_uv(uv));
         let by_uv = Vec2::new(at(uv + step * Vec2::X) - at(uv), at(uv + step * Vec2::Y) - at(uv)) / step;

@@ -5,7 +5,8 @@ use glam::Vec3;
 use std::f64::consts::PI;
 use sunroom::math::Frame;
 
-/// Chance of a false alarm of a whole table of tests; a table of n tests gives each 1 - (1 - SIGNIFICANCE)^(1/n) (Sidak).
+/// Chance of a false alarm of a whole table of tests; a table of n tests gives each 1 - (1 - SIGNIFICANCE)^(1/n)
+/// (Sidak).
 pub const SIGNIFICANCE: f64 = 1e-3;
 
 /// Cells expected to hold fewer are pooled: below this the statistic does not follow the chi-squared distribution.
@@ -39,9 +40,9 @@ pub fn chi_squared_p(counted: &[f64], expected: &[f64]) -> f64 {
     upper_gamma((cells - 1) as f64 / 2.0, statistic / 2.0)
 }
 
-/// The p value of `count` sampled directions against the solid angle density `pdf`. `sample` gets the number of the draw and returns
-/// `None` for an absorbed one; the density may integrate to less than one by that much. Cells are fine around `axis`, where the
-/// density has its peak.
+/// The p value of `count` sampled directions against the solid angle density `pdf`. `sample` gets the number of the
+/// draw and returns `None` for an absorbed one; the density may integrate to less than one by that much. Cells are fine
+/// around `axis`, where the density has its peak.
 pub fn sphere_p(count: u32, axis: Vec3, mut sample: impl FnMut(u32) -> Option<Vec3>, pdf: impl Fn(Vec3) -> f32) -> f64 {
     let frame = Frame::from_normal(axis);
     let absorbed = RINGS * SECTORS;
@@ -71,7 +72,8 @@ fn sphere_cell(dir: Vec3) -> usize {
 }
 
 fn sphere_expectation(frame: &Frame, f: &impl Fn(Vec3) -> f32) -> Vec<f64> {
-    // Over angles, so that a density that is infinite at a pole of its own, as that of a picture of the sky is, does no harm there.
+    // Over angles, so that a density that is infinite at a pole of its own, as that of a picture of the sky is, does no
+    // harm there.
     let density = |theta: f64, phi: f64| {
         let (radius, z) = theta.sin_cos();
         let local = Vec3::new((radius * phi.cos()) as f32, (radius * phi.sin()) as f32, z as f32);
@@ -132,8 +134,8 @@ pub fn integrate(f: &impl Fn(f64, f64) -> f64, corner: [f64; 2], size: [f64; 2])
     refine(f, corner, size, gauss(f, corner, size), 0)
 }
 
-/// The regularised upper incomplete gamma function Q(a, x): a series below a + 1, Lentz's continued fraction above (Numerical Recipes,
-/// section 6.2).
+/// The regularised upper incomplete gamma function Q(a, x): a series below a + 1, Lentz's continued fraction above
+/// (Numerical Recipes, section 6.2).
 fn upper_gamma(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;

@@ -1,5 +1,5 @@
-//! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing. One module
-//! for each panel; here is what moves the mouse.
+//! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes
+//! nothing. One module for each panel; here is what moves the mouse.
 
 mod angles;
 mod assets;

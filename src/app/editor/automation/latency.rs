@@ -1,4 +1,5 @@
-//! Measures how quickly the window responds: frame times, and the time from a command to the first changed pixels in the texture.
+//! Measures how quickly the window responds: frame times, and the time from a command to the first changed pixels in
+//! the texture.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -189,7 +190,8 @@ pub fn act_for_probe(world: &mut World) {
     world.insert_resource(probe);
 }
 
-/// Stops the clock when the new picture's first pixels are in the texture, or when the panels have shown what is new in them.
+/// Stops the clock when the new picture's first pixels are in the texture, or when the panels have shown what is new in
+/// them.
 pub fn watch_probe(
     mut probe: ResMut<LatencyProbe>,
     film: Res<RenderFilm>,

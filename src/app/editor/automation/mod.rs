@@ -1,5 +1,5 @@
-//! The editor without a user: scripts, screenshots, measurements, and the monkey that tests it. May import every other module of the
-//! editor.
+//! The editor without a user: scripts, screenshots, measurements, and the monkey that tests it. May import every other
+//! module of the editor.
 
 mod acts;
 pub(crate) mod exit_door;

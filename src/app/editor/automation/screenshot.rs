@@ -10,8 +10,8 @@ use crate::app::terminal;
 use crate::files::write_atomically;
 use crate::scene::SceneWatch;
 
-/// The longest wait for the previews of materials. They are rendered in the time that everything else leaves, so that on a busy machine they may take
-/// minutes.
+/// The longest wait for the previews of materials. They are rendered in the time that everything else leaves, so that
+/// on a busy machine they may take minutes.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 
 /// Waits until all that belongs into a picture of the window is in it: previews of materials come last.
@@ -21,7 +21,8 @@ pub(crate) struct WindowWait {
 }
 
 impl WindowWait {
-    /// Whether the window is complete, or was waited for long enough. To be asked in every frame once all else is there.
+    /// Whether the window is complete, or was waited for long enough. To be asked in every frame once all else is
+    /// there.
     pub fn is_over(&mut self, pacing: &Pacing, previews: &Previews) -> bool {
         let is_complete = pacing.rests() && previews.are_done();
         let is_over = self.ends(is_complete, Instant::now());

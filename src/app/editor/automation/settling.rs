@@ -1,5 +1,6 @@
-//! Measures how near the picture in the window is to the converged one soon after edits, with and without what is carried over from the picture
-//! before. It follows the frames as they come, so that what is compared is what a user would have seen.
+//! Measures how near the picture in the window is to the converged one soon after edits, with and without what is
+//! carried over from the picture before. It follows the frames as they come, so that what is compared is what a user
+//! would have seen.
 
 mod edits;
 mod figures;
@@ -141,7 +142,8 @@ fn act(world: &mut World) {
         Stage::New => probe.begin(world),
         Stage::Ready(kept) => probe.play(world, kept),
         Stage::Returning(start, restarts) => {
-            // A frame before the picture begins from which the next edit is carried over: it may have to keep something for that.
+            // A frame before the picture begins from which the next edit is carried over: it may have to keep something
+            // for that.
             probe.set_way(world);
             Stage::Switched(start, restarts)
         }
@@ -214,8 +216,8 @@ impl SettlingProbe {
         }
     }
 
-    /// Every edit is done in both ways, and the one that comes first changes from edit to edit: what is known from the first time, such as
-    /// a guide of paths, then favours neither.
+    /// Every edit is done in both ways, and the one that comes first changes from edit to edit: what is known from the
+    /// first time, such as a guide of paths, then favours neither.
     fn carries_over(&self) -> bool {
         !(self.edit + self.played.len()).is_multiple_of(2)
     }

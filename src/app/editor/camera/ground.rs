@@ -1,4 +1,5 @@
-//! The plane of the grid: the ground, or in a parallel view along an axis the plane that faces the viewer; and the step of the grid there.
+//! The plane of the grid: the ground, or in a parallel view along an axis the plane that faces the viewer; and the step
+//! of the grid there.
 
 use bevy::math::Vec3;
 
@@ -54,7 +55,8 @@ impl GridPlane {
         (t.is_finite() && t >= 0.0).then(|| ray.at(t))
     }
 
-    /// The place of the plane that the view is directed at. It is never very far off, even if the view goes past the horizon.
+    /// The place of the plane that the view is directed at. It is never very far off, even if the view goes past the
+    /// horizon.
     pub fn middle(&self, screen: &Screen) -> Vec3 {
         let ray = screen.ray(screen.picture.center());
         let eye = ray.origin;

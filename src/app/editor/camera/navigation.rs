@@ -1,8 +1,8 @@
-//! Flying and looking around: computes how keys and drags move the camera. Pure arithmetic, so that it is the same at any frame rate. What moves it
-//! about things is in `orbit`.
+//! Flying and looking around: computes how keys and drags move the camera. Pure arithmetic, so that it is the same at
+//! any frame rate. What moves it about things is in `orbit`.
 //!
-//! The camera looks along +z of its own space with +x to its left and +y up. Scale in its pose stays: for an orthographic camera it is
-//! the extent of the picture.
+//! The camera looks along +z of its own space with +x to its left and +y up. Scale in its pose stays: for an
+//! orthographic camera it is the extent of the picture.
 
 use bevy::math::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec3A};
 
@@ -120,7 +120,8 @@ impl Navigation {
         facing(heading * elevation.cos() + self.up * elevation.sin(), self.up)
     }
 
-    /// The direction that is up in a picture of this pose: the world's up, or the heading if the view is straight up or down.
+    /// The direction that is up in a picture of this pose: the world's up, or the heading if the view is straight up or
+    /// down.
     pub(crate) fn upright(&self, world_from_camera: &Affine3A) -> Vec3 {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let down = -forward.dot(self.up);
@@ -154,8 +155,8 @@ pub(crate) fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
     unit
 }
 
-/// The pose with the same direction from which all of `bounds` is seen; None if it is empty. `half_fov` in radians, of the picture's
-/// narrower side.
+/// The pose with the same direction from which all of `bounds` is seen; None if it is empty. `half_fov` in radians, of
+/// the picture's narrower side.
 pub(crate) fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Option<Affine3A> {
     if bounds.is_empty() {
         return None;

@@ -1,5 +1,5 @@
-//! Moves the camera about things: around a point, along the picture, towards what is under the pointer, onto an axis. Arithmetic only; flying is in
-//! `navigation`.
+//! Moves the camera about things: around a point, along the picture, towards what is under the pointer, onto an axis.
+//! Arithmetic only; flying is in `navigation`.
 
 use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use bevy_egui::egui::Pos2;
@@ -20,7 +20,8 @@ const NARROWEST: f32 = 1e-4;
 const BESIDE: f32 = 0.01;
 
 impl Navigation {
-    /// The point that the view was turned about last, as long as it is straight ahead: then the user still looks at it, whatever came before it.
+    /// The point that the view was turned about last, as long as it is straight ahead: then the user still looks at it,
+    /// whatever came before it.
     pub(crate) fn pivot_ahead(&self, world_from_camera: &Affine3A) -> Option<Vec3> {
         let pivot = self.pivot?;
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
@@ -42,7 +43,8 @@ impl Navigation {
         }
     }
 
-    /// The wheel over a perspective picture: towards `target` on the ray under the pointer, or along the ray as far as flying would go.
+    /// The wheel over a perspective picture: towards `target` on the ray under the pointer, or along the ray as far as
+    /// flying would go.
     pub(crate) fn dolly(
         &self,
         world_from_camera: Affine3A,
@@ -133,7 +135,8 @@ fn translated(pose: Affine3A, way: Vec3) -> Affine3A {
     }
 }
 
-/// The direction away from a viewer who looks at the front, where `up` is up: as in modelling programs -z where y is up, else y.
+/// The direction away from a viewer who looks at the front, where `up` is up: as in modelling programs -z where y is
+/// up, else y.
 fn north(up: Vec3) -> Vec3 {
     if up.y.abs() > 0.5 { Vec3::NEG_Z } else { Vec3::Y }
 }

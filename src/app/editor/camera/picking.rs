@@ -15,8 +15,8 @@ use crate::medium::{MediumId, Way};
 use crate::render::camera::Camera;
 use crate::render::scene::RenderScene;
 
-/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right. A shape that is only the border of a medium is seen if the medium
-/// hides most of what is behind it, or nothing is there.
+/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right. A shape that is only the border of a
+/// medium is seen if the medium hides most of what is behind it, or nothing is there.
 pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref()?);
     let ray = view.camera.sharp().ray(film, Vec2::ZERO);
@@ -87,8 +87,8 @@ fn behind(ray: &Ray, t: f32) -> Ray {
 /// The most rays along either side of a box.
 const MOST_ACROSS: f32 = 256.0;
 
-/// The shapes seen in a box of the picture, in the order of the scene. `corners` are film coordinates; `pixels` is its size on the screen, each of
-/// which is looked at unless there are very many.
+/// The shapes seen in a box of the picture, in the order of the scene. `corners` are film coordinates; `pixels` is its
+/// size on the screen, each of which is looked at unless there are very many.
 pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Vec<Entity> {
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
         return Vec::new();
@@ -152,11 +152,12 @@ impl SeenSurface {
 
 /// The most times that a ray is begun anew behind a surface that it passes.
 const MOST_PASSED: usize = 256;
-/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates: well above rounding, and
-/// well below what is visible.
+/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates:
+/// well above rounding, and well below what is visible.
 const BEHIND: f32 = 1e-5;
 
-/// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
+/// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need
+/// not have unit length.
 pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     surface_of_items(packed, ray, |_, entity| is_passed(entity))
 }
@@ -244,7 +245,8 @@ fn first_hit_of_items(
     None
 }
 
-/// The first surface that the camera sees along one of its rays. The ray passes what the camera does not see, and what `is_passed` names.
+/// The first surface that the camera sees along one of its rays. The ray passes what the camera does not see, and what
+/// `is_passed` names.
 pub fn seen_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     surface(packed, &narrowed(packed, ray)?, is_passed)
 }
@@ -267,8 +269,8 @@ pub fn distance_ahead(packed: &PackedScene) -> Option<f32> {
     ahead(packed).map(|seen| camera.project(seen.position).1)
 }
 
-/// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a point; None without a
-/// view, and behind the camera. `pose`: world from camera.
+/// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a
+/// point; None without a view, and behind the camera. `pose`: world from camera.
 pub fn view_height(packed: &PackedScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
     let camera = &packed.view.as_ref()?.camera;
     let (place, depth) = camera.project(at);
@@ -298,8 +300,8 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
     (!bounds.is_empty()).then_some(bounds)
 }
 
-/// [`bounds_of`] the entity that has this shape or placement, as [`Hit::instance`] counts them. It takes no look at all shapes, since those of an
-/// entity stand together in the tables.
+/// [`bounds_of`] the entity that has this shape or placement, as [`Hit::instance`] counts them. It takes no look at all
+/// shapes, since those of an entity stand together in the tables.
 pub fn bounds_of_item(packed: &PackedScene, item: u32) -> Option<Aabb> {
     let geometry = &packed.scene.as_ref()?.geometry;
     let entities = &packed.entity_of_instance;

@@ -28,7 +28,8 @@ pub(crate) fn is_orthographic(world: &World) -> bool {
     lens(world) == Some(Lens::Orthographic)
 }
 
-/// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera is so itself.
+/// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera is so
+/// itself.
 pub(crate) fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
     let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
     sensor.lens.for_projection(orthographic)

@@ -1,4 +1,5 @@
-//! Rounds what tools place to short decimal numbers, so that a file says 2 where arithmetic gives 1.999999. What the user types is kept as it is.
+//! Rounds what tools place to short decimal numbers, so that a file says 2 where arithmetic gives 1.999999. What the
+//! user types is kept as it is.
 
 use bevy::math::Vec3;
 
@@ -7,7 +8,8 @@ const OF_SCENE: f32 = 1e-4;
 /// The share of a length that is the rounding of arithmetic, and nothing that a user asked for.
 const RESIDUE: f32 = 1e-6;
 
-/// The largest power of ten that is at most `size`; 0 if `size` is not a positive number. Rounding to 0 changes nothing.
+/// The largest power of ten that is at most `size`; 0 if `size` is not a positive number. Rounding to 0 changes
+/// nothing.
 pub fn unit_below(size: f32) -> f64 {
     match size.is_finite() && size > f32::MIN_POSITIVE {
         // Single precision may have a power of ten a little too small.
@@ -26,8 +28,8 @@ pub fn unit_of_scene(extent: f32) -> f64 {
     unit_below(OF_SCENE * extent)
 }
 
-/// The unit of places that are computed from other places, such as those of aligned things. It is a hundredth of [`unit_of_scene`], because a gap of
-/// a whole unit would be visible.
+/// The unit of places that are computed from other places, such as those of aligned things. It is a hundredth of
+/// [`unit_of_scene`], because a gap of a whole unit would be visible.
 pub fn fine_unit(extent: f32) -> f64 {
     1e-2 * unit_of_scene(extent)
 }
@@ -71,7 +73,8 @@ pub fn sum_of_places(one: Vec3, other: Vec3) -> Vec3 {
     Vec3::new(sum(one.x, other.x), sum(one.y, other.y), sum(one.z, other.z))
 }
 
-/// A move without the errors of rounding: if the axis of the move has been turned to x, its y and z become exactly zero.
+/// A move without the errors of rounding: if the axis of the move has been turned to x, its y and z become exactly
+/// zero.
 pub(crate) fn without_residue(by: Vec3) -> Vec3 {
     rounded_place(by, unit_below(RESIDUE * by.abs().max_element()))
 }

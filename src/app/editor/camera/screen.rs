@@ -46,7 +46,8 @@ impl Screen {
         self.camera.unproject(self.film(at), depth)
     }
 
-    /// The ray through a point of the window, through the middle of the lens. Its `t` is the distance along the view axis.
+    /// The ray through a point of the window, through the middle of the lens. Its `t` is the distance along the view
+    /// axis.
     pub fn ray(&self, at: Pos2) -> Ray {
         let origin = self.unproject(at, 0.0);
         Ray::new(origin, self.unproject(at, 1.0) - origin)

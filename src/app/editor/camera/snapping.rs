@@ -25,7 +25,8 @@ pub struct SnapPoint {
 
 /// The distance from the pointer up to which corners and edges are found, in points.
 const REACH: f32 = 14.0;
-/// The number of triangles up to which edges inside of flat faces are found and left out; in larger meshes they count as edges, too.
+/// The number of triangles up to which edges inside of flat faces are found and left out; in larger meshes they count
+/// as edges, too.
 const LARGEST_SEARCHED: usize = 20_000;
 
 /// The nearest place of this kind around the pointer, on what `is_passed` does not leave out.

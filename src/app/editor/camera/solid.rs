@@ -49,7 +49,8 @@ impl Solid {
         }
     }
 
-    /// The points by which it is put onto others: corners, or where round shapes reach farthest along their axes, and the middle.
+    /// The points by which it is put onto others: corners, or where round shapes reach farthest along their axes, and
+    /// the middle.
     pub fn corners(&self) -> Vec<Vec3> {
         let local: Vec<Vec3> = match self.form {
             Form::Box(Aabb { min, max }) => (0..8)

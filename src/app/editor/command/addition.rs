@@ -11,8 +11,8 @@ pub struct Addition {
     pub kind: AdditionKind,
     /// The name. None: it is named after its kind.
     pub name: Option<String>,
-    /// The place in world space where it stands or shines from. None: it is put on what is seen in the middle of the picture, and the first thing
-    /// at the origin.
+    /// The place in world space where it stands or shines from. None: it is put on what is seen in the middle of the
+    /// picture, and the first thing at the origin.
     pub at: Option<Vec3>,
     /// Half its extent in world units; None: what suits the view.
     pub size: Option<f32>,

@@ -61,7 +61,8 @@ pub enum Way {
     Around {
         /// The axis of the world: 0, 1 or 2.
         axis: usize,
-        /// Degrees that all steps take together, including the one from the last thing back to the first; 360 for a whole ring.
+        /// Degrees that all steps take together, including the one from the last thing back to the first; 360 for a
+        /// whole ring.
         degrees: f32,
         /// A point on the axis.
         center: Vec3,

@@ -43,12 +43,14 @@ impl AssetKind {
     }
 }
 
-/// A file that is put into the scene: a picture onto a shape or all around, a mesh onto a surface, a material onto a shape.
+/// A file that is put into the scene: a picture onto a shape or all around, a mesh onto a surface, a material onto a
+/// shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileUse {
     /// The absolute path.
     pub path: PathBuf,
-    /// The place in the picture where it was dropped, (0, 0) top left, (1, 1) bottom right. None: it is for the selection.
+    /// The place in the picture where it was dropped, (0, 0) top left, (1, 1) bottom right. None: it is for the
+    /// selection.
     pub at: Option<Vec2>,
     /// The least and the greatest coordinates of a mesh, as far as they are known: it stands on its lower side then.
     pub bounds: Option<[Vec3; 2]>,

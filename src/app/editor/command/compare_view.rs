@@ -8,9 +8,11 @@ pub enum CompareView {
     Off,
     /// The snapshot left of this fraction of the width, the picture right of it.
     Wipe(f32),
-    /// The picture as sampled left of this fraction of the width, denoised right of it. It needs no snapshot, but a denoised picture.
+    /// The picture as sampled left of this fraction of the width, denoised right of it. It needs no snapshot, but a
+    /// denoised picture.
     Noisy(f32),
-    /// The level as the lightmaps of the bake light it left of this fraction of the width, the picture right of it. It needs a bake.
+    /// The level as the lightmaps of the bake light it left of this fraction of the width, the picture right of it. It
+    /// needs a bake.
     Baked(f32),
     /// The difference of each component.
     Difference,

@@ -2,8 +2,8 @@
 
 use crate::scene::{Emitter, Material, Parameter, ParameterMut, ParameterRef};
 
-/// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as the same, such as
-/// `reflectance`, `diffuse_reflectance` and `base_color`.
+/// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as
+/// the same, such as `reflectance`, `diffuse_reflectance` and `base_color`.
 pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
     let mut turned = Material::of_plugin(plugin).unwrap_or_default();
     turned.visit_mut(&mut |info, mut value| {
@@ -16,7 +16,8 @@ pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
     turned
 }
 
-/// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two have in common.
+/// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two
+/// have in common.
 pub(crate) fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
     let mut turned = Emitter::of_plugin(plugin).unwrap_or_default();
     turned.visit_mut(&mut |info, mut value| {

@@ -1,5 +1,5 @@
-//! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They know neither rendering nor
-//! Bevy.
+//! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They
+//! know neither rendering nor Bevy.
 
 use std::ops::RangeInclusive;
 

@@ -5,7 +5,8 @@ use bevy::prelude::Entity;
 use super::asset_kind::FileUse;
 use super::presets::Preset;
 
-/// Things that are dragged from the list to somewhere else: into a folder, to another place, onto a shape in the picture.
+/// Things that are dragged from the list to somewhere else: into a folder, to another place, onto a shape in the
+/// picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Dragged(pub Vec<Entity>);
 

@@ -15,7 +15,8 @@ pub struct Question {
     pub folders: Vec<PathBuf>,
     /// The scene could not be read without them.
     pub is_needed: bool,
-    /// The scene file that was to be imported and names them; None if the open scene does, or one that was to be opened.
+    /// The scene file that was to be imported and names them; None if the open scene does, or one that was to be
+    /// opened.
     pub import: Option<PathBuf>,
 }
 
@@ -38,7 +39,8 @@ impl Question {
     }
 }
 
-/// The folder that has to be allowed for a file, which is where its links lead; for a folder it is the folder itself. None for what does not exist.
+/// The folder that has to be allowed for a file, which is where its links lead; for a folder it is the folder itself.
+/// None for what does not exist.
 fn folder_of(file: &Path) -> Option<PathBuf> {
     let target = file.canonicalize().ok()?;
     match target.is_dir() {

@@ -38,8 +38,8 @@ impl GridSettings {
         }
     }
 
-    /// The distance between lines in world units where a point of the window is as wide as `units_per_point`: what was chosen, or the least
-    /// power of ten at which lines are 10 points apart or more.
+    /// The distance between lines in world units where a point of the window is as wide as `units_per_point`: what was
+    /// chosen, or the least power of ten at which lines are 10 points apart or more.
     pub fn step_at(&self, units_per_point: f32) -> f32 {
         let suits = || {
             // NaN, which a view without a depth may give, is taken for the least.

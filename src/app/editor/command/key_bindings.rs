@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::shortcut::Shortcut;
 
-/// The keys that the user has chosen in place of those of the program, by the names of actions. In a file they are texts such as `Ctrl+Shift+Z`.
+/// The keys that the user has chosen in place of those of the program, by the names of actions. In a file they are
+/// texts such as `Ctrl+Shift+Z`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KeyBindings(BTreeMap<String, Vec<Shortcut>>);
 
@@ -43,7 +44,8 @@ impl Serialize for KeyBindings {
     }
 }
 
-/// Texts that name no key and entries that are no texts are left out: a keyboard of a later version is no reason to give up all preferences.
+/// Texts that name no key and entries that are no texts are left out: a keyboard of a later version is no reason to
+/// give up all preferences.
 impl<'de> Deserialize<'de> for KeyBindings {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = Value::deserialize(deserializer)?;

@@ -4,7 +4,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
-/// The value, or the default of its type if it cannot be understood: one unknown word is no reason to give up all preferences.
+/// The value, or the default of its type if it cannot be understood: one unknown word is no reason to give up all
+/// preferences.
 pub(crate) fn or_default<'de, T, D>(deserializer: D) -> Result<T, D::Error>
 where
     T: DeserializeOwned + Default,

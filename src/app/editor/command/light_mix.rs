@@ -1,5 +1,5 @@
-//! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Nothing is rendered anew;
-//! the film keeps each light in a layer. Baking writes strengths and colours to the lights themselves.
+//! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Nothing is
+//! rendered anew; the film keeps each light in a layer. Baking writes strengths and colours to the lights themselves.
 
 use bevy::prelude::{Entity, Res, ResMut, Resource};
 
@@ -17,8 +17,8 @@ pub struct LightMix {
 /// The factors that have been baked into lights so far, in all.
 type Gains = Vec<(Entity, Rgb)>;
 
-/// The factors that had been baked into the lights when the film was begun. Until there is a film with the present lights, it is shown with the
-/// rest on top.
+/// The factors that had been baked into the lights when the film was begun. Until there is a film with the present
+/// lights, it is shown with the rest on top.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct FilmLights {
     /// The job as [`RenderFilm::job`].
@@ -109,8 +109,8 @@ impl LightMix {
         self.channels.is_empty()
     }
 
-    /// The factors on the layers of a film of these groups, begun with `lights`; none if all of them are one. Lights that share a layer have
-    /// the channel of the first.
+    /// The factors on the layers of a film of these groups, begun with `lights`; none if all of them are one. Lights
+    /// that share a layer have the channel of the first.
     pub(crate) fn factors(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
         let any_solo = groups.iter().any(|group| self.group_channel(group).solo);
         let factor = |group: &LightGroup| match self.group_channel(group) {
@@ -290,7 +290,8 @@ mod tests {
             baked: mix.baked.clone(),
         };
         assert_eq!(mix.factors(&groups, &film), []);
-        // The light is dark again after undo: it is brighter in the film than in the scene, and the mix makes up for it.
+        // The light is dark again after undo: it is brighter in the film than in the scene, and the mix makes up for
+        // it.
         assert_eq!(before.factors(&groups, &film)[0].x, 2.0 / 2.0);
         assert_eq!(
             before.with_channels(LightMix::default()).factors(&groups, &film)[0].x,

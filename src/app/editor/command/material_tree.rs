@@ -1,4 +1,5 @@
-//! A material with those inside it as one value: what a material is to become in one step. Wrapping, unwrapping and presets are such trees.
+//! A material with those inside it as one value: what a material is to become in one step. Wrapping, unwrapping and
+//! presets are such trees.
 
 use bevy::prelude::{Entity, World};
 
@@ -51,7 +52,8 @@ impl MaterialTree {
         }
     }
 
-    /// This one in a new material of a plugin that takes others inside; a second one is new, too. Of any other plugin it stays as it is.
+    /// This one in a new material of a plugin that takes others inside; a second one is new, too. Of any other plugin
+    /// it stays as it is.
     pub fn wrapped(self, plugin: &str) -> Self {
         let Some(wrapper) = Material::of_plugin(plugin).filter(|wrapper| *wrapper.info().nested.end() > 0) else {
             return self;
@@ -73,8 +75,8 @@ pub(crate) fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
     first.into_iter().chain(second).collect()
 }
 
-/// Flattens trees into one list. Each material has the indices of those nested in it; the second list has the index of each tree's outermost
-/// material. Materials of the scene are left out.
+/// Flattens trees into one list. Each material has the indices of those nested in it; the second list has the index of
+/// each tree's outermost material. Materials of the scene are left out.
 pub(crate) fn flattened<'t>(
     trees: impl IntoIterator<Item = &'t MaterialTree>,
 ) -> (Vec<(Material, Vec<usize>)>, Vec<usize>) {

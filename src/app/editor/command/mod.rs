@@ -1,4 +1,5 @@
-//! The commands that a user can give: [`Command`], and the plain values that commands carry. This module imports no other module of the editor.
+//! The commands that a user can give: [`Command`], and the plain values that commands carry. This module imports no
+//! other module of the editor.
 
 pub mod addition;
 pub mod arrange;
@@ -109,7 +110,8 @@ pub enum Command {
     SaveImage(PathBuf),
     /// Keeps the picture beside the scene, to render it later, or resumes one that was kept.
     KeptPicture(KeptPicture),
-    /// Gives the things that name a missing file another path, and where `others` is true those of all other missing files that lie beside it.
+    /// Gives the things that name a missing file another path, and where `others` is true those of all other missing
+    /// files that lie beside it.
     FindFile {
         /// The path that the scene has.
         missing: PathBuf,
@@ -143,7 +145,8 @@ pub enum Command {
     /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
     Pick(Vec2, Extend),
 
-    /// Selects everything in the group around the active thing. Given again, it selects everything in the next group outwards.
+    /// Selects everything in the group around the active thing. Given again, it selects everything in the next group
+    /// outwards.
     SelectGroup,
 
     // Commands that move the view. None of them edits the scene, except `MoveCameraToView`.
@@ -179,7 +182,8 @@ pub enum Command {
     Reshape(Entity, Shape, Affine3A, Reshaping),
     /// Removes the selection.
     Delete,
-    /// Copies the selection. The copies stand beside the originals, or continue the series if these are copies too, and become the selection.
+    /// Copies the selection. The copies stand beside the originals, or continue the series if these are copies too, and
+    /// become the selection.
     Duplicate,
     /// Makes a series of copies or instances of the selection.
     MakeSeries(Series),
@@ -223,14 +227,15 @@ pub enum Command {
     ShowAll,
     /// Protects these things from edits and clicks in the picture, or lifts that.
     Lock(Vec<Entity>, bool),
-    /// Moves the selection by a step along an axis of the world: the one that looks most like this direction in the picture.
+    /// Moves the selection by a step along an axis of the world: the one that looks most like this direction in the
+    /// picture.
     Nudge(Direction),
     /// Drops each selected thing onto what is below it.
     Drop,
     /// Puts the origin of each selected thing onto the grid of the gizmo's step.
     SnapToGrid,
-    /// Places several things at once, each by world from a space whose origin is the thing's place: that is its own space, but for shapes such as spheres, whose
-    /// centre may be elsewhere there.
+    /// Places several things at once, each by world from a space whose origin is the thing's place: that is its own
+    /// space, but for shapes such as spheres, whose centre may be elsewhere there.
     Transform(Vec<(Entity, Affine3A)>),
     /// Places a thing as [`Command::Transform`] does, with the angles by which its rotation was given.
     Turn(Entity, Affine3A, EulerAngles),
@@ -291,7 +296,8 @@ pub enum Command {
         /// The tree that each becomes.
         tree: Box<MaterialTree>,
     },
-    /// Gives the shapes a material of the library. If the scene already has one like it with the same name, they get that one.
+    /// Gives the shapes a material of the library. If the scene already has one like it with the same name, they get
+    /// that one.
     UsePreset {
         /// The entry of the library.
         preset: Box<Preset>,
@@ -336,7 +342,8 @@ pub enum Command {
     SetEmitter(Entity, Emitter),
     /// Sets the lens and field of view of a camera.
     SetSensor(Entity, Sensor),
-    /// Focuses the camera in use on what is seen at a place of the picture, see [`Command::Pick`]. A pinhole camera becomes a thin lens.
+    /// Focuses the camera in use on what is seen at a place of the picture, see [`Command::Pick`]. A pinhole camera
+    /// becomes a thin lens.
     FocusAt(Vec2),
     /// Sets size, crop, filter and samples of a camera.
     SetFilm(Entity, Film),
@@ -356,10 +363,11 @@ pub enum Command {
     KeepLimits,
 
     // Time. All times are in seconds.
-    /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each selected thing, and other
-    /// edits are of all tracks of the selection.
+    /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each
+    /// selected thing, and other edits are of all tracks of the selection.
     Key(Vec<(Entity, KeyPath)>, KeyEdit),
-    /// Lets the camera in use, from where the view is, go once around the selection, or the scene, in the course of the frames of the timeline.
+    /// Lets the camera in use, from where the view is, go once around the selection, or the scene, in the course of the
+    /// frames of the timeline.
     AddTurntable,
     /// Shows the scene at a time. Playing ends.
     SetTime(f64),
@@ -385,7 +393,8 @@ pub enum Command {
     SetNoiseTarget(Option<f32>),
     /// Sends more samples where the noise is, or as many to every pixel.
     SetAdaptive(bool),
-    /// Limits the samples to a part of the picture, see [`Command::Pick`] for its coordinates. None stands for the whole picture.
+    /// Limits the samples to a part of the picture, see [`Command::Pick`] for its coordinates. None stands for the
+    /// whole picture.
     SetRegion(Option<Rect>),
     /// Sets the rendered pixels per pixel of the film along each side, above 0.
     SetResolutionScale(f32),

@@ -76,7 +76,8 @@ pub struct Preferences {
     pub ui_scale: f32,
     /// Seconds between; 0 is never.
     pub autosave_seconds: u32,
-    /// The tone map of a new window. Preferences that were written before there was this choice keep the hard clip that they had.
+    /// The tone map of a new window. Preferences that were written before there was this choice keep the hard clip
+    /// that they had.
     #[serde(with = "tone_map_by_name", default = "hard_clip")]
     pub tone_map: ToneMap,
     /// Whether the picture is denoised while it is rendered.
@@ -97,7 +98,8 @@ pub struct Preferences {
     pub grid: GridSettings,
     /// Whether the dimensions of the selection are shown in the picture.
     pub dimensions: bool,
-    /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
+    /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes
+    /// too long; 1 is all of it.
     pub moving_scale: f32,
     /// Whether a picture that begins anew shows what is still known from the picture before it.
     pub carries_over: bool,

@@ -1,4 +1,5 @@
-//! The library of materials: those of `assets/materials.xml`, and the user's own from a file of the same kind in the settings folder.
+//! The library of materials: those of `assets/materials.xml`, and the user's own from a file of the same kind in the
+//! settings folder.
 //!
 //! A material with a medium below its surface is a shape there, with the medium as its interior.
 
@@ -122,7 +123,8 @@ fn own_file() -> Option<PathBuf> {
     Some(folders.config_dir().join("materials.xml"))
 }
 
-/// The bsdfs of the file that have an id and are not inside another, and then the shapes that have an id and an interior.
+/// The bsdfs of the file that have an id and are not inside another, and then the shapes that have an id and an
+/// interior.
 fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     let mut document = parse_str(text, path, &[]);
     let scene = read::read(&mut document);
@@ -233,7 +235,8 @@ mod tests {
         }
     }
 
-    /// The diffuse reflectance of a thick body with isotropic scattering and a border that reflects light back inside (Jensen et al. 2001, section 2.3).
+    /// The diffuse reflectance of a thick body with isotropic scattering and a border that reflects light back inside
+    /// (Jensen et al. 2001, section 2.3).
     fn diffuse_reflectance(albedo: f32, eta: f32) -> f32 {
         let internal = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta;
         let border = (1.0 + internal) / (1.0 - internal);

@@ -11,7 +11,8 @@ pub enum Resolution {
     /// The picture has as many pixels as the window shows, and no more than the film has.
     #[default]
     View,
-    /// The picture has as many pixels as the window shows, and those of the film once nothing has changed for some seconds.
+    /// The picture has as many pixels as the window shows, and those of the film once nothing has changed for some
+    /// seconds.
     AfterRest,
     /// The picture has the pixels of the film.
     Full,

@@ -33,8 +33,8 @@ pub const SAMPLES: [Sample; 5] = [
 ];
 
 impl Sample {
-    /// The path of the scene: in the folder `scenes` below the working directory, or else below a folder above the program, as in a build folder or
-    /// a release. None where there is no such file.
+    /// The path of the scene: in the folder `scenes` below the working directory, or else below a folder above the
+    /// program, as in a build folder or a release. None where there is no such file.
     pub fn path(&self) -> Option<PathBuf> {
         let file = Path::new("scenes").join(self.file);
         places_of(&file).find(|path| path.is_file())

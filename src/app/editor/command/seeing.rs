@@ -1,4 +1,5 @@
-//! What the view leaves out, so that one can look into rooms and at single things. None of it is part of the scene, or of a rendered picture.
+//! What the view leaves out, so that one can look into rooms and at single things. None of it is part of the scene, or
+//! of a rendered picture.
 
 /// The parts that the camera of the window does not see, and lines over them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,15 +12,15 @@ pub struct Seeing {
     pub wireframe: bool,
 }
 
-/// Whether surfaces are seen whose front points away from the camera: for a room whose walls show their fronts inwards, the walls between it
-/// and the camera.
+/// Whether surfaces are seen whose front points away from the camera: for a room whose walls show their fronts inwards,
+/// the walls between it and the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walls {
     /// They are seen.
     #[default]
     Shown,
-    /// They are not seen because the user looks along an axis. This holds until the user looks through a camera: a view that turns away from the axis still
-    /// looks into the room.
+    /// They are not seen because the user looks along an axis. This holds until the user looks through a camera: a view
+    /// that turns away from the axis still looks into the room.
     HiddenForAxis,
     /// They are not seen.
     Hidden,

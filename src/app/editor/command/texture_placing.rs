@@ -1,4 +1,5 @@
-//! How textures lie on a surface: the transform of uv in parts that a user can think in, and the textures of a material that lie alike.
+//! How textures lie on a surface: the transform of uv in parts that a user can think in, and the textures of a material
+//! that lie alike.
 
 use bevy::math::{Affine2, Mat2, Vec2};
 

@@ -63,8 +63,8 @@ impl Timeline {
         self.time(self.frame(time).round())
     }
 
-    /// The exact time of the frame that a key at `time` is for, since keys have times in single precision. A key between frames stays where it is. Both
-    /// times are in seconds.
+    /// The exact time of the frame that a key at `time` is for, since keys have times in single precision. A key
+    /// between frames stays where it is. Both times are in seconds.
     pub fn time_of_key(&self, time: f64) -> f64 {
         let frame = self.snapped(time);
         if key_time(frame) == key_time(time) { frame } else { time }

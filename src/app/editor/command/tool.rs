@@ -2,8 +2,8 @@
 
 use super::blocking::{BlockKind, OpeningKind};
 
-/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths, distances and textures, and all that
-/// block out.
+/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths, distances
+/// and textures, and all that block out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.
@@ -63,7 +63,8 @@ impl Tool {
         }
     }
 
-    /// Whether the tool draws, pushes or cuts: the pointer and the number keys are its own then, and the handles of the gizmo are not shown.
+    /// Whether the tool draws, pushes or cuts: the pointer and the number keys are its own then, and the handles of the
+    /// gizmo are not shown.
     pub fn blocks_out(self) -> bool {
         matches!(self, Self::Draw(_) | Self::Push | Self::Cut(_))
     }

@@ -186,8 +186,8 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
     Ok(emitter)
 }
 
-/// The factor on the numbers of a building part, whose defaults are metres. `size` is half its height if it is given. Else it keeps its numbers unless
-/// the view shows that the scene is of another scale.
+/// The factor on the numbers of a building part, whose defaults are metres. `size` is half its height if it is given.
+/// Else it keeps its numbers unless the view shows that the scene is of another scale.
 fn solid_scale(part: &Solid, size: f32, is_given: bool) -> f32 {
     let [low, high] = part.corners();
     let factor = 2.0 * size / (high.z - low.z);
@@ -313,7 +313,8 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The scene without cameras, and without the light that stands in where a file has none: the one that it comes into has its own.
+/// The scene without cameras, and without the light that stands in where a file has none: the one that it comes into
+/// has its own.
 fn without_setting(mut scene: SceneDescription, stand_in_light: Option<&str>) -> SceneDescription {
     scene.sensors.clear();
     if let Some(stand_in) = stand_in_light {

@@ -1,4 +1,5 @@
-//! Bakes the scene on a thread of its own while the user goes on. The bake is of the scene as it was when it began; another scene may be opened meanwhile.
+//! Bakes the scene on a thread of its own while the user goes on. The bake is of the scene as it was when it began;
+//! another scene may be opened meanwhile.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -218,7 +219,8 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFo
     Ok((order, folder))
 }
 
-/// Gives up a bake that waits for a scene, since another one takes its place. One that is under way goes on, and how it ends is no matter of the other scene.
+/// Gives up a bake that waits for a scene, since another one takes its place. One that is under way goes on, and how it
+/// ends is no matter of the other scene.
 pub(super) fn leave_scene(world: &mut World) {
     let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));
     if world.get_resource::<Baking>().is_some_and(waits) {

@@ -26,8 +26,9 @@ use crate::scene::{
 #[derive(Component, Clone, Copy, Debug)]
 pub struct CopyOf(Entity);
 
-/// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside its original, as far as
-/// suits its size. If what is selected was copied just before, and perhaps moved since, the copies continue that series.
+/// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside
+/// its original, as far as suits its size. If what is selected was copied just before, and perhaps moved since, the
+/// copies continue that series.
 pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let selected = grouping::whole_groups(edit.world, selected);
@@ -164,8 +165,8 @@ fn is_instance(world: &World, entity: Entity) -> bool {
         .is_some_and(|shape| shape.kind == ShapeKind::Instance)
 }
 
-/// Puts the selected shapes into a group of instances and an instance of it in their place. The origin is that of the active one. A folder's transform
-/// is no shape: it is deleted, and what it moves becomes part of the instance.
+/// Puts the selected shapes into a group of instances and an instance of it in their place. The origin is that of the
+/// active one. A folder's transform is no shape: it is deleted, and what it moves becomes part of the instance.
 fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
     let all = grouping::units(edit)?.into_iter().flat_map(|unit| unit.all);
     let all = all.filter(|entity| edit.world.get::<ToWorld>(*entity).is_some());

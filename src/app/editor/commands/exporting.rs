@@ -1,4 +1,5 @@
-//! Exports the scene to glTF. It is described at once, and the files are made and written on another thread while the user goes on.
+//! Exports the scene to glTF. It is described at once, and the files are made and written on another thread while the
+//! user goes on.
 
 use std::path::{Path, PathBuf};
 

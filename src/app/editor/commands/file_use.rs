@@ -177,7 +177,8 @@ fn place_at(world: &World, at: Vec2) -> Option<Vec3> {
     seen.or_else(|| ground(&ray, up))
 }
 
-/// The place where a ray meets the plane through the origin across `up`, if it is not too far away for a mesh to be seen there.
+/// The place where a ray meets the plane through the origin across `up`, if it is not too far away for a mesh to be
+/// seen there.
 fn ground(ray: &Ray, up: Vec3) -> Option<Vec3> {
     /// In heights of the eye above the ground.
     const FARTHEST: f32 = 30.0;

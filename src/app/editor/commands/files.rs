@@ -253,8 +253,8 @@ fn film_storage(world: &World) -> FilmStorage {
     film.map(|film| film.storage).unwrap_or_default()
 }
 
-/// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about
-/// where it is; None if there is no picture.
+/// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end.
+/// Returns a sentence about where it is; None if there is no picture.
 pub(crate) fn keep_image(world: &World) -> Option<String> {
     match write_to_temporary_folder(&(&finished::picture(world)).into()) {
         Ok(place) => Some(format!("the picture is kept in {}", place.display())),

@@ -82,7 +82,8 @@ fn relink<C: Component + NamesFiles + Clone + PartialEq>(
     }
 }
 
-/// Where another missing file is, now that one was found: where it lies relative to that, or by its name in the same folder.
+/// Where another missing file is, now that one was found: where it lies relative to that, or by its name in the same
+/// folder.
 fn beside(missing: &Path, found: &Path, other: &Path) -> Option<PathBuf> {
     let folder = found.parent()?;
     let as_before = relative(missing.parent()?, other).map(|way| folder.join(way));

@@ -75,8 +75,8 @@ pub fn describe(world: &World, picture: &mut LayeredImage) {
     describe_picture(picture, world, scene, seconds);
 }
 
-/// Whether the number of samples depends on the time. The full film that is traced for an image has no limit of time itself, but gets the samples that the
-/// window had by then.
+/// Whether the number of samples depends on the time. The full film that is traced for an image has no limit of time
+/// itself, but gets the samples that the window had by then.
 fn is_limited_in_time(world: &World) -> bool {
     let follows_window = world
         .get_resource::<AwaitedImage>()
@@ -103,7 +103,8 @@ pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     }
 }
 
-/// The film as it is shown in modes that show no light: size, and three bytes a pixel; black where there is nothing yet.
+/// The film as it is shown in modes that show no light: size, and three bytes a pixel; black where there is nothing
+/// yet.
 pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     let film = &world.resource::<RenderFilm>().film;
     let (width, height) = (film.width(), film.height());
@@ -122,7 +123,8 @@ pub fn factors(world: &World) -> Vec<Rgb> {
     world.resource::<LightMix>().factors(groups, lights)
 }
 
-/// Whether the denoised picture is still to come that the user wants to see: the best one of a picture that is at rest, or else the first.
+/// Whether the denoised picture is still to come that the user wants to see: the best one of a picture that is at rest,
+/// or else the first.
 pub(crate) fn awaits_denoised(world: &World) -> bool {
     let film = world.resource::<RenderFilm>();
     match world.resource::<RenderStatus>().state {

@@ -1,4 +1,5 @@
-//! Scales things so that they are seen well, and offers that for meshes that come from files: their size may have nothing to do with the scene.
+//! Scales things so that they are seen well, and offers that for meshes that come from files: their size may have
+//! nothing to do with the scene.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -21,7 +22,8 @@ const SHARE: f32 = 1.0 / 3.0;
 /// The number of significant digits of the factor.
 const DIGITS: i32 = 2;
 
-/// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is seen in its middle.
+/// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is
+/// seen in its middle.
 pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandError> {
     let units = grouping::units_of(edit.world, entities.to_vec());
     let mut all: Vec<Entity> = units.into_iter().flat_map(|unit| unit.all).collect();

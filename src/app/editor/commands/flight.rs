@@ -1,5 +1,6 @@
-//! Short flights of the view to where a command has sent it, so that the user sees where the view goes. A flight is no part of a command: later
-//! commands find the view at its end. There are no flights without a user, or if the preferences turn them off.
+//! Short flights of the view to where a command has sent it, so that the user sees where the view goes. A flight is no
+//! part of a command: later commands find the view at its end. There are no flights without a user, or if the
+//! preferences turn them off.
 
 use std::time::{Duration, Instant};
 
@@ -75,7 +76,8 @@ pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Opti
     world.resource_mut::<FreeView>().set_if_neq(first);
 }
 
-/// Ends the flight before a command, which finds the view at the end of the flight. Only steering by the user goes on from where the view is.
+/// Ends the flight before a command, which finds the view at the end of the flight. Only steering by the user goes on
+/// from where the view is.
 pub fn make_way(world: &mut World, command: &Command) {
     let Some(mut flights) = world.get_resource_mut::<Flights>() else {
         return;
@@ -119,8 +121,8 @@ fn eased(share: f32) -> f32 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Axes as directions, and how long they are. The extent of an orthographic picture means nothing to a perspective one and the other way
-/// around: it is the end's all the way.
+/// Axes as directions, and how long they are. The extent of an orthographic picture means nothing to a perspective one
+/// and the other way around: it is the end's all the way.
 fn between(course: &Course, share: f32) -> Affine3A {
     let (from, to) = (&course.from, &course.to);
     let rotation = direction(from).slerp(direction(to), share);

@@ -1,7 +1,9 @@
-//! Traces the full film on demand and before the picture is saved, where usually only the pixels of the window are traced.
+//! Traces the full film on demand and before the picture is saved, where usually only the pixels of the window are
+//! traced.
 //!
-//! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had when it was to be saved. A change of the
-//! scene or the view in between begins the picture anew: then nothing is saved, and the user is told.
+//! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had when it was
+//! to be saved. A change of the scene or the view in between begins the picture anew: then nothing is saved, and the
+//! user is told.
 
 use std::path::PathBuf;
 
@@ -117,8 +119,8 @@ pub fn confirm(world: &mut World) -> Result<(), CommandError> {
     }
 }
 
-/// Cancels the image that is waited for. The film that was begun for it stays with its samples, unless it has none or is so large that the user was
-/// asked about it. Without such an image it goes back to the pixels of the window.
+/// Cancels the image that is waited for. The film that was begun for it stays with its samples, unless it has none or
+/// is so large that the user was asked about it. Without such an image it goes back to the pixels of the window.
 pub fn stop(world: &mut World) {
     let Some(file) = world.get_resource::<AwaitedImage>().map(AwaitedImage::file_name) else {
         return control(world, RenderControl::forget_size_until_change);
@@ -161,7 +163,8 @@ pub fn follow_awaited_image(world: &mut World) {
             .error(Topic::Saving, error.to_string(), None);
         return end(world, Err(error));
     }
-    // The engine takes the demand back when the scene or the view changes, whether the setting asks for the full film as well or not.
+    // The engine takes the demand back when the scene or the view changes, whether the setting asks for the full film
+    // as well or not.
     if !world.resource::<RenderControl>().full_until_change {
         let error = ImageNotSaved::Changed { file };
         world.resource_mut::<Toasts>().reject(error.to_string());

@@ -1,5 +1,6 @@
-//! Groups: folders of things, in folders if need be, with a transform of their own. A folder is the part of names before a slash. Its transform is
-//! that of a thing without a surface that is called as the folder, with a slash behind it; moving that moves everything in the folder.
+//! Groups: folders of things, in folders if need be, with a transform of their own. A folder is the part of names
+//! before a slash. Its transform is that of a thing without a surface that is called as the folder, with a slash behind
+//! it; moving that moves everything in the folder.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -115,7 +116,8 @@ pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> R
     Ok(())
 }
 
-/// Takes things out of a folder that is given up. Folders inside it stay as they are, but for a number if there is such a folder already.
+/// Takes things out of a folder that is given up. Folders inside it stay as they are, but for a number if there is such
+/// a folder already.
 fn take_out(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
     let mut folders = BTreeSet::new();
     let mut direct = Vec::new();
@@ -191,7 +193,8 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
     poses
 }
 
-/// Things that stay together when each selected thing is placed by itself: a thing alone, or a group with all that is in it.
+/// Things that stay together when each selected thing is placed by itself: a thing alone, or a group with all that is
+/// in it.
 pub struct Unit {
     /// The thing, or the transform of the group.
     pub lead: Entity,
@@ -229,7 +232,8 @@ pub fn units_of(world: &mut World, things: Vec<Entity>) -> Vec<Unit> {
     units.collect()
 }
 
-/// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group itself is the active one then.
+/// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group
+/// itself is the active one then.
 pub fn select_group(world: &mut World) -> Result<(), CommandError> {
     let selection = world.resource::<Selection>().clone();
     let active = selection.active().ok_or("Nothing is selected.")?;
@@ -272,7 +276,8 @@ pub fn members(world: &mut World, frame: Entity) -> Vec<Entity> {
     inside
 }
 
-/// These things, and everything in the groups whose frames are among them. Members stand before their frame, as they are selected.
+/// These things, and everything in the groups whose frames are among them. Members stand before their frame, as they
+/// are selected.
 pub fn whole_groups(world: &mut World, things: Vec<Entity>) -> Vec<Entity> {
     let mut whole = Vec::new();
     let mut known = HashSet::new();

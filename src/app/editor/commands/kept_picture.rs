@@ -1,7 +1,8 @@
 //! Keeps a picture that is not finished beside its scene, and resumes it later.
 //!
-//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. What the picture is of is compared before it
-//! is resumed: a picture of a scene that was changed begins anew, and the file stays.
+//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. What the
+//! picture is of is compared before it is resumed: a picture of a scene that was changed begins anew, and the file
+//! stays.
 
 use std::path::{Path, PathBuf};
 
@@ -248,7 +249,8 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
             "{name} was not kept by the window: resume it by `sunroom render --resume`"
         ))
     })?;
-    // A scene that was edited since keeps the view that it has. Settings follow from what is shown, so they are compared later.
+    // A scene that was edited since keeps the view that it has. Settings follow from what is shown, so they are
+    // compared later.
     let (now, then) = (
         origin(world, &scene).map_err(CommandError::file)?,
         &file.header().origin,
@@ -280,7 +282,8 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Resumes the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every frame after the commands.
+/// Resumes the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every
+/// frame after the commands.
 pub(crate) fn follow(world: &mut World) {
     let status = world.resource::<SceneStatus>();
     if status.is_opening {
@@ -359,7 +362,8 @@ fn go_on(world: &mut World, mut returning: Returning) {
     world.resource_mut::<Toasts>().info(text);
 }
 
-/// Resumes the picture, if it is of the scene as it is now. Returns the samples that every pixel has. The error says what differs.
+/// Resumes the picture, if it is of the scene as it is now. Returns the samples that every pixel has. The error says
+/// what differs.
 fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<u32, String> {
     let view = world.resource::<PackedScene>().view.as_ref();
     if view.is_none_or(|view| [view.width, view.height] != size) {

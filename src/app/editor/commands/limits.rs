@@ -5,8 +5,8 @@ use crate::app::editor::session::history::Edit;
 use crate::engine::RenderControl;
 use crate::scene::{ActiveSensor, Film};
 
-/// Writes samples, limit of noise and adaptive sampling into the film of the camera. The limits of the window stay as they are: they are the
-/// same then, and still count if this is undone.
+/// Writes samples, limit of noise and adaptive sampling into the film of the camera. The limits of the window stay as
+/// they are: they are the same then, and still count if this is undone.
 pub fn keep(edit: &mut Edit) -> Result<(), CommandError> {
     let sensor = edit.world.resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| Some((sensor, *edit.world.get::<Film>(sensor)?)));

@@ -27,7 +27,8 @@ pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), Comman
     Ok(())
 }
 
-/// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is locked.
+/// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is
+/// locked.
 pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     let found = picking::pick(edit.world.resource::<PackedScene>(), at);
     let shape = found.ok_or("There is nothing that could take the material.")?;
@@ -37,7 +38,8 @@ pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     Ok(shape)
 }
 
-/// Gives shapes a material of the library, and its medium as their interior. What the scene has of its name that is still like it is used again.
+/// Gives shapes a material of the library, and its medium as their interior. What the scene has of its name that is
+/// still like it is used again.
 pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), CommandError> {
     for &shape in shapes {
         need_surface(edit, shape)?;
@@ -59,8 +61,8 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
     Ok(())
 }
 
-/// The materials of shapes, each of which only these shapes have: a material that others have as well is copied, and a shape without one gets a
-/// grey one.
+/// The materials of shapes, each of which only these shapes have: a material that others have as well is copied, and a
+/// shape without one gets a grey one.
 pub fn of_their_own(edit: &mut Edit, shapes: &[Entity]) -> Vec<Entity> {
     let mut own: Vec<(Option<Entity>, Entity)> = Vec::new();
     for &shape in shapes {
@@ -121,7 +123,8 @@ pub(super) fn copied(edit: &mut Edit, material: Entity) -> Option<Entity> {
     Some(made(edit, &name, &tree))
 }
 
-/// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such as in a circle.
+/// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such
+/// as in a circle.
 fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     const DEEPEST: usize = 16;
     fn below(world: &World, material: Entity, depth: usize) -> Option<MaterialTree> {
@@ -135,8 +138,8 @@ fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     below(world, material, DEEPEST)
 }
 
-/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Shapes that share a material still share it
-/// afterwards. An error if the tree does not fit inside what is around the material.
+/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Shapes that share a
+/// material still share it afterwards. An error if the tree does not fit inside what is around the material.
 pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), CommandError> {
     let mut done = Vec::new();
     for &target in targets {

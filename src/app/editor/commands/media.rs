@@ -97,7 +97,8 @@ pub fn spawn(edit: &mut Edit, name: &str, medium: Medium) -> Entity {
     edit.spawn((medium, order, SceneId(name.clone()), Name::new(name)))
 }
 
-/// Fills closed shapes. All of them get the same medium. A surface that lets no light in gets the material `null`, which a message says.
+/// Fills closed shapes. All of them get the same medium. A surface that lets no light in gets the material `null`,
+/// which a message says.
 pub fn fill(edit: &mut Edit, shapes: &[Entity], with: Filling) -> Result<(), CommandError> {
     // What is selected may hold other things.
     let is_free = |shape: &Entity| need_surface(edit, *shape).is_ok() && edit.world.get::<Locked>(*shape).is_none();

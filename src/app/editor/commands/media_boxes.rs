@@ -17,8 +17,8 @@ use crate::scene::{
     ToWorld, UsesMaterial,
 };
 
-/// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same plane, light would meet one or the other
-/// at random.
+/// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same
+/// plane, light would meet one or the other at random.
 pub const SUNK: f32 = 0.02;
 /// Half the edge of the box of fog in a scene without shapes, in world units.
 const ALONE: f32 = 10.0;

@@ -1,4 +1,5 @@
-//! What becomes of media when the things around them are edited: they move with the shapes that they fill, and go with their borders.
+//! What becomes of media when the things around them are edited: they move with the shapes that they fill, and go with
+//! their borders.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -15,8 +16,9 @@ use crate::scene::{
     Sensor, ToWorld,
 };
 
-/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds nothing, cameras and lights that have
-/// moved through borders of media are in others, and where something has got a medium, the integrator traces media.
+/// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds
+/// nothing, cameras and lights that have moved through borders of media are in others, and where something has got a
+/// medium, the integrator traces media.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
     leave_borderless(edit);
@@ -109,7 +111,8 @@ fn carry_volumes(edit: &mut Edit) {
     }
 }
 
-/// Where the last shape that a medium was inside of goes, or gets another medium, what was in that medium is in the one that is there now.
+/// Where the last shape that a medium was inside of goes, or gets another medium, what was in that medium is in the one
+/// that is there now.
 fn leave_borderless(edit: &mut Edit) {
     let emptied = edit.touched().filter_map(|(shape, before)| {
         let medium = before.interior?.0;
@@ -137,7 +140,8 @@ fn leave_borderless(edit: &mut Edit) {
     }
 }
 
-/// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as well.
+/// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as
+/// well.
 fn cross_borders(edit: &mut Edit) {
     let mut moved = Vec::new();
     for (thing, before) in edit.touched() {
@@ -204,7 +208,8 @@ pub fn cube_from_unit() -> Affine3A {
     Affine3A::from_translation(Vec3::NEG_ONE) * Affine3A::from_scale(Vec3::splat(2.0))
 }
 
-/// A copy of a medium whose volumes were moved by a step in the world, for a copy of the shape that it fills. None if it is the same everywhere: the copies share it.
+/// A copy of a medium whose volumes were moved by a step in the world, for a copy of the shape that it fills. None if
+/// it is the same everywhere: the copies share it.
 pub fn copied_with_place(edit: &mut Edit, medium: Entity, before: &Affine3A, after: &Affine3A) -> Option<Entity> {
     let own = edit.world.get::<Medium>(medium).filter(|medium| medium.has_place())?;
     let copy = moved(own, before, after);

@@ -1,7 +1,8 @@
-//! Applies [`Command`]s: this is the only place of the editor that writes to the scene. May import `model` and the modules below it.
+//! Applies [`Command`]s: this is the only place of the editor that writes to the scene. May import `model` and the
+//! modules below it.
 //!
-//! Values are compared before they are written, so that saying what is already so changes nothing. Edits of the scene become steps of the
-//! [`History`]; one that fails leaves nothing behind.
+//! Values are compared before they are written, so that saying what is already so changes nothing. Edits of the scene
+//! become steps of the [`History`]; one that fails leaves nothing behind.
 
 mod adding;
 pub mod apply_edit;

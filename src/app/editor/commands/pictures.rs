@@ -12,8 +12,8 @@ use crate::scene::{AreaLight, ChosenPicture, Emitter, Material, MaterialUsers, S
 /// The depth to which materials around a material are followed.
 const DEEPEST: usize = 8;
 
-/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture, upright on the shapes that have it.
-/// Lights have one parameter that may be a picture.
+/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture, upright on
+/// the shapes that have it. Lights have one parameter that may be a picture.
 pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
     if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
         let picture = upright(path.clone(), &shapes_of(edit.world, owner, DEEPEST));

@@ -10,8 +10,8 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::medium::users_of_medium;
 use crate::scene::{InteriorMedium, LengthUnit, Medium, ObjectState, SceneId, Shape};
 
-/// The depth that paths get at least: light is scattered often before it comes out again. A ball of milk of 5 cm is 2 % too dark with it, and 9 % with a
-/// quarter.
+/// The depth that paths get at least: light is scattered often before it comes out again. A ball of milk of 5 cm is 2 %
+/// too dark with it, and 9 % with a quarter.
 const DEPTH: u32 = 1024;
 
 /// An error if the preset has a medium and a shape has no inside.
@@ -31,7 +31,8 @@ pub fn need_inside(edit: &Edit, preset: &Preset, shapes: &[Entity]) -> Result<()
     }
 }
 
-/// Fills shapes with the medium of a preset. One without a medium takes away that of another, but no medium that the user has made.
+/// Fills shapes with the medium of a preset. One without a medium takes away that of another, but no medium that the
+/// user has made.
 pub fn fill(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) {
     let unit = edit.world.get_resource::<LengthUnit>().copied().unwrap_or_default();
     let before = of_library(edit.world, &interiors(edit.world, shapes), unit);

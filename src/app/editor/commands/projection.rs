@@ -45,7 +45,8 @@ fn in_parallel(pose: Affine3A, half_width: f32) -> Affine3A {
     }
 }
 
-/// The perspective pose from which things at `distance` fill as much of a picture whose half width at distance 1 is `half_width`.
+/// The perspective pose from which things at `distance` fill as much of a picture whose half width at distance 1 is
+/// `half_width`.
 fn in_perspective(pose: Affine3A, distance: f32, half_width: f32) -> Affine3A {
     let axes = unscaled(&pose);
     let new_distance = pose.matrix3.x_axis.length() / half_width;

@@ -1,6 +1,6 @@
-//! Saves large scenes on another thread while the user goes on. The scene is copied over some frames first; what is saved is the scene as it was at
-//! the end of that, and later edits are edits of the new file. Commands that read or write files of the scene, and the end of the program, wait for
-//! it.
+//! Saves large scenes on another thread while the user goes on. The scene is copied over some frames first; what is
+//! saved is the scene as it was at the end of that, and later edits are edits of the new file. Commands that read or
+//! write files of the scene, and the end of the program, wait for it.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -185,8 +185,8 @@ pub(crate) fn finish_at_exit(world: &mut World) {
     }
 }
 
-/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves is done. A command that
-/// loses edits is not done either while there is a question how to save them.
+/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves
+/// is done. A command that loses edits is not done either while there is a question how to save them.
 pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let saves = matches!(
         command,

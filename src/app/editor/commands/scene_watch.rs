@@ -134,7 +134,8 @@ pub fn follow_scene(
     }
 }
 
-/// Messages about meshes and pictures that were read again or could not be, and about files that are not there any more.
+/// Messages about meshes and pictures that were read again or could not be, and about files that are not there any
+/// more.
 pub fn follow_files(
     mut read_again: MessageReader<FileReadAgain>,
     status: Res<SceneStatus>,
@@ -259,8 +260,9 @@ fn failure(path: &Path, has_good_scene: bool) -> String {
     }
 }
 
-/// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the same steps however it was opened. Edits
-/// change it only where they make another scene of it: a step that was just used is used again.
+/// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the
+/// same steps however it was opened. Edits change it only where they make another scene of it: a step that was just
+/// used is used again.
 pub fn measure_scene(
     packed: Res<PackedScene>,
     active: Res<ActiveSensor>,
@@ -277,8 +279,9 @@ pub fn measure_scene(
     }
 }
 
-/// The size of everything with the camera, since a first small thing is not all there will be. A floor of a kilometre must not make a still life
-/// on it a matter of one key press, so that it is no more than what the camera is directed at suggests; and a camera with a long lens may be far away.
+/// The size of everything with the camera, since a first small thing is not all there will be. A floor of a kilometre
+/// must not make a still life on it a matter of one key press, so that it is no more than what the camera is directed
+/// at suggests; and a camera with a long lens may be far away.
 fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f32 {
     let Some(bounds) = picking::scene_bounds(packed) else {
         return NEW_SCENE;

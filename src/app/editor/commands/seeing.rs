@@ -81,7 +81,8 @@ pub fn isolate(world: &mut World, entities: Vec<Entity>) -> Result<(), CommandEr
     Ok(())
 }
 
-/// Hides walls, if the preferences say so, because the view looks along an axis: from there a closed room shows its outside only.
+/// Hides walls, if the preferences say so, because the view looks along an axis: from there a closed room shows its
+/// outside only.
 pub fn note_axis_view(world: &mut World) {
     let is_wanted = world
         .get_resource::<Preferences>()

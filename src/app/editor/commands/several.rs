@@ -125,7 +125,8 @@ fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialRefle
     }
 }
 
-/// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and scaled about its own place.
+/// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and
+/// scaled about its own place.
 fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entity>) {
     let Some(before) = pose_of(edit.world, entity) else {
         return;
@@ -157,7 +158,8 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: Vec<Entit
     }
 }
 
-/// The others, but not what moves with one of the groups among them anyway, and not groups that contain the thing itself.
+/// The others, but not what moves with one of the groups among them anyway, and not groups that contain the thing
+/// itself.
 fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) -> Vec<Entity> {
     let all = others.iter().copied().chain([thing]);
     let frames: Vec<Entity> = all.filter(|entity| grouping::is_frame(world, *entity)).collect();

@@ -1,4 +1,5 @@
-//! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside similar things.
+//! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside
+//! similar things.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -128,8 +129,8 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     Spot { foot, size, on }
 }
 
-/// The place that is seen in the middle of the picture, on any surface but those of `except`, or else on the ground; and the height of the part of
-/// the world that the picture shows at that distance. None without a picture.
+/// The place that is seen in the middle of the picture, on any surface but those of `except`, or else on the ground;
+/// and the height of the part of the world that the picture shows at that distance. None without a picture.
 pub fn seen(world: &World, except: &[Entity]) -> Option<(Vec3, f32)> {
     let packed = world.get_resource::<PackedScene>()?;
     let up = world.resource::<ViewSettings>().navigation.up;

@@ -57,8 +57,8 @@ impl Column {
 }
 
 impl Taken<'_> {
-    /// Whether something new would be in one of them. `upwards`: as long as half its size. Things in whose middle something may stand, such as a floor,
-    /// are not like what is new.
+    /// Whether something new would be in one of them. `upwards`: as long as half its size. Things in whose middle
+    /// something may stand, such as a floor, are not like what is new.
     pub fn is_at(&mut self, foot: Vec3, upwards: Vec3, lift: f32, is_like: impl Fn(&Aabb) -> bool) -> bool {
         let column = Column { foot, upwards, lift };
         self.is_in_picture(&column, is_like) || self.is_outside_picture(&column)

@@ -10,7 +10,8 @@ use crate::app::editor::command::texture_placing::has_textures;
 use crate::app::editor::session::history::Edit;
 use crate::scene::{Material, Shape, UsesMaterial};
 
-/// Gives all textures of a material, or of a shape's, that have one transform of uv another one. An error if there are none.
+/// Gives all textures of a material, or of a shape's, that have one transform of uv another one. An error if there are
+/// none.
 pub fn place(edit: &mut Edit, owner: Entity, before: Affine2, after: Affine2) -> Result<(), CommandError> {
     if !after.is_finite() {
         return Err("A texture cannot be placed by numbers that are not finite.".into());

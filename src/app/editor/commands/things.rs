@@ -51,7 +51,8 @@ pub(crate) fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
     }
 }
 
-/// Deletes a thing with the materials and media that were written inside it and that nothing else uses. Users of the thing lose the reference.
+/// Deletes a thing with the materials and media that were written inside it and that nothing else uses. Users of the
+/// thing lose the reference.
 pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     let declared: Vec<Entity> = edit
         .world
@@ -148,7 +149,8 @@ pub(crate) fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, Name::new(name.to_owned()));
 }
 
-/// The pose of a thing: world from a space whose origin is the thing's place, such as the centre of a sphere ([`Shape::middle`]).
+/// The pose of a thing: world from a space whose origin is the thing's place, such as the centre of a sphere
+/// ([`Shape::middle`]).
 pub fn pose_of(world: &World, entity: Entity) -> Option<Affine3A> {
     let to_world = world.get::<ToWorld>(entity)?.0;
     Some(match middle_of(world, entity) {
@@ -167,8 +169,8 @@ fn middle_of(world: &World, entity: Entity) -> Vec3 {
     world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle)
 }
 
-/// Gives a thing a pose, see [`pose_of`]. One without a transform that has a place of its own, such as a centre, is moved by that. Angles that do not give the
-/// new rotation follow it.
+/// Gives a thing a pose, see [`pose_of`]. One without a transform that has a place of its own, such as a centre, is
+/// moved by that. Angles that do not give the new rotation follow it.
 pub fn set_pose(edit: &mut Edit, entity: Entity, pose: Affine3A) {
     if let Some(shape) = moved_by_itself(edit.world, entity, &pose) {
         edit.set(entity, shape);
@@ -201,7 +203,8 @@ pub fn set_angles(edit: &mut Edit, entity: Entity, angles: Option<EulerAngles>) 
     }
 }
 
-/// The shape as it is moved to a pose by its own numbers. None if the pose does more than that, and if the shape has a transform, which is moved then.
+/// The shape as it is moved to a pose by its own numbers. None if the pose does more than that, and if the shape has a
+/// transform, which is moved then.
 fn moved_by_itself(world: &World, entity: Entity, pose: &Affine3A) -> Option<Shape> {
     let has_transform = match world.get::<Authored>(entity) {
         Some(authored) => authored
@@ -224,8 +227,8 @@ fn has_track(world: &World, entity: Entity) -> bool {
         .is_some_and(|keys| keys.track(&KeyPath::new("to_world")).is_some())
 }
 
-/// Sets poses, see [`pose_of`], as one edit. The error is a sentence for the user; poses before the refused one are set then, and the caller abandons the
-/// edit.
+/// Sets poses, see [`pose_of`], as one edit. The error is a sentence for the user; poses before the refused one are set
+/// then, and the caller abandons the edit.
 pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {
     for (entity, pose) in poses {
         if edit.world.get::<Placements>(entity).is_some() {

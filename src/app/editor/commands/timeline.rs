@@ -109,7 +109,8 @@ pub(crate) fn play_on(world: &mut World) {
     }
 }
 
-/// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its tracks.
+/// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its
+/// tracks.
 pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
     let mut targets = match targets {
         [] => targets_of_selection(edit, how)?,
@@ -126,7 +127,8 @@ pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Res
     Ok(())
 }
 
-/// Adds the places of what moves with the groups whose places are among the targets: where these have keys that the edit is about, or all if it sets keys.
+/// Adds the places of what moves with the groups whose places are among the targets: where these have keys that the
+/// edit is about, or all if it sets keys.
 fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>, how: KeyEdit) {
     let places = targets.iter().filter(|(_, path)| path.is_place());
     let mut known: EntityHashSet = places.map(|(thing, _)| *thing).collect();
@@ -153,7 +155,8 @@ fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>, how: Key
     }
 }
 
-/// The path itself, or that by which the plugin of the thing says where it is, such as `position`, if the path is another one for a place.
+/// The path itself, or that by which the plugin of the thing says where it is, such as `position`, if the path is
+/// another one for a place.
 fn own_place(world: &World, thing: Entity, path: KeyPath) -> KeyPath {
     let has_keys = world.get::<Keys>(thing).is_some_and(|keys| keys.track(&path).is_some());
     match path.is_place() && !has_keys {
@@ -162,7 +165,8 @@ fn own_place(world: &World, thing: Entity, path: KeyPath) -> KeyPath {
     }
 }
 
-/// Lets the camera in use go once around the middle of the selection, or of the scene, from the first frame on to the one after the last.
+/// Lets the camera in use go once around the middle of the selection, or of the scene, from the first frame on to the
+/// one after the last.
 pub fn add_turntable(edit: &mut Edit) -> Result<(), CommandError> {
     let of_selection = view::selected_bounds(edit.world);
     let bounds = match of_selection.is_empty() {

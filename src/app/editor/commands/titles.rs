@@ -62,7 +62,8 @@ impl Title {
     }
 }
 
-/// The name of one thing or the number of several, with a blank before it; empty for nothing and for a thing without a name.
+/// The name of one thing or the number of several, with a blank before it; empty for nothing and for a thing without a
+/// name.
 fn subject(world: &World, things: &[Entity]) -> String {
     match things {
         [] => String::new(),
@@ -116,7 +117,8 @@ fn parameter_of_medium(before: &Medium, after: &Medium) -> Option<&'static str> 
     }
 }
 
-/// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what happens to the first thing.
+/// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what
+/// happens to the first thing.
 fn verb(world: &World, command: &Command) -> String {
     let change = match command {
         Command::Add(addition) => return format!("{} {}", command.label(), addition.kind.name()),

@@ -78,7 +78,8 @@ fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     flight::go(world, from, FreeView { pose, lens }, center);
 }
 
-/// The distance along the view of the middle of the selection, of the point that the view was turned about, or of what is ahead.
+/// The distance along the view of the middle of the selection, of the point that the view was turned about, or of what
+/// is ahead.
 pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
     let selected = selected_bounds(world);

@@ -1,4 +1,5 @@
-//! Imports files with grids of voxels: each becomes a box that light does not notice, filled with a medium that is as dense as the grid says.
+//! Imports files with grids of voxels: each becomes a box that light does not notice, filled with a medium that is as
+//! dense as the grid says.
 
 use std::path::Path;
 
@@ -75,8 +76,8 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
     Ok(())
 }
 
-/// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube. Voxels are cubes unless the
-/// file says more.
+/// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube.
+/// Voxels are cubes unless the file says more.
 fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), VolumeMapError> {
     let (file, format) = VolumeFormat::of_asset(asset);
     let is_large = matches!(files::check(file, LARGEST), Err(FileError::TooLarge { .. }));

@@ -1,5 +1,5 @@
-//! What a drag in the picture does, by its button and the keys held at the press. There is a table for each navigation preset; the overview of keys
-//! shows it.
+//! What a drag in the picture does, by its button and the keys held at the press. There is a table for each navigation
+//! preset; the overview of keys shows it.
 
 use bevy_egui::egui::{Modifiers, PointerButton};
 
@@ -104,8 +104,8 @@ pub fn drags(preset: NavigationPreset) -> &'static [DragRule] {
     }
 }
 
-/// What a drag does that begins with this button and these keys. Keys without a rule of their own mean nothing here: Shift and Control also make
-/// flying fast and slow.
+/// What a drag does that begins with this button and these keys. Keys without a rule of their own mean nothing here:
+/// Shift and Control also make flying fast and slow.
 pub fn drag_use(preset: NavigationPreset, button: PointerButton, modifiers: Modifiers) -> DragUse {
     let held = match (modifiers.command, modifiers.shift, modifiers.alt) {
         (_, _, true) => Held::Alt,

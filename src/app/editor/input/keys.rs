@@ -12,7 +12,8 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shell::ShellCommand;
 
-/// The direction of flight to the left, up and forward, each -1, 0 or 1. Keys with modifiers, which preferences may name, do not fly.
+/// The direction of flight to the left, up and forward, each -1, 0 or 1. Keys with modifiers, which preferences may
+/// name, do not fly.
 pub(crate) fn fly_direction(input: &InputState, bound: &KeyBindings) -> Vec3 {
     let axes = FLIGHT.map(|ways| {
         let [plus, minus] = ways.map(|way| {
@@ -24,7 +25,8 @@ pub(crate) fn fly_direction(input: &InputState, bound: &KeyBindings) -> Vec3 {
     Vec3::from_array(axes)
 }
 
-/// The presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` gives no frame two states of them.
+/// The presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` gives no frame two
+/// states of them.
 pub fn presses<'a>(events: impl Iterator<Item = &'a KeyboardInput>, modifiers: Modifiers) -> Vec<Press> {
     let pressed = events.filter(|event| event.state.is_pressed() && !event.repeat);
     pressed.filter_map(|event| press(event, modifiers)).collect()

@@ -1,12 +1,13 @@
-//! Drops repeated reports of the modifier keys, so that the window sleeps while nothing happens: `bevy_egui` reports the modifiers in every
-//! frame, whether they changed or not, and egui draws once more after every event.
+//! Drops repeated reports of the modifier keys, so that the window sleeps while nothing happens: `bevy_egui` reports
+//! the modifiers in every frame, whether they changed or not, and egui draws once more after every event.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_egui::EguiInput;
 use bevy_egui::egui::{Event, Modifiers};
 
-/// Removes the reports of modifiers that equal the last ones. It runs after egui's events have been gathered and before egui gets them.
+/// Removes the reports of modifiers that equal the last ones. It runs after egui's events have been gathered and before
+/// egui gets them.
 pub fn drop_repeated_modifiers(
     mut inputs: Query<(Entity, &mut EguiInput)>,
     mut known: Local<EntityHashMap<Modifiers>>,

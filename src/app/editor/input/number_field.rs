@@ -1,6 +1,6 @@
-//! Fields for numbers. What is typed counts once the field is left: a number with a decimal point or a decimal comma, with a unit where it is
-//! a length, and simple arithmetic. A text that is no number is kept in the field, marked, until it is one or Esc gives it up. What is wrong
-//! with a text is told in the status line as well.
+//! Fields for numbers. What is typed counts once the field is left: a number with a decimal point or a decimal comma,
+//! with a unit where it is a length, and simple arithmetic. A text that is no number is kept in the field, marked,
+//! until it is one or Esc gives it up. What is wrong with a text is told in the status line as well.
 
 use std::cell::{Cell, RefCell};
 use std::ops::RangeInclusive;
@@ -234,7 +234,8 @@ fn was_given_up(context: &Context) -> bool {
     given_up.is_some_and(|GivenUp(at)| pass <= at + 2)
 }
 
-/// Whether what happens in this frame may change a text, and nothing that changes a number without one: a drag, or an arrow key.
+/// Whether what happens in this frame may change a text, and nothing that changes a number without one: a drag, or an
+/// arrow key.
 fn is_only_typed(ui: &Ui) -> bool {
     let arrows = [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];
     ui.input(|input| {
@@ -321,8 +322,8 @@ impl<'a> SliderField<'a> {
     }
 }
 
-/// A field for numbers in this range. `about`: what tells it from fields that are in its place at other times. `format`: the text of a
-/// number with so many decimals.
+/// A field for numbers in this range. `about`: what tells it from fields that are in its place at other times.
+/// `format`: the text of a number with so many decimals.
 pub fn number<'a, N: Numeric>(
     ui: &Ui,
     drag: DragValue<'a>,
@@ -384,7 +385,8 @@ fn forget_note(context: &Context) {
     context.request_repaint();
 }
 
-/// Brings back the values of all texts that are no numbers, while the status line tells of one. False: there is none, and Esc is for something else.
+/// Brings back the values of all texts that are no numbers, while the status line tells of one. False: there is none,
+/// and Esc is for something else.
 pub fn take_back(context: &Context) -> bool {
     let has_texts = context.data(|data| data.count::<Rejected>() > 0);
     if told(context).is_none() || !has_texts {

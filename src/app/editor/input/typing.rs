@@ -1,5 +1,6 @@
-//! Hands on the keys in the order in which they came. A frame knows one state of the modifier keys and one holder of the keyboard, but a slow one
-//! may have had a click into a number, Control and A, some digits and Enter. What comes after a change of either waits for the next frame.
+//! Hands on the keys in the order in which they came. A frame knows one state of the modifier keys and one holder of
+//! the keyboard, but a slow one may have had a click into a number, Control and A, some digits and Enter. What comes
+//! after a change of either waits for the next frame.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
@@ -64,8 +65,8 @@ fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<us
     found
 }
 
-/// The number of keys, from the first on, that share one state of the modifiers, that of the first that is no modifier, and one reader of the
-/// keyboard.
+/// The number of keys, from the first on, that share one state of the modifiers, that of the first that is no modifier,
+/// and one reader of the keyboard.
 fn batch(keys: &[KeyboardInput]) -> usize {
     let (mut has_press, mut has_left) = (false, false);
     let next = keys.iter().position(|key| {

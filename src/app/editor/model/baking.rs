@@ -13,7 +13,8 @@ pub struct BakeModel {
     pub choices: BakeChoices,
     /// The folder for the next one, if it is known.
     pub folder: Option<PathBuf>,
-    /// The folder of the open scene's file, which the name of another folder counts from. None for the folder that the program was started in.
+    /// The folder of the open scene's file, which the name of another folder counts from. None for the folder that the
+    /// program was started in.
     pub scene_folder: Option<PathBuf>,
     /// The bake under way, or that has ended and is still shown.
     pub shown: Option<ShownBake>,

@@ -175,7 +175,8 @@ fn both<T: PartialReflect>(one: &Option<T>, two: &Option<T>, found: &mut BTreeSe
     }
 }
 
-/// Adds the names of fields that differ to `found`, those within a field as `field.part`, those of a variant by their own names. A field that only one of the two values has does not count.
+/// Adds the names of fields that differ to `found`, those within a field as `field.part`, those of a variant by their
+/// own names. A field that only one of the two values has does not count.
 fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found: &mut BTreeSet<String>) {
     if one.reflect_partial_eq(two) == Some(true) {
         return;
@@ -222,7 +223,8 @@ fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found:
     }
 }
 
-/// The rounding of a shape's position by the way to its middle and back, per coordinate. `pose`: world from a space whose origin is there.
+/// The rounding of a shape's position by the way to its middle and back, per coordinate. `pose`: world from a space
+/// whose origin is there.
 pub(crate) fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
     // A few units in the last place of numbers that are added.
     const ROUNDING: f32 = 4.0 * f32::EPSILON;

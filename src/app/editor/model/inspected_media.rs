@@ -41,7 +41,8 @@ impl Media<'_, '_> {
         self.leaks.of(shape).map(str::to_owned)
     }
 
-    /// The medium itself, or those that the thing refers to, each once. One that has not changed is shared with the list of the frame before.
+    /// The medium itself, or those that the thing refers to, each once. One that has not changed is shared with the
+    /// list of the frame before.
     pub fn inspected(&self, thing: &Inspected, before: &[InspectedMedium]) -> Vec<InspectedMedium> {
         let mut found: Vec<InspectedMedium> = Vec::new();
         for (side, entity) in places(thing, self.contains(thing.entity)) {

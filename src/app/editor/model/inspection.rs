@@ -111,7 +111,8 @@ fn inspect(
         _ if is_material => "material",
         _ => "medium",
     };
-    // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not shown.
+    // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not
+    // shown.
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     Some(Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
@@ -143,8 +144,8 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     })
 }
 
-/// The materials that the panel shows of a thing: itself, if it is a material, or else the one that it uses, and those nested in it. A material that
-/// has not changed is shared with the list of the frame before.
+/// The materials that the panel shows of a thing: itself, if it is a material, or else the one that it uses, and those
+/// nested in it. A material that has not changed is shared with the list of the frame before.
 fn inspected_materials(
     thing: &Inspected,
     materials: &Query<MaterialParts>,

@@ -1,4 +1,5 @@
-//! The things of one kind in the order of the file, as a list in which a thing is found quickly among hundreds of thousands.
+//! The things of one kind in the order of the file, as a list in which a thing is found quickly among hundreds of
+//! thousands.
 
 use std::ops::Deref;
 

@@ -1,4 +1,5 @@
-//! Finds shapes with a medium inside that are not closed. The edges of a mesh are counted once, on other threads than the window's.
+//! Finds shapes with a medium inside that are not closed. The edges of a mesh are counted once, on other threads than
+//! the window's.
 
 use std::sync::{Arc, Weak};
 

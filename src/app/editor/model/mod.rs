@@ -1,5 +1,5 @@
-//! The data that the panels show: gathered from the world once per frame, so that panels never touch the ECS. May import `picture` and the modules
-//! below it.
+//! The data that the panels show: gathered from the world once per frame, so that panels never touch the ECS. May
+//! import `picture` and the modules below it.
 
 pub mod assets;
 pub mod baking;

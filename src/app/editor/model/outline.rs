@@ -197,8 +197,8 @@ fn sorted(items: impl Iterator<Item = Placed>) -> ItemList {
     items.into_iter().map(|(_, item)| item).collect()
 }
 
-/// Brings the list up to date. While a scene is being opened it is empty: a part of the scene cannot be edited, and the list would be made anew in
-/// every frame.
+/// Brings the list up to date. While a scene is being opened it is empty: a part of the scene cannot be edited, and the
+/// list would be made anew in every frame.
 pub(crate) fn gather_outline(
     mut model: ResMut<EditorModel>,
     mut news: OutlineNews,

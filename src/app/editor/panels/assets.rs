@@ -1,5 +1,5 @@
-//! Browses folders of pictures, environments, meshes, scenes and materials. A double click uses a file for the selection, a drag takes it into the
-//! picture.
+//! Browses folders of pictures, environments, meshes, scenes and materials. A double click uses a file for the
+//! selection, a drag takes it into the picture.
 
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};

@@ -179,7 +179,8 @@ fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
     });
 }
 
-/// A switch with a number beside it where it is on, and with a word where it is off. `words` are the unit and that word. True if the user has changed it.
+/// A switch with a number beside it where it is on, and with a word where it is off. `words` are the unit and that
+/// word. True if the user has changed it.
 fn optional<N: egui::emath::Numeric>(
     ui: &mut Ui,
     caption: Caption,

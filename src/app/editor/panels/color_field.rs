@@ -1,5 +1,5 @@
-//! Rows for colours. Colours are linear Rec. 709 inside and in files; the panel shows them so, or as sRGB in hexadecimal as drawing
-//! programs do, and says which.
+//! Rows for colours. Colours are linear Rec. 709 inside and in files; the panel shows them so, or as sRGB in
+//! hexadecimal as drawing programs do, and says which.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -22,7 +22,8 @@ enum Notation {
 const SWATCH: f32 = 24.0;
 const SWITCH: f32 = 28.0;
 
-/// A reflectance: linear, each channel in [0, 1]. The controls are named "`name` R", "`name` G", "`name` B", or "`name` hex".
+/// A reflectance: linear, each channel in [0, 1]. The controls are named "`name` R", "`name` G", "`name` B", or "`name`
+/// hex".
 pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) -> bool {
     let caption = caption.into();
     let mut copy = *value;
@@ -44,8 +45,8 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
     write_back(changed, value, copy)
 }
 
-/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at the right that the row of
-/// the colour leaves to a menu, and that of the strength takes.
+/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at
+/// the right that the row of the colour leaves to a menu, and that of the strength takes.
 pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
     let caption = caption.into();
     colored(ui, caption, caption.part("Colour"), unit, beyond, value)
@@ -93,8 +94,8 @@ fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     write_back(changed, color, Rgb::from_array(values))
 }
 
-/// A text field with the colour. The typed text stays as it is until it is a colour, which the field shows otherwise once it is left, or until Esc
-/// gives it up.
+/// A text field with the colour. The typed text stays as it is until it is a colour, which the field shows otherwise
+/// once it is left, or until Esc gives it up.
 fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     let id = ui.make_persistent_id((name, "hex", owner(ui)));
     let shown = hex_of(*color);

@@ -16,8 +16,8 @@ const FLAT: f32 = 1e-5;
 /// The distance of the middle of a box from the origin of its space that counts as none, as a share of the box.
 const MIDDLE: f32 = 1e-5;
 
-/// Shows the extents of a box. A new extent scales `to_world` about the middle of the box, so that the box gets that extent. True if edited.
-/// Without a pose, or if it is turned, the numbers are only shown.
+/// Shows the extents of a box. A new extent scales `to_world` about the middle of the box, so that the box gets that
+/// extent. True if edited. Without a pose, or if it is turned, the numbers are only shown.
 pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affine3A>, shape: Option<&Shape>) -> bool {
     let extent = bounds.extent();
     let scalable = to_world.filter(|pose| shape.is_some() && axes_of(&pose.matrix3).is_some());
@@ -49,9 +49,10 @@ fn axes_of(matrix: &Mat3A) -> Option<[usize; 3]> {
     Some([axes[0]?, axes[1]?, axes[2]?])
 }
 
-/// The pose with which a thing has another extent in the world and the same middle; it must lie along the axes of the world. The scale follows from what was
-/// typed and from the extent that the shape has in its own space, if that is known: that of its bounds in the world has been rounded. All axes of a sphere grow
-/// by the factor of the one that was changed. None where that cannot be.
+/// The pose with which a thing has another extent in the world and the same middle; it must lie along the axes of the
+/// world. The scale follows from what was typed and from the extent that the shape has in its own space, if that is
+/// known: that of its bounds in the world has been rounded. All axes of a sphere grow by the factor of the one that was
+/// changed. None where that cannot be.
 pub fn scaled(pose: &Affine3A, bounds: &Aabb, extent: Vec3, shape: Option<&Shape>) -> Option<Affine3A> {
     let before = bounds.extent();
     let along = axes_of(&pose.matrix3)?;

@@ -1,5 +1,5 @@
-//! Finds what is dragged. Where several events come in one frame, egui looks at where the pointer is at the end of the frame, but users mean
-//! what they pressed.
+//! Finds what is dragged. Where several events come in one frame, egui looks at where the pointer is at the end of the
+//! frame, but users mean what they pressed.
 
 use bevy_egui::egui::{Response, Ui};
 

@@ -7,7 +7,8 @@ const SIZE: f32 = 11.5;
 /// The fewest columns that a line is broken into: a narrow panel scrolls.
 const FEWEST: usize = 16;
 
-/// Shows a line of a file with the marks under it. A line that is too long for the panel goes on below, with each mark under its place.
+/// Shows a line of a file with the marks under it. A line that is too long for the panel goes on below, with each mark
+/// under its place.
 pub fn excerpt(ui: &mut Ui, lines: &str) {
     let font = FontId::monospace(SIZE);
     let ten = ui
@@ -22,7 +23,8 @@ pub fn excerpt(ui: &mut Ui, lines: &str) {
     });
 }
 
-/// Breaks the line and the line of marks below it at the same columns. The first part has the line's number and a bar before it, the others a bar.
+/// Breaks the line and the line of marks below it at the same columns. The first part has the line's number and a bar
+/// before it, the others a bar.
 fn broken(lines: &str, columns: usize) -> String {
     let Some((line, marks)) = lines.split_once('\n') else {
         return lines.to_owned();

@@ -1,8 +1,8 @@
-//! The rows panels are made of, in one grid: a column of names, whose texts end before the controls, and a column of controls, which all end at the
-//! panel's right edge.
+//! The rows panels are made of, in one grid: a column of names, whose texts end before the controls, and a column of
+//! controls, which all end at the panel's right edge.
 //!
-//! Every row edits a copy and writes it back only if the user changed something: showing a value that the control cannot hold exactly
-//! (out of its range, more digits than shown) must not change it.
+//! Every row edits a copy and writes it back only if the user changed something: showing a value that the control
+//! cannot hold exactly (out of its range, more digits than shown) must not change it.
 
 use std::ops::RangeInclusive;
 

@@ -56,8 +56,8 @@ impl EditedMaterials {
 /// The points at the right that a scroll bar covers if not everything fits.
 const SCROLL_BAR: f32 = 8.0;
 
-/// Shows the parameters of the active thing. If several things are selected, all of the same kind get the same change. `scene_size` is in world
-/// units.
+/// Shows the parameters of the active thing. If several things are selected, all of the same kind get the same change.
+/// `scene_size` is in world units.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);

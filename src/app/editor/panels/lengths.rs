@@ -1,4 +1,5 @@
-//! Fields for lengths: numbers in the unit of the scene, into which other units may be typed (`2m`, `30cm`, `6'`, `4in`).
+//! Fields for lengths: numbers in the unit of the scene, into which other units may be typed (`2m`, `30cm`, `6'`,
+//! `4in`).
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,5 @@
-//! Shows the library of materials as a wall of balls: a click gives one to the selection, a drag to a shape in the picture.
+//! Shows the library of materials as a wall of balls: a click gives one to the selection, a drag to a shape in the
+//! picture.
 
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 

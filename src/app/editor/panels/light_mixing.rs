@@ -1,4 +1,5 @@
-//! The mixing desk: each light of the finished picture made brighter, darker or of another colour without rendering anew.
+//! The mixing desk: each light of the finished picture made brighter, darker or of another colour without rendering
+//! anew.
 
 use bevy_egui::egui::{self, Ui};
 

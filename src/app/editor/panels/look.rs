@@ -2,7 +2,8 @@
 
 use bevy_egui::egui::{Align, Button, Color32, Layout, RichText, Ui, Visuals};
 
-/// The background of the headers of sections: a slightly lighter grey than the panel in the dark theme, a darker one in the light theme.
+/// The background of the headers of sections: a slightly lighter grey than the panel in the dark theme, a darker one in
+/// the light theme.
 pub fn strip(visuals: &Visuals) -> Color32 {
     match visuals.dark_mode {
         true => Color32::from_gray(52),

@@ -160,8 +160,8 @@ impl Rows<'_> {
         }
     }
 
-    /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value if the texture has
-    /// none to give back.
+    /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value
+    /// if the texture has none to give back.
     pub(crate) fn texturable<T: PlainValue>(
         &mut self,
         info: &'static ParameterInfo,
@@ -280,8 +280,8 @@ fn turned_roughness(roughness: &Roughness) -> Roughness {
     }
 }
 
-/// The other way to say how strongly it mirrors head on: 0.08 `specular` = ((eta - 1) / (eta + 1))^2 (Burley, Physically-Based Shading at
-/// Disney, 2012, section 5.5).
+/// The other way to say how strongly it mirrors head on: 0.08 `specular` = ((eta - 1) / (eta + 1))^2 (Burley,
+/// Physically-Based Shading at Disney, 2012, section 5.5).
 fn turned_index(index: PrincipledIndex) -> PrincipledIndex {
     match index {
         PrincipledIndex::Specular(specular) => {

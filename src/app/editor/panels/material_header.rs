@@ -51,8 +51,8 @@ fn title(entry: &InspectedMaterial) -> String {
     }
 }
 
-/// The materials of the library that `place` takes. What is chosen goes to the material or the shape; if that is the whole, to everything that is
-/// selected.
+/// The materials of the library that `place` takes. What is chosen goes to the material or the shape; if that is the
+/// whole, to everything that is selected.
 pub fn presets(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model, commands: &mut Vec<Command>) {
     ui.menu_button("Presets", |ui| preset_menu(ui, target, place, model, commands))
         .response

@@ -75,8 +75,8 @@ fn row(ui: &mut Ui, part: &InspectedMaterial, is_shown: bool, model: &Model, com
     response
 }
 
-/// The kind of a part. Before it stands which side or layer of the one around it the part is; after it, for the whole material alone, the name if
-/// it has one of its own.
+/// The kind of a part. Before it stands which side or layer of the one around it the part is; after it, for the whole
+/// material alone, the name if it has one of its own.
 fn text(part: &InspectedMaterial) -> String {
     let place = match part.place {
         MaterialPlace::Whole | MaterialPlace::Inside => "",

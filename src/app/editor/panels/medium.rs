@@ -97,7 +97,8 @@ fn phase(ui: &mut Ui, phase: &mut PhaseFunction, textures: &PanelTextures) -> bo
     changed
 }
 
-/// The places of volumes, and what is known of the files of grids. `grids` are in the order of [`Medium::for_each_grid`].
+/// The places of volumes, and what is known of the files of grids. `grids` are in the order of
+/// [`Medium::for_each_grid`].
 fn volumes(ui: &mut Ui, medium: &mut Medium, grids: &[Option<InspectedGrid>]) -> bool {
     let mut changed = false;
     let mut grids = grids.iter().copied();

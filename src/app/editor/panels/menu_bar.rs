@@ -37,7 +37,8 @@ fn open_id() -> Id {
     Id::new("a menu of the bar is open")
 }
 
-/// A menu of the bar. It opens by a click, and by pointing at it while another menu of the bar is open. Returns whether it is open.
+/// A menu of the bar. It opens by a click, and by pointing at it while another menu of the bar is open. Returns whether
+/// it is open.
 fn top_menu(ui: &mut Ui, title: &str, is_one_open: bool, content: &mut dyn FnMut(&mut Ui)) -> bool {
     let (button, _) = MenuButton::new(title).ui(ui, content);
     let popup = Popup::default_response_id(&button);
@@ -125,8 +126,8 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
 /// The edge of an entry's drawing, in points.
 const DRAWING: f32 = 16.0;
 
-/// The action of this name, grey where there is nothing to do it to, and marked where it is on. `drawing`: the kind of thing that is drawn
-/// before it.
+/// The action of this name, grey where there is nothing to do it to, and marked where it is on. `drawing`: the kind of
+/// thing that is drawn before it.
 fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else {
         return;

@@ -1,5 +1,6 @@
-//! The panels around the picture. Each is a function of an egui `Ui` and plain data that says what the user did as [`Command`]s; none
-//! touches the ECS, so that tests can drive them without a window. May import `model`, `input` and the modules below them.
+//! The panels around the picture. Each is a function of an egui `Ui` and plain data that says what the user did as
+//! [`Command`]s; none touches the ECS, so that tests can drive them without a window. May import `model`, `input` and
+//! the modules below them.
 //!
 //! [`Command`]: crate::app::editor::command::Command
 

@@ -1,5 +1,5 @@
-//! The panel of the paths of a pixel: at each vertex what was hit, which light was sampled and how the path continued, with the densities and
-//! weights of multiple importance sampling.
+//! The panel of the paths of a pixel: at each vertex what was hit, which light was sampled and how the path continued,
+//! with the densities and weights of multiple importance sampling.
 
 use bevy::math::UVec2;
 use bevy_egui::egui::{self, Color32, RichText, Ui};

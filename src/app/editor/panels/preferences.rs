@@ -151,7 +151,8 @@ fn window_rows(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences, comma
 }
 
 fn panel_size(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences) {
-    // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is released.
+    // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is
+    // released.
     let id = ui.id().with("scale");
     let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(id, shown.ui_scale));
     let help = "Multiplies the scale of the system. Keys: Ctrl and +, - or 0";

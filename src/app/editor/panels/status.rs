@@ -237,7 +237,8 @@ pub(super) fn percent(share: f32) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// The heights of the curve, with both axes as logarithms: noise falls along a straight line there. Empty without two points.
+/// The heights of the curve, with both axes as logarithms: noise falls along a straight line there. Empty without two
+/// points.
 fn heights(points: &[(u32, f32)]) -> Vec<f32> {
     let [(first, _), .., (last, _)] = points else {
         return Vec::new();
@@ -298,7 +299,8 @@ pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
     }
 }
 
-/// The share of the wanted samples that is done, from 0 to 1, and the seconds until all are done; None while that is unknown.
+/// The share of the wanted samples that is done, from 0 to 1, and the seconds until all are done; None while that is
+/// unknown.
 pub(crate) fn progress_of(status: &RenderStatus, samples: u32) -> (f32, Option<f64>) {
     let pixels = f64::from(status.size.x) * f64::from(status.size.y);
     let wanted = pixels * f64::from(samples.max(1));

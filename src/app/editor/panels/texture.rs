@@ -43,8 +43,8 @@ impl TextureKind {
     }
 }
 
-/// Turns the parameter into a texture of another kind, or into none. Colours and the placing stay as far as both have them. A bitmap stays what it
-/// was: it needs a file first.
+/// Turns the parameter into a texture of another kind, or into none. Colours and the placing stay as far as both have
+/// them. A bitmap stays what it was: it needs a file first.
 pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
     let (color, to_uv) = match &*value {
         Parameter::Constant(plain) => (Some(plain.to_color()), Affine2::IDENTITY),

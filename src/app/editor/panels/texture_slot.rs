@@ -1,5 +1,5 @@
-//! Shows a parameter that may be a texture: one row with a menu that switches between the two, and below it, on demand, the texture's own
-//! parameters.
+//! Shows a parameter that may be a texture: one row with a menu that switches between the two, and below it, on demand,
+//! the texture's own parameters.
 
 use std::path::Path;
 
@@ -49,7 +49,8 @@ const SQUARE: f32 = 3.5;
 const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
 
 impl Slot<'_> {
-    /// Shows the slot. `plain_rows` shows the value if it is no texture; `otherwise` is that value if the texture knows none.
+    /// Shows the slot. `plain_rows` shows the value if it is no texture; `otherwise` is that value if the texture knows
+    /// none.
     pub fn show<T: PlainValue>(
         &self,
         ui: &mut Ui,

@@ -1,5 +1,6 @@
-//! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged, and a track of keys below it.
-//! A press on the ruler is never one on a key, so that the time can be dragged away from a key.
+//! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged,
+//! and a track of keys below it. A press on the ruler is never one on a key, so that the time can be dragged away from
+//! a key.
 
 use std::ops::RangeInclusive;
 

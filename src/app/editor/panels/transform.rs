@@ -20,8 +20,8 @@ pub enum PoseEdit {
     Turned(Vec3),
 }
 
-/// Shows the rows of a pose, and edits it. `size` (world units) sets how fast a drag moves. `angles`: those of the rotation that are known. The rotation is
-/// shown from `rest`.
+/// Shows the rows of a pose, and edits it. `size` (world units) sets how fast a drag moves. `angles`: those of the
+/// rotation that are known. The rotation is shown from `rest`.
 pub fn transform(
     ui: &mut Ui,
     to_world: &mut Affine3A,
@@ -100,7 +100,8 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
     turned
 }
 
-/// The rotation that remains when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to 180.
+/// The rotation that remains when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to
+/// 180.
 fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(up);
     // Upside down the turn cannot be told from the rest: then it is zero.

@@ -9,8 +9,8 @@ use super::key_marks::owner;
 use super::lengths::length_unit;
 use crate::app::editor::input::number_field::{self, Meaning, NumberField, SliderField};
 
-/// A number in this range. `name` tells it from others: a row that appears above moves it to the place of another one. `format` gives its text with
-/// so many decimals.
+/// A number in this range. `name` tells it from others: a row that appears above moves it to the place of another one.
+/// `format` gives its text with so many decimals.
 pub(super) fn number<'a, N: Numeric>(
     ui: &Ui,
     drag: DragValue<'a>,

@@ -1,7 +1,8 @@
 //! The finished pictures of balls: without noise, and of the library's own materials as they come with the program.
 //!
-//! `assets/library` holds those: `balls.jpg` with the pictures in rows, and `balls.txt` with a line for each, which says what material it was made
-//! of. A material that has changed since has no picture there and is traced. `cargo run --release --example make_assets -- balls` makes both anew.
+//! `assets/library` holds those: `balls.jpg` with the pictures in rows, and `balls.txt` with a line for each, which
+//! says what material it was made of. A material that has changed since has no picture there and is traced. `cargo run
+//! --release --example make_assets -- balls` makes both anew.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -78,8 +79,9 @@ fn cell(place: u32) -> [u32; 2] {
     [(place % COLUMNS) * EDGE, (place / COLUMNS) * EDGE]
 }
 
-/// Makes the two files of the folder `assets/library`: the pictures as JPEG, and the list. `show` is called with the path of each preset when it has
-/// been rendered. The error says which preset cannot be rendered, or why the pictures cannot be encoded.
+/// Makes the two files of the folder `assets/library`: the pictures as JPEG, and the list. `show` is called with the
+/// path of each preset when it has been rendered. The error says which preset cannot be rendered, or why the pictures
+/// cannot be encoded.
 pub fn make_shipped(show: impl Fn(&str) + Sync) -> Result<(Vec<u8>, String), String> {
     let presets = presets::built_in();
     let render = |(preset, look): (&Preset, BallMaterial)| {
@@ -112,8 +114,8 @@ pub fn make_shipped(show: impl Fn(&str) + Sync) -> Result<(Vec<u8>, String), Str
     Ok((jpeg, lines.collect()))
 }
 
-/// The radiance without noise, or as it is where the denoiser is not there. `threads` is the number that the denoiser may use; None is one for each
-/// core.
+/// The radiance without noise, or as it is where the denoiser is not there. `threads` is the number that the denoiser
+/// may use; None is one for each core.
 pub(crate) fn without_noise(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Vec<Rgb> {
     denoise_film(film, threads, cancel).unwrap_or_else(|_| film.radiance())
 }

@@ -1,4 +1,5 @@
-//! Shows what an earlier picture still tells about the present one, until that has samples of its own: see [`crate::render::carry`].
+//! Shows what an earlier picture still tells about the present one, until that has samples of its own: see
+//! [`crate::render::carry`].
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -32,8 +33,8 @@ const TOGETHER: usize = 16;
 const FIRST_SAMPLES: u32 = 4;
 /// A picture of low resolution is not carried over while there is a better one for this share of it.
 const ENOUGH: f32 = 0.7;
-/// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier picture and in this one; and the
-/// coarse picture.
+/// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier
+/// picture and in this one; and the coarse picture.
 const BYTES_OF_PIXEL: u64 = 2 * Carried::BYTES_OF_PIXEL + 48;
 
 /// The picture before, and what of it is carried over.
@@ -57,7 +58,8 @@ pub(crate) struct Carrying {
     tiles: HashSet<Tile>,
     /// Whether all has to be painted because nothing is carried over any more.
     has_ended: bool,
-    /// Whether the texture still shows the earlier picture, which is right for all pixels of this one that are not known yet.
+    /// Whether the texture still shows the earlier picture, which is right for all pixels of this one that are not
+    /// known yet.
     is_unchanged: bool,
     /// The filter of the coarse picture, while it is at work.
     coarse: Option<FilterWork<Result<Vec<Rgb>, DenoiseError>>>,
@@ -128,7 +130,8 @@ impl Carrying {
         std::mem::take(&mut self.is_unchanged)
     }
 
-    /// Carries nothing over while something else than light is shown, or light is mixed or compared. What is known of the picture is kept.
+    /// Carries nothing over while something else than light is shown, or light is mixed or compared. What is known of
+    /// the picture is kept.
     fn rest(&mut self, garbage: &DeferredDrop) {
         if let Some(carried) = self.carried.take() {
             let before = carried.earlier();
@@ -217,7 +220,8 @@ impl Carrying {
         }
     }
 
-    /// Has the pixels of tiles found whose G-buffer has come, and takes up those that were found, for as long as a frame may take.
+    /// Has the pixels of tiles found whose G-buffer has come, and takes up those that were found, for as long as a
+    /// frame may take.
     fn take_gbuffer(&mut self, film: &mut RenderFilm, wake_up: &WakeUp) {
         let (Some(carried), Some(found)) = (&mut self.carried, &mut self.found) else {
             film.gbuffer.clear();

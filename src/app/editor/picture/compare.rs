@@ -90,7 +90,8 @@ impl Comparison {
         self.revision += 1;
     }
 
-    /// The picture that the one of this camera is compared with. None if it is compared with none, or if the lit level is still to be seen from there.
+    /// The picture that the one of this camera is compared with. None if it is compared with none, or if the lit level
+    /// is still to be seen from there.
     pub fn other(&self, camera: Option<&Camera>) -> Option<&Snapshot> {
         match self.view {
             CompareView::Off | CompareView::Noisy(_) => None,
@@ -130,8 +131,8 @@ fn border(share: f32, size: [u32; 2]) -> u32 {
 }
 
 impl<'a> PixelComparison<'a> {
-    /// A comparison; None if nothing is compared, such as pictures of different shapes. Each pixel of a picture of lower resolution is compared
-    /// with the nearest one of the snapshot.
+    /// A comparison; None if nothing is compared, such as pictures of different shapes. Each pixel of a picture of
+    /// lower resolution is compared with the nearest one of the snapshot.
     pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
         let border = match view {
             CompareView::Off | CompareView::Noisy(_) => return None,
@@ -146,7 +147,8 @@ impl<'a> PixelComparison<'a> {
         })
     }
 
-    /// Shows a noisy picture left of `share` of the width, and the same picture without noise, of the same size, right of it.
+    /// Shows a noisy picture left of `share` of the width, and the same picture without noise, of the same size, right
+    /// of it.
     pub fn with_clean(share: f32, clean: &'a [Rgb], size: [u32; 2]) -> Self {
         Self {
             view: CompareView::Noisy(share),

@@ -34,8 +34,8 @@ impl Denoised {
         }
     }
 
-    /// The same picture after lamps have changed: each pixel by what that has made of the pixel of the film, of which `before` is the light before, row by row.
-    /// None if the lights are mixed.
+    /// The same picture after lamps have changed: each pixel by what that has made of the pixel of the film, of which
+    /// `before` is the light before, row by row. None if the lights are mixed.
     pub fn relit(mut self, film: &RenderFilm, before: &[Rgb], number: u64) -> Option<Self> {
         if !self.mix.is_empty() || before.len() != self.radiance.len() {
             return None;

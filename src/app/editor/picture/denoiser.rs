@@ -1,6 +1,6 @@
-//! Denoises the picture beside the render while the user has that switched on: first soon and quickly, then each time that the picture has twice the
-//! samples, and carefully once it is finished. The filter has a thread of its own and a copy of the film, so that neither rendering nor the panels
-//! wait.
+//! Denoises the picture beside the render while the user has that switched on: first soon and quickly, then each time
+//! that the picture has twice the samples, and carefully once it is finished. The filter has a thread of its own and a
+//! copy of the film, so that neither rendering nor the panels wait.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -20,20 +20,24 @@ use crate::color::Rgb;
 use crate::engine::{Gate, RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
 use crate::render::denoise::{DenoiseError, denoise};
 
-/// The samples per pixel of the first denoised picture where the filter is slow; where it is quick it is made of the first sample.
+/// The samples per pixel of the first denoised picture where the filter is slow; where it is quick it is made of the
+/// first sample.
 const FIRST: u32 = 4;
 /// A filter that takes no longer than this many seconds is quick.
 const QUICK: f32 = 1.0;
-/// The picture is also denoised anew when the last time is this many times as long ago as it takes: no samples are made meanwhile.
+/// The picture is also denoised anew when the last time is this many times as long ago as it takes: no samples are made
+/// meanwhile.
 const REST: f32 = 8.0;
 /// The seconds that the filter is taken to need before it was used.
 const EXPECTED: f32 = 0.3;
 
-/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew or a fresher one is there.
+/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew or a fresher one is
+/// there.
 #[derive(Resource)]
 pub(crate) struct Denoiser {
     stage: Stage,
-    /// Work that was cancelled and still runs: a filter notices that only now and then. The next one waits for its end.
+    /// Work that was cancelled and still runs: a filter notices that only now and then. The next one waits for its
+    /// end.
     ending: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
@@ -124,7 +128,8 @@ impl Denoiser {
         matches!(self.stage, Stage::Working(_))
     }
 
-    /// The state to show. `is_on`: whether the user has switched it on; `seen`: the number of the denoised picture that is in the window.
+    /// The state to show. `is_on`: whether the user has switched it on; `seen`: the number of the denoised picture that
+    /// is in the window.
     pub fn state(&self, is_on: bool, seen: Option<u64>) -> DenoiserState {
         // The first tile of the next film may take the place of a film that was abandoned before the state is drawn.
         let is_seen = |shown: &&Denoised| seen == Some(shown.number) && self.abandoned != Some(shown.job);
@@ -139,7 +144,8 @@ impl Denoiser {
         }
     }
 
-    /// Whether the best picture of a film that gets no more samples is still to come. `mix` has the factors on its layers.
+    /// Whether the best picture of a film that gets no more samples is still to come. `mix` has the factors on its
+    /// layers.
     pub fn owes(&self, film: &RenderFilm, mix: &[Rgb]) -> bool {
         let now = Now {
             job: film.job,
@@ -344,7 +350,8 @@ pub enum DenoiserState {
     /// The picture is shown as sampled.
     #[default]
     Off,
-    /// The picture is shown as sampled: it is too young, the first filter is at work, or the display mode shows something else.
+    /// The picture is shown as sampled: it is too young, the first filter is at work, or the display mode shows
+    /// something else.
     Waiting,
     /// The denoised picture is shown.
     Shown {

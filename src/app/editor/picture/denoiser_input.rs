@@ -14,8 +14,8 @@ use crate::render::film::Film;
 /// The part of a frame in which the film is copied.
 const LONGEST: Duration = Duration::from_millis(6);
 
-/// The colours and the features of a film; those of all pixels once it is complete. Later pixels may have more samples than earlier ones, of which the
-/// means know nothing.
+/// The colours and the features of a film; those of all pixels once it is complete. Later pixels may have more samples
+/// than earlier ones, of which the means know nothing.
 pub(super) struct FilmCopy {
     pub job: u64,
     pub mix: Vec<Rgb>,

@@ -1,4 +1,5 @@
-//! The distances of the surfaces in the picture, by which lines that are drawn over it are hidden where they lie behind.
+//! The distances of the surfaces in the picture, by which lines that are drawn over it are hidden where they lie
+//! behind.
 
 use bevy::math::Vec2;
 
@@ -21,7 +22,8 @@ impl<'f> Depths<'f> {
         }
     }
 
-    /// The distances of the picture that is being rendered. Once every pixel has samples they have a version, which is another one after each pass.
+    /// The distances of the picture that is being rendered. Once every pixel has samples they have a version, which is
+    /// another one after each pass.
     pub fn rendered(film: &'f RenderFilm) -> Self {
         Self {
             version: (film.samples > 0).then_some([film.job, film.samples.into()]),
@@ -29,13 +31,14 @@ impl<'f> Depths<'f> {
         }
     }
 
-    /// Distances of the same version are the same, or so nearly that one does not see it. None: they may change at any time.
+    /// Distances of the same version are the same, or so nearly that one does not see it. None: they may change at any
+    /// time.
     pub fn version(&self) -> Option<[u64; 2]> {
         self.version
     }
 
-    /// The distance in world units along the ray through a place of the picture, (0, 0) top left, (1, 1) bottom right: infinity where nothing
-    /// is hit, and None where that is not known yet.
+    /// The distance in world units along the ray through a place of the picture, (0, 0) top left, (1, 1) bottom right:
+    /// infinity where nothing is hit, and None where that is not known yet.
     pub fn at(&self, place: Vec2) -> Option<f32> {
         let film = self.film?;
         let pixel = |share: f32, count: u32| ((share * count as f32).max(0.0) as u32).min(count - 1);

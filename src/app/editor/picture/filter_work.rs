@@ -1,5 +1,5 @@
-//! A filter at work beside the window, on a thread of its own and those of the filter. If it is quick, the tracing threads begin nothing new meanwhile: beside them it
-//! would take about ten times as long.
+//! A filter at work beside the window, on a thread of its own and those of the filter. If it is quick, the tracing
+//! threads begin nothing new meanwhile: beside them it would take about ten times as long.
 
 use std::io;
 use std::sync::Arc;
@@ -26,7 +26,8 @@ pub(super) struct FilterWork<T> {
 }
 
 impl<T: Send + 'static> FilterWork<T> {
-    /// Begins it on a thread of this name, behind the closed gate if there is one. The filter is given the flag by which it is cancelled.
+    /// Begins it on a thread of this name, behind the closed gate if there is one. The filter is given the flag by
+    /// which it is cancelled.
     pub fn begin(
         name: &str,
         gate: Option<&Gate>,

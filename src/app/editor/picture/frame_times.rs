@@ -17,7 +17,8 @@ pub(crate) struct FrameTimes {
     /// The last frame's whole time, see [`Frame`].
     whole: Option<f32>,
     last: Option<Instant>,
-    /// The milliseconds that the systems of the last frame took, the editor's and egui's, until the window was handed to the thread that draws it.
+    /// The milliseconds that the systems of the last frame took, the editor's and egui's, until the window was handed
+    /// to the thread that draws it.
     own: f32,
     /// The microseconds that drawing the last frame took, with the driver's time.
     drawn: Arc<AtomicU64>,
@@ -31,7 +32,8 @@ impl FrameTimes {
         self.last
     }
 
-    /// The milliseconds that the systems of the last frame took, the editor's and egui's, without the drawing of the window.
+    /// The milliseconds that the systems of the last frame took, the editor's and egui's, without the drawing of the
+    /// window.
     pub fn own_ms(&self) -> f32 {
         self.own
     }

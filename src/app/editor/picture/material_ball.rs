@@ -1,5 +1,5 @@
-//! The preview of a material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the very tables that
-//! the picture is rendered from. Knows nothing of windows or entities.
+//! The preview of a material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the very
+//! tables that the picture is rendered from. Knows nothing of windows or entities.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -291,8 +291,8 @@ mod tests {
         let black = middle(&look(vec![paint(Rgb::ZERO)], 0), 16);
         assert_eq!(black, Rgb::ZERO);
         let red = middle(&look(vec![paint(Rgb::ZERO), paint(Rgb::new(0.8, 0.1, 0.1))], 1), 64);
-        // Direct light alone makes the channels differ by the factor 8; the light back from the grey room makes them differ by less than the
-        // square.
+        // Direct light alone makes the channels differ by the factor 8; the light back from the grey room makes them
+        // differ by less than the square.
         assert!(red.x > 6.0 * red.y && red.y > 0.0, "{red}");
         let white = middle(&look(vec![paint(Rgb::ONE)], 0), 64);
         // The exposure burns out nothing white, and leaves nothing dark.

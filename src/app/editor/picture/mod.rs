@@ -1,5 +1,5 @@
-//! Turns the film into what is shown of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the frames. May import
-//! `session` and the modules below it.
+//! Turns the film into what is shown of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the
+//! frames. May import `session` and the modules below it.
 
 pub mod awaited_image;
 pub mod axis_colors;

@@ -1,5 +1,5 @@
-//! Notices whether the picture moves, by flying or a drag. It is then rendered at less than its full resolution, if that would take too long. A
-//! single change is no movement.
+//! Notices whether the picture moves, by flying or a drag. It is then rendered at less than its full resolution, if
+//! that would take too long. A single change is no movement.
 
 use std::time::{Duration, Instant};
 

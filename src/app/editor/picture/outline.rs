@@ -1,6 +1,8 @@
-//! The outline of what is selected or under the pointer, as an image that is laid over the picture. Saved images do not have it.
+//! The outline of what is selected or under the pointer, as an image that is laid over the picture. Saved images do not
+//! have it.
 //!
-//! `outline_pass` finds the edges; here they become lines of constant width with smooth borders. Where something hides a thing its line is dim.
+//! `outline_pass` finds the edges; here they become lines of constant width with smooth borders. Where something hides
+//! a thing its line is dim.
 
 use std::sync::Arc;
 
@@ -68,8 +70,8 @@ pub struct OutlineImage {
 }
 
 impl OutlineImage {
-    /// Draws lines `width` pixels wide along the edges of each level, which were found in `grid`. The later ones are drawn over the earlier ones, and what
-    /// is visible over what is hidden.
+    /// Draws lines `width` pixels wide along the edges of each level, which were found in `grid`. The later ones are
+    /// drawn over the earlier ones, and what is visible over what is hidden.
     pub fn draw(edges: &[(Level, Vec<EdgePoint>)], grid: &PixelGrid, width: f32) -> Self {
         let reach = 0.5 * width + 0.5;
         let margin = UVec2::splat(reach.ceil() as u32);
@@ -103,7 +105,8 @@ impl OutlineImage {
         image
     }
 
-    /// Notes how much of the pixels around a point is covered by a disc of radius `reach` with an edge that is smooth over a pixel.
+    /// Notes how much of the pixels around a point is covered by a disc of radius `reach` with an edge that is smooth
+    /// over a pixel.
     fn cover(&self, coverage: &mut [u8], at: Vec2, reach: f32) {
         let at = at - self.min.as_vec2();
         let last = self.size.as_vec2() - 1.0;

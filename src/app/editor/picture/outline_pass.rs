@@ -1,7 +1,8 @@
-//! Finds the outline anew whenever what it depends on has changed: first with cells so coarse that it is there in the next frame, then, when nothing
-//! changes any more, with a ray for each pixel.
+//! Finds the outline anew whenever what it depends on has changed: first with cells so coarse that it is there in the
+//! next frame, then, when nothing changes any more, with a ray for each pixel.
 //!
-//! It has threads of its own, because those that render are busy until a picture is done. Its threads work little and run with the window's priority.
+//! It has threads of its own, because those that render are busy until a picture is done. Its threads work little and
+//! run with the window's priority.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -62,8 +63,8 @@ struct LevelShapes {
     shapes: Arc<MarkedShapes>,
 }
 
-/// The shapes of the last request, the strongest level last. Each level is looked for by itself, so that a wall under the pointer does not hide the
-/// selection behind it.
+/// The shapes of the last request, the strongest level last. Each level is looked for by itself, so that a wall under
+/// the pointer does not hide the selection behind it.
 #[derive(Clone)]
 struct KnownShapes {
     geometry: Arc<Tlas>,

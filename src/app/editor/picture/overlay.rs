@@ -71,7 +71,8 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
 }
 
 impl BoxList {
-    /// The boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are among the figures.
+    /// The boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are among the
+    /// figures.
     fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const Blas>) {
         self.count(&geometry.stats());
         geometry
@@ -171,7 +172,8 @@ fn corners(bounds: &Aabb) -> [Vec3; 8] {
     })
 }
 
-/// The edges of a box as pairs of film coordinates ((0, 0) top left, (1, 1) bottom right), cut off at the camera's plane.
+/// The edges of a box as pairs of film coordinates ((0, 0) top left, (1, 1) bottom right), cut off at the camera's
+/// plane.
 pub(crate) fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
     let mut edges = Vec::with_capacity(12);
     for from in 0..8usize {

@@ -1,7 +1,9 @@
-//! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
+//! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and
+//! results wake it at once.
 //!
-//! A software driver draws with the very cores that trace rays. There the window is not drawn after an edit until there is something new to see. While
-//! there is no input and the picture only becomes less noisy, drawing takes at most a tenth of a core with any driver.
+//! A software driver draws with the very cores that trace rays. There the window is not drawn after an edit until there
+//! is something new to see. While there is no input and the picture only becomes less noisy, drawing takes at most a
+//! tenth of a core with any driver.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,7 +35,8 @@ const AFTER_EVENT: Duration = Duration::from_millis(800);
 const REST: f32 = 9.0;
 /// The longest such rest.
 const LONGEST_REST: Duration = Duration::from_secs(2);
-/// The share of what drawing took before that still counts when a frame takes less: frames that are not drawn take nothing.
+/// The share of what drawing took before that still counts when a frame takes less: frames that are not drawn take
+/// nothing.
 const MEMORY: f32 = 0.97;
 /// The longest wait for an edit's first pixels; then the panels are drawn without them.
 const LONGEST_HOLD: Duration = Duration::from_millis(120);
@@ -125,7 +128,8 @@ pub fn pace(
     history: Res<History>,
     recovery: Option<Res<Recovery>>,
 ) {
-    // A save goes on by a slice in each frame, and so do the recovery copy, the copy of the film for the denoiser, and what is carried over.
+    // A save goes on by a slice in each frame, and so do the recovery copy, the copy of the film for the denoiser, and
+    // what is carried over.
     let is_copying = denoiser.is_copying() || recovery.is_some_and(|recovery| recovery.is_copying());
     let is_copying = is_copying || carrying.has_backlog();
     let in_use = !pacing.rests() || history.is_saving() || is_copying;
@@ -133,7 +137,8 @@ pub fn pace(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
     );
-    // Until there is a sample of every pixel much is new in each frame. Where many cores trace, results fill the room for them between two frames.
+    // Until there is a sample of every pixel much is new in each frame. Where many cores trace, results fill the room
+    // for them between two frames.
     let settles = busy && status.samples == 0;
     let is_lively = in_use || !busy || settles || !pacing.draws_on_cpu;
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
@@ -151,7 +156,8 @@ pub fn pace(
     }
 }
 
-/// Skips drawing to leave the cores to the tracer: on a software driver until an edit has something to show, and with any driver while there is no input.
+/// Skips drawing to leave the cores to the tracer: on a software driver until an edit has something to show, and with
+/// any driver while there is no input.
 pub fn hold_back_frame(
     mut pacing: ResMut<Pacing>,
     picture: Res<Picture>,

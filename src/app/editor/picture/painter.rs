@@ -24,7 +24,8 @@ pub struct Scales {
     pub mix: Vec<Rgb>,
 }
 
-/// A range of depths stays as it is while the new one differs by less than this share of it: every sample moves it a little.
+/// A range of depths stays as it is while the new one differs by less than this share of it: every sample moves it a
+/// little.
 const STEADY: f32 = 0.05;
 
 impl Scales {
@@ -62,8 +63,8 @@ impl Scales {
     }
 }
 
-/// The range of all depths without the least and greatest hundredth: at the rims of things a pixel's mean is on no surface. Only some pixels are
-/// read.
+/// The range of all depths without the least and greatest hundredth: at the rims of things a pixel's mean is on no
+/// surface. Only some pixels are read.
 fn depth_range(film: &Film) -> [f32; 2] {
     const ASKED: usize = 20_000;
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
@@ -132,13 +133,14 @@ impl<'a> Painter<'a> {
         Self { denoised, ..self }
     }
 
-    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
-    /// are.
+    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing
+    /// for stay as they are.
     pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
         self.paint_carried(tiles, rgba, None);
     }
 
-    /// The same with what is carried over from an earlier picture, which is as large. Returns the tiles that show something of it.
+    /// The same with what is carried over from an earlier picture, which is as large. Returns the tiles that show
+    /// something of it.
     pub(crate) fn paint_carried(&self, tiles: &[Tile], rgba: &mut [u8], carried: Option<&mut Carried>) -> Vec<Tile> {
         let (blender, mut rows) = carried.map(Carried::rows).unzip();
         let bands = rgba
@@ -280,7 +282,8 @@ fn mean_luminance(film: &Film) -> f32 {
 /// The brightness of the far end of the range of depths.
 pub(super) const DARKEST: f32 = 0.08;
 
-/// The brightness that stands for a depth: 1 at the near end of the range, a dark grey at its far end, 0 where nothing was hit.
+/// The brightness that stands for a depth: 1 at the near end of the range, a dark grey at its far end, 0 where nothing
+/// was hit.
 fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
     if depth <= 0.0 {
         return 0.0;
@@ -289,7 +292,8 @@ fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
     1.0 - (1.0 - DARKEST) * share.clamp(0.0, 1.0)
 }
 
-/// The colour of an id. Neighbours in number are far apart in hue (by the golden section), and differ in brightness; sRGB.
+/// The colour of an id. Neighbours in number are far apart in hue (by the golden section), and differ in brightness;
+/// sRGB.
 pub(crate) fn color_of_id(id: u32) -> [u8; 3] {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let hue = (f64::from(id) * GOLDEN).fract() as f32;

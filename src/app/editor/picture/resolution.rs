@@ -1,7 +1,7 @@
 //! Decides how many pixels of the film are traced: as many as the window shows, unless the user wants the full film.
 //!
-//! The pixels of the window are taken over when they have been the same for a moment, so that the picture does not begin anew at every step of a
-//! resize; meanwhile the last picture is stretched.
+//! The pixels of the window are taken over when they have been the same for a moment, so that the picture does not
+//! begin anew at every step of a resize; meanwhile the last picture is stretched.
 
 use std::time::{Duration, Instant};
 

@@ -1,5 +1,5 @@
-//! The texture that shows the picture. There is only one, which is resized in place, and written only where tiles arrived or when it is to be shown
-//! differently.
+//! The texture that shows the picture. There is only one, which is resized in place, and written only where tiles
+//! arrived or when it is to be shown differently.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -60,8 +60,8 @@ impl Picture {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
     }
 
-    /// The pixels as they are shown, four sRGB-encoded bytes each, and their number either way. None if there is no picture, or if it is too large for a
-    /// texture.
+    /// The pixels as they are shown, four sRGB-encoded bytes each, and their number either way. None if there is no
+    /// picture, or if it is too large for a texture.
     pub(crate) fn pixels<'a>(&self, images: &'a Assets<Image>) -> Option<(UVec2, &'a [u8])> {
         let is_whole = self.size != UVec2::ZERO && texture_size(self.size) == self.size;
         let image = images.get(&self.handle).filter(|_| is_whole)?;
@@ -181,7 +181,8 @@ pub fn update_picture(
         return;
     }
     let old_size = picture.size;
-    // Bevy has collected this frame's changes already. The texture's is sent by hand, so that the screen does not show it a frame late.
+    // Bevy has collected this frame's changes already. The texture's is sent by hand, so that the screen does not show
+    // it a frame late.
     let Some(image) = images.get_mut_untracked(&picture.handle) else {
         return;
     };
@@ -231,8 +232,8 @@ pub fn update_picture(
     picture.revision += 1;
 }
 
-/// The mode in which to show a film that was last shown as `shown`. Some modes have a film of their own: until that is begun, the old one
-/// must not be taken for it.
+/// The mode in which to show a film that was last shown as `shown`. Some modes have a film of their own: until that is
+/// begun, the old one must not be taken for it.
 fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
     if shown.with_own_film() == wanted.with_own_film() {
         wanted

@@ -1,7 +1,7 @@
 //! The folders in which edits are written aside that no file has.
 //!
-//! Each scene and each run of the program has one of its own. It holds the scene as it was then, a note of which file it is, and a file that is locked while the
-//! program runs.
+//! Each scene and each run of the program has one of its own. It holds the scene as it was then, a note of which file
+//! it is, and a file that is locked while the program runs.
 
 use std::cmp::Reverse;
 use std::fs::{File, TryLockError};
@@ -49,7 +49,8 @@ impl Aside {
     }
 }
 
-/// Writes a scene aside. `path` is its file, and `file` the hash of what that held. The note comes first: as soon as the scene is there, it is offered.
+/// Writes a scene aside. `path` is its file, and `file` the hash of what that held. The note comes first: as soon as
+/// the scene is there, it is offered.
 pub fn write_aside(
     folder: &Path,
     scene: &SceneDescription,
@@ -114,7 +115,8 @@ fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
     })
 }
 
-/// Whether there is the scene of a copy. The program may have been killed while it gave the files of its first copy their places.
+/// Whether there is the scene of a copy. The program may have been killed while it gave the files of its first copy
+/// their places.
 fn is_complete(scene: &Path) -> bool {
     scene.is_file() || finish_set(scene).is_ok() && scene.is_file()
 }
@@ -130,8 +132,8 @@ fn is_outdated(note: &Note, hashes: &mut FileHashes) -> bool {
     }
 }
 
-/// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their program may just have made
-/// them and not locked them yet.
+/// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their
+/// program may just have made them and not locked them yet.
 pub fn remove_fragments(all: &Path) {
     for entry in std::fs::read_dir(all).into_iter().flatten().flatten() {
         let folder = entry.path();

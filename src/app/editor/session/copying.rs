@@ -16,7 +16,8 @@ pub struct Copying {
     pub scene: Snapshot,
     /// The file of the scene.
     pub path: Option<PathBuf>,
-    /// The hash of what the file held when the copy was begun. What others write into it from then on may not be in the copy.
+    /// The hash of what the file held when the copy was begun. What others write into it from then on may not be in
+    /// the copy.
     file: Task<Option<u64>>,
 }
 

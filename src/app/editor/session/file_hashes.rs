@@ -9,7 +9,8 @@ use crate::files;
 
 /// The largest file, in bytes, that is read for its hash.
 const LARGEST: u64 = 32 << 20;
-/// A file that was written within this time may be written again without getting another time: some file systems keep even seconds only.
+/// A file that was written within this time may be written again without getting another time: some file systems keep
+/// even seconds only.
 const CLOCK: Duration = Duration::from_secs(3);
 
 /// The hash of what a file holds. None if it cannot be read, or is too large to be read for this alone.

@@ -1,4 +1,5 @@
-//! The picture that is kept beside its scene to be rendered later: where it is, how it was shown, and whether there is something to keep.
+//! The picture that is kept beside its scene to be rendered later: where it is, how it was shown, and whether there is
+//! something to keep.
 
 use std::path::{Path, PathBuf};
 
@@ -36,11 +37,13 @@ pub struct Shown {
     pub noise: Option<f32>,
     /// Whether sampling is adaptive; None if the film says so.
     pub adaptive: Option<bool>,
-    /// The corners of the part of the picture that gets samples, see [`RenderControl::region`](crate::engine::RenderControl::region).
+    /// The corners of the part of the picture that gets samples, see
+    /// [`RenderControl::region`](crate::engine::RenderControl::region).
     pub region: Option<[[f32; 2]; 2]>,
     /// Whether the light of each light is kept by itself.
     pub keeps_lights_apart: bool,
-    /// Whether it has what it takes for lights to be free, see [`RenderControl::lights_are_free`](crate::engine::RenderControl::lights_are_free).
+    /// Whether it has what it takes for lights to be free, see
+    /// [`RenderControl::lights_are_free`](crate::engine::RenderControl::lights_are_free).
     #[serde(default)]
     pub lights_are_free: bool,
 }
@@ -81,7 +84,8 @@ pub struct KeptPictures {
     returns: bool,
     /// The last load of the scene that was looked at.
     seen: u64,
-    /// The picture as [`RenderFilm`](crate::engine::RenderFilm) counts them, and the seconds of rendering of which nothing needs to be kept.
+    /// The picture as [`RenderFilm`](crate::engine::RenderFilm) counts them, and the seconds of rendering of which
+    /// nothing needs to be kept.
     kept: (u64, f64),
     /// Whether the next picture is the kept one.
     resumes: bool,

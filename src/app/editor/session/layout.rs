@@ -133,8 +133,8 @@ impl Layout {
         self.0.set_focused_node_and_surface(NodePath { surface, node: NOWHERE });
     }
 
-    /// Each panel is there at most once, the viewport is docked, every split has two sides and all else hangs on a split, and no surface is
-    /// without panels.
+    /// Each panel is there at most once, the viewport is docked, every split has two sides and all else hangs on a
+    /// split, and no surface is without panels.
     fn is_sound(&self) -> bool {
         let mut surfaces = self.0.iter_surfaces();
         let is_main = matches!(surfaces.next(), Some(Surface::Main(_)));

@@ -1,5 +1,5 @@
-//! The state that the editor keeps beside the scene: history, preferences, messages, view settings, requests and recovery. May import `command`,
-//! `words` and `camera`.
+//! The state that the editor keeps beside the scene: history, preferences, messages, view settings, requests and
+//! recovery. May import `command`, `words` and `camera`.
 
 mod aside;
 mod copying;

@@ -18,7 +18,8 @@ pub struct WindowOptions {
     pub defines: Vec<(String, String)>,
     /// The name or index of the camera the first scene is seen with; None is its first.
     pub camera: Option<String>,
-    /// The size of the window's content in points. None: the size that it had when it was last closed, or else [`Self::FIRST_SIZE`].
+    /// The size of the window's content in points. None: the size that it had when it was last closed, or else
+    /// [`Self::FIRST_SIZE`].
     pub size: Option<UVec2>,
     /// The number of worker threads; see [`crate::app::threads::worker_count`].
     pub threads: Option<i32>,

@@ -1,5 +1,5 @@
-//! The sizes of the docked panels: beside the viewport they keep their width (or height) in points when the window is resized, and the viewport
-//! takes the rest. Where they are is in `layout`.
+//! The sizes of the docked panels: beside the viewport they keep their width (or height) in points when the window is
+//! resized, and the viewport takes the rest. Where they are is in `layout`.
 
 use std::collections::HashMap;
 
@@ -13,8 +13,8 @@ const LARGEST_SHARE: f32 = 0.45;
 /// The change in points that is rounding to pixels, and no resizing.
 const TOLERANCE: f32 = 1.5;
 
-/// The sizes in points that the panels beside the viewport would have if there were room. The key is the node of the split that divides a panel
-/// from the viewport.
+/// The sizes in points that the panels beside the viewport would have if there were room. The key is the node of the
+/// split that divides a panel from the viewport.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WantedSizes(HashMap<NodeIndex, f32>);
 

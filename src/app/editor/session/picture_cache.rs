@@ -1,4 +1,5 @@
-//! A folder of small pictures that take time to make, kept between runs. Each can be made again, so that the folder may be removed at any time.
+//! A folder of small pictures that take time to make, kept between runs. Each can be made again, so that the folder may
+//! be removed at any time.
 //!
 //! A file begins with a line of text about the picture; a PNG file of it follows. Its name is the hash of the key.
 

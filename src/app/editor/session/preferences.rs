@@ -1,6 +1,8 @@
-//! Stores the preferences between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is in it.
+//! Stores the preferences between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is
+//! in it.
 //!
-//! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never overwritten.
+//! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never
+//! overwritten.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

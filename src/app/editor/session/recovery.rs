@@ -161,8 +161,8 @@ impl Recovery {
     }
 }
 
-/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before are removed. When the program
-/// begins, what others have left is told. To run after the history has begun anew.
+/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before
+/// are removed. When the program begins, what others have left is told. To run after the history has begun anew.
 pub fn follow_scene(
     mut recovery: ResMut<Recovery>,
     mut status: ResMut<SceneStatus>,
@@ -236,7 +236,8 @@ pub fn follow_scene(
     }
 }
 
-/// Decides when to write, and removes what is no longer needed. A run that ends without asking the user, such as by a signal, writes at once.
+/// Decides when to write, and removes what is no longer needed. A run that ends without asking the user, such as by a
+/// signal, writes at once.
 pub(crate) fn plan_autosave(
     mut recovery: ResMut<Recovery>,
     mut toasts: ResMut<Toasts>,
@@ -276,7 +277,8 @@ pub(crate) fn plan_autosave(
     let since = *recovery.since.get_or_insert_with(Instant::now);
     let interval = Duration::from_secs(preferences.autosave_seconds.into());
     let is_over = !interval.is_zero() && since.elapsed() >= interval;
-    // Another scene may be about to replace this one, whose edits will not be needed then; but until it has, they exist nowhere else.
+    // Another scene may be about to replace this one, whose edits will not be needed then; but until it has, they exist
+    // nowhere else.
     let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
     // While the scene is being saved its entities are not all of one file.
     recovery.is_due = breaks_off || is_over && is_staying && !history.is_saving();

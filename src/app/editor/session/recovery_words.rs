@@ -90,7 +90,8 @@ pub(crate) fn with_age(time: Option<String>, note: &Note) -> String {
     }
 }
 
-/// How many scenes there are to recover, such as `1 scene has unsaved edits`, and how many copies of them if there are several of one.
+/// How many scenes there are to recover, such as `1 scene has unsaved edits`, and how many copies of them if there are
+/// several of one.
 pub(crate) fn count_of(offers: &[Offer]) -> String {
     // What was never saved is a scene of its own in each copy.
     let mut scenes: Vec<&Path> = offers

@@ -1,4 +1,5 @@
-//! The question to the user when a file was changed by others since it was read, or when there are other edits of it to recover.
+//! The question to the user when a file was changed by others since it was read, or when there are other edits of it to
+//! recover.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +23,8 @@ pub struct SaveQuestion {
 }
 
 impl SaveQuestion {
-    /// The question about an error. `path` is where the scene was to be saved. None for errors that saving in another way would not solve.
+    /// The question about an error. `path` is where the scene was to be saved. None for errors that saving in another
+    /// way would not solve.
     pub fn about(error: &SaveError, path: &Path) -> Option<Self> {
         let can_merge = match error {
             SaveError::Changed { edited_twice, .. } => edited_twice.is_some(),

@@ -1,4 +1,5 @@
-//! The views of the open scene under the numbers 1 to 9, the view that it is left with, and how its lightmaps are baked: read when it is opened, and written to the [`ViewsFile`].
+//! The views of the open scene under the numbers 1 to 9, the view that it is left with, and how its lightmaps are
+//! baked: read when it is opened, and written to the [`ViewsFile`].
 
 use bevy::prelude::*;
 
@@ -70,7 +71,8 @@ pub fn follow_views(
     }
 }
 
-/// A scene that has been opened begins with the view that it was left with, if the user prefers that. To be run after [`follow_views`].
+/// A scene that has been opened begins with the view that it was left with, if the user prefers that. To be run after
+/// [`follow_views`].
 pub fn return_to_view(
     mut file: ResMut<ViewsFile>,
     mut free_view: ResMut<FreeView>,

@@ -83,7 +83,8 @@ impl Toasts {
         }
     }
 
-    /// Tells of something that a button helps with. The message is shown until it is dismissed, or until [`Self::forget`] removes it.
+    /// Tells of something that a button helps with. The message is shown until it is dismissed, or until
+    /// [`Self::forget`] removes it.
     pub(crate) fn keep_offering(
         &mut self,
         (tone, topic): (Tone, Topic),
@@ -121,8 +122,8 @@ impl Toasts {
         }
     }
 
-    /// Tells of an error. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended. `excerpt` holds the lines of the
-    /// file that the error is about.
+    /// Tells of an error. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended.
+    /// `excerpt` holds the lines of the file that the error is about.
     pub fn error(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
         let message = message.into();
         error!("{message}");

@@ -1,5 +1,6 @@
-//! Asks about files outside the scene's folder that a scene names. They are read only from folders that the user has allowed, which are remembered
-//! in a file beside the preferences. A scene that needs others is shown without them, and the user is asked.
+//! Asks about files outside the scene's folder that a scene names. They are read only from folders that the user has
+//! allowed, which are remembered in a file beside the preferences. A scene that needs others is shown without them, and
+//! the user is asked.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -57,7 +58,8 @@ impl TrustedFolders {
         })
     }
 
-    /// Opens the file, with what scenes may read at first: the remembered folders and the program's own. `folder` is that of the preferences.
+    /// Opens the file, with what scenes may read at first: the remembered folders and the program's own. `folder` is
+    /// that of the preferences.
     pub fn open(folder: Option<&Path>) -> (Self, Trust) {
         let trusted = Self {
             path: folder.map(|folder| folder.join(FILE)),
@@ -90,7 +92,8 @@ fn remembered(path: &Path) -> Vec<PathBuf> {
     all.into_iter().filter(|folder| folder.is_absolute()).collect()
 }
 
-/// The folders of `$SUNROOM_ASSETS`, and the program's own folder of assets, below the working directory or above the program.
+/// The folders of `$SUNROOM_ASSETS`, and the program's own folder of assets, below the working directory or above the
+/// program.
 pub fn asset_folders() -> Vec<PathBuf> {
     let variable = std::env::var_os(ASSETS_VARIABLE).unwrap_or_default();
     let named = std::env::split_paths(&variable).filter(|folder| !folder.as_os_str().is_empty());
@@ -100,8 +103,8 @@ pub fn asset_folders() -> Vec<PathBuf> {
     named.chain(homes.filter_map(own_assets)).collect()
 }
 
-/// The folder of meshes and pictures beside the program's scenes, if `home` is where these are. A link is not followed: the program may
-/// have been started in a folder of strangers, who would choose what it may read.
+/// The folder of meshes and pictures beside the program's scenes, if `home` is where these are. A link is not followed:
+/// the program may have been started in a folder of strangers, who would choose what it may read.
 fn own_assets(home: &Path) -> Option<PathBuf> {
     let assets = home.join("assets");
     (home.join("scenes/cornell-box.xml").is_file() && !assets.is_symlink()).then_some(assets)
@@ -147,7 +150,8 @@ pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<Path
     }
 }
 
-/// Allows the folders from now on, remembers them, and reads the files, or imports again what names them. Edits of the open scene stay.
+/// Allows the folders from now on, remembers them, and reads the files, or imports again what names them. Edits of the
+/// open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
     if let Some(path) = &question.import {
         allow_answered(world, question, path);
@@ -175,8 +179,8 @@ pub fn allow(world: &mut World, question: &Question) {
         world.resource_mut::<TrustedFolders>().opens = opens;
         return;
     }
-    // Includes and search folders count when the scene itself is read, and so does the place where a file was found. A recovered scene is in no
-    // file: reading its former file would lose it.
+    // Includes and search folders count when the scene itself is read, and so does the place where a file was found. A
+    // recovered scene is in no file: reading its former file would lose it.
     let is_followed = world.resource::<SceneFile>().is_followed();
     let is_awaited = loads && other.is_some();
     if let Some(path) = own.filter(|_| is_followed && !is_awaited) {
@@ -191,8 +195,9 @@ pub fn allow(world: &mut World, question: &Question) {
     }
 }
 
-/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to one of them. So the
-/// link is allowed as well: the folder that the file is named in where that is a way into the folders of the answer, else the file itself.
+/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to
+/// one of them. So the link is allowed as well: the folder that the file is named in where that is a way into the
+/// folders of the answer, else the file itself.
 fn allow_answered(world: &mut World, question: &Question, scene: &Path) {
     allow_folders(world, &question.folders);
     let access = world.resource::<Trust>().access(scene);
@@ -231,8 +236,9 @@ pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
     allow_folders(world, &new);
 }
 
-/// Lets scenes read those of the files that are in the folder of one that the user has chosen, which is absolute and has no links. The scene has named
-/// them, and it may lead anywhere: the user is asked about the others once the scene is refused them.
+/// Lets scenes read those of the files that are in the folder of one that the user has chosen, which is absolute and
+/// has no links. The scene has named them, and it may lead anywhere: the user is asked about the others once the scene
+/// is refused them.
 pub(crate) fn allow_beside<'f>(world: &mut World, folder: &Path, files: impl Iterator<Item = &'f PathBuf>) {
     let (Some(_), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
         return;

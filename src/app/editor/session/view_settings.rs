@@ -30,7 +30,8 @@ pub struct ViewSettings {
     pub navigation: Navigation,
     /// The settings of what a drag of the gizmo does.
     pub gizmo: GizmoSettings,
-    /// The step of lengths since a tool that builds was taken in this scene, so that the grid stays as it is while the scene grows. None before that.
+    /// The step of lengths since a tool that builds was taken in this scene, so that the grid stays as it is while the
+    /// scene grows. None before that.
     pub building_step: Option<f32>,
     /// The pixels of the film that are traced.
     pub resolution: Resolution,
@@ -63,7 +64,8 @@ pub struct ViewSettings {
 }
 
 impl ViewSettings {
-    /// The step of lengths in world units: what was chosen, what suited the scene when building began, or what suits it now.
+    /// The step of lengths in world units: what was chosen, what suited the scene when building began, or what suits it
+    /// now.
     pub fn length_step(&self) -> f32 {
         let steps = &self.gizmo.steps;
         let kept = self.building_step.filter(|_| steps.length.is_none());

@@ -1,4 +1,5 @@
-//! The file beside the preferences that has the views of each scene under the numbers 1 to 9, the view that it was left with, and how its lightmaps are baked.
+//! The file beside the preferences that has the views of each scene under the numbers 1 to 9, the view that it was left
+//! with, and how its lightmaps are baked.
 //!
 //! They are not part of the scene's file, because looking at a scene and baking it are no edits.
 
@@ -55,7 +56,8 @@ pub struct ViewsFile {
     pub(super) bake_written: BakePlan,
     /// Whether scenes may begin with the view that they were left with, and with how they were baked.
     pub(super) returns: bool,
-    /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view since.
+    /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view
+    /// since.
     pub(super) keeps_last: bool,
     /// The next scene begins with a camera that was asked for.
     pub(super) begins_at_camera: bool,
@@ -70,7 +72,8 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with how they were baked, and with the view that they were left with, except the first one if the user asked for a camera.
+    /// Lets scenes begin with how they were baked, and with the view that they were left with, except the first one if
+    /// the user asked for a camera.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,
@@ -143,7 +146,8 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
         .unwrap_or_else(|_| path.to_owned())
 }
 
-/// Reads the entries that can be understood. The others are lost when the next view is stored, and they hold nothing but views.
+/// Reads the entries that can be understood. The others are lost when the next view is stored, and they hold nothing
+/// but views.
 fn read(path: &Path) -> Vec<SceneViews> {
     let text = files::read_text(path, LARGEST_NOTE).unwrap_or_default();
     let all: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap_or_default();

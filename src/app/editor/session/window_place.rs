@@ -62,7 +62,8 @@ fn is_reachable(corner: IVec2, width: i32, screen: IRect) -> bool {
     right.saturating_sub(left) >= REACHABLE && is_high_enough
 }
 
-/// Reads the window's place from the preferences in this folder; None if they cannot be read, which is told when they are opened.
+/// Reads the window's place from the preferences in this folder; None if they cannot be read, which is told when they
+/// are opened.
 pub(super) fn read(folder: &Path, file: &str) -> Option<WindowPlace> {
     let text = crate::files::read_text(&folder.join(file), crate::files::LARGEST_NOTE).ok()?;
     let value: serde_json::Value = serde_json::from_str(&text).ok()?;

@@ -1,5 +1,5 @@
-//! The axes of the world in the upper right corner of the viewport: they show how the view is turned. A click on an axis looks along it, and a
-//! drag orbits.
+//! The axes of the world in the upper right corner of the viewport: they show how the view is turned. A click on an
+//! axis looks along it, and a drag orbits.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, CursorIcon, FontId, Id, Pos2, Rect, Sense, Stroke, Ui};

@@ -5,8 +5,9 @@ use crate::app::editor::command::compare_view::CompareView;
 /// Words, and the middle of the part of the picture's width that they are about.
 pub type Caption = (f32, &'static str);
 
-/// The captions of the picture's parts. A comparison with a snapshot covers the thirds of [`crate::engine::RenderControl::strategy_split`], which
-/// have captions only without it. `is_of_other_scene`: the snapshot is of a scene that was open before.
+/// The captions of the picture's parts. A comparison with a snapshot covers the thirds of
+/// [`crate::engine::RenderControl::strategy_split`], which have captions only without it. `is_of_other_scene`: the
+/// snapshot is of a scene that was open before.
 pub fn captions(split: bool, compared: CompareView, is_of_other_scene: bool) -> Vec<Caption> {
     let (snapshot, difference) = match is_of_other_scene {
         false => ("snapshot", "difference from the snapshot"),

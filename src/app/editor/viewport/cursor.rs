@@ -1,5 +1,6 @@
-//! The mouse cursor while the view is turned: hidden, and taken back to the middle of the picture before it comes to an edge, so that
-//! turning has no end; afterwards it is where it was. Where a cursor cannot be moved or held, turning goes as far as it does.
+//! The mouse cursor while the view is turned: hidden, and taken back to the middle of the picture before it comes to an
+//! edge, so that turning has no end; afterwards it is where it was. Where a cursor cannot be moved or held, turning
+//! goes as far as it does.
 
 use bevy_egui::egui::{Pos2, Rect, Vec2};
 
@@ -26,8 +27,9 @@ pub(crate) struct TurningCursor {
 }
 
 impl TurningCursor {
-    /// The movement of the hand in this frame. `before` is where the pointer was, `seen` where it has been since, in order: that was the hand,
-    /// unless the window has moved it there. `device` is the mouse as the system reports it even for a pointer that does not move.
+    /// The movement of the hand in this frame. `before` is where the pointer was, `seen` where it has been since, in
+    /// order: that was the hand, unless the window has moved it there. `device` is the mouse as the system reports
+    /// it even for a pointer that does not move.
     pub fn follow(&mut self, before: Pos2, seen: &[Pos2], device: Vec2, picture: Rect, pixels_per_point: f32) -> Vec2 {
         let mut last = self.last.unwrap_or(before);
         let mut by = Vec2::ZERO;

@@ -21,7 +21,8 @@ const COLOR: Color32 = Color32::from_rgb(110, 190, 255);
 /// The length of the arrow and the size of its tip in points.
 const ARROW: f32 = 44.0;
 const TIP: f32 = 9.0;
-/// If the axis looks shorter than this share of its length, because it points at the viewer, the plane follows vertical moves of the pointer.
+/// If the axis looks shorter than this share of its length, because it points at the viewer, the plane follows vertical
+/// moves of the pointer.
 const SHORTEST: f32 = 0.15;
 
 /// Draws the plane, and moves it with its arrow. `bounds` is the scene's.
@@ -92,8 +93,9 @@ fn corners(bounds: &Aabb, cut: &CutOpen) -> [Vec3; 4] {
     })
 }
 
-/// Where the arrow begins, in the world and in the window: in the middle of a side of the border, the one farthest to the right in the picture,
-/// where it is out of the way of the selection's handles. If none is in the picture, in the middle of the border.
+/// Where the arrow begins, in the world and in the window: in the middle of a side of the border, the one farthest to
+/// the right in the picture, where it is out of the way of the selection's handles. If none is in the picture, in the
+/// middle of the border.
 fn foot(screen: &Screen, bounds: &Aabb, cut: &CutOpen) -> Option<(Vec3, Pos2)> {
     let corners = corners(bounds, cut);
     let seen = |at: Vec3| screen.project(at).map(|point| (at, point));

@@ -1,7 +1,7 @@
 //! The grid on the ground and the axes of the world, drawn over the picture where nothing is before them.
 //!
-//! Lines fade where they would be too close to each other on the screen, so the far end of the grid vanishes and no level of it appears or
-//! disappears all at once.
+//! Lines fade where they would be too close to each other on the screen, so the far end of the grid vanishes and no
+//! level of it appears or disappears all at once.
 
 use std::sync::Arc;
 
@@ -18,7 +18,8 @@ use crate::app::editor::picture::depths::Depths;
 const LINES: i32 = 60;
 /// Each level has lines ten times as far apart as the one before.
 const LEVELS: u32 = 3;
-/// Lines become visible while their distance on the screen, in points, grows from the first of these numbers to the second.
+/// Lines become visible while their distance on the screen, in points, grows from the first of these numbers to the
+/// second.
 const APPEAR: [f32; 2] = [9.0, 40.0];
 /// Lines become stronger while their distance on the screen grows from the first of these numbers to the second.
 const STRONG: [f32; 2] = [70.0, 300.0];
@@ -43,7 +44,8 @@ struct Drawn {
     mesh: Arc<Mesh>,
 }
 
-/// Draws the grid over the picture. `up` is the world's upward axis. While neither the view nor the picture changes, it is the mesh of the last frame.
+/// Draws the grid over the picture. `up` is the world's upward axis. While neither the view nor the picture changes, it
+/// is the mesh of the last frame.
 pub(crate) fn paint(painter: &egui::Painter, screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) {
     if !settings.shown {
         return;
@@ -125,7 +127,8 @@ impl<'v> View<'v> {
         };
         let way = world - self.eye.unwrap_or_else(|| self.screen.camera.unproject(film, 0.0));
         let distance = way.length();
-        // The width of a pixel at that distance, times the slope of the plane, is how much the depth of the plane varies within the pixel.
+        // The width of a pixel at that distance, times the slope of the plane, is how much the depth of the plane
+        // varies within the pixel.
         let width = self.pixel * self.eye.map_or(1.0, |_| distance);
         let grazing = (way.dot(normal) / distance).abs().max(1e-3);
         distance <= seen + ON_SURFACE * distance + width / grazing
@@ -195,7 +198,8 @@ impl Lines<'_> {
         if is_across && self.view.eye.is_none() && self.view.screen.forward().dot(axis).abs() > 0.999 {
             return;
         }
-        // The axis at right angles to the plane lies in no plane of the grid, so that any normal towards the viewer will do.
+        // The axis at right angles to the plane lies in no plane of the grid, so that any normal towards the viewer
+        // will do.
         let normal = match is_across {
             true => axis.cross(self.view.screen.forward()).cross(axis).normalize_or_zero(),
             false => self.plane.normal,
@@ -317,7 +321,8 @@ impl VisiblePart {
     }
 }
 
-/// The shares of the way from `a` to `b` between which it is inside of a rectangle (Liang and Barsky 1984); None if it never is.
+/// The shares of the way from `a` to `b` between which it is inside of a rectangle (Liang and Barsky 1984); None if it
+/// never is.
 fn inside(rect: Rect, [a, b]: [Pos2; 2]) -> Option<[f32; 2]> {
     let way = b - a;
     let (mut from, mut to) = (0.0f32, 1.0f32);

@@ -1,4 +1,5 @@
-//! Icons for lights, cameras and missing meshes, which have no surface: they are drawn at their places, and the mouse can pick them.
+//! Icons for lights, cameras and missing meshes, which have no surface: they are drawn at their places, and the mouse
+//! can pick them.
 
 use std::f32::consts::TAU;
 
@@ -51,7 +52,8 @@ impl IconKind {
     }
 }
 
-/// The radius of a bulb's disk in points; below the radius in which the pointer hits it, and the length of what points along +z.
+/// The radius of a bulb's disk in points; below the radius in which the pointer hits it, and the length of what points
+/// along +z.
 const RADIUS: f32 = 5.0;
 const REACH: f32 = 11.0;
 const LENGTH: f32 = 30.0;

@@ -15,7 +15,8 @@ pub(crate) fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
     }
 }
 
-/// The frame of a bar, in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
+/// The frame of a bar, in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any
+/// picture.
 pub(crate) fn bar_frame(ui: &Ui, margin: Margin) -> Frame {
     Frame::new()
         .fill(ui.visuals().window_fill.gamma_multiply_u8(238))

@@ -1,5 +1,5 @@
-//! The panel with the picture, with everything that is drawn over it and that the mouse does there. May import `model`, `input` and the modules
-//! below them.
+//! The panel with the picture, with everything that is drawn over it and that the mouse does there. May import `model`,
+//! `input` and the modules below them.
 
 pub mod axes_widget;
 pub mod blocking;
@@ -170,7 +170,8 @@ fn pixels_of(panel: Rect, pixels_per_point: f32) -> UVec2 {
     UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32)
 }
 
-/// The rectangle of this size in pixels in the middle of the panel, on whole pixels so that those of the picture stay sharp.
+/// The rectangle of this size in pixels in the middle of the panel, on whole pixels so that those of the picture stay
+/// sharp.
 fn fitted(panel: Rect, size: UVec2, pixels_per_point: f32) -> Rect {
     let size = egui::vec2(size.x as f32, size.y as f32);
     let corner = panel.center().to_vec2() * pixels_per_point - 0.5 * size;
@@ -186,7 +187,8 @@ fn on_screen(ui: &Ui, picture: Rect) -> ScreenPixels {
     }
 }
 
-/// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of the keys are shortcuts.
+/// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of
+/// the keys are shortcuts.
 fn act(
     ui: &Ui,
     panel: Rect,
@@ -270,8 +272,8 @@ fn act(
     commands.extend(keys::shortcuts(&rest.presses, &context));
 }
 
-/// Gives the keyboard to the picture whenever no other widget wants it. It then keeps Tab, arrows and Escape to itself. Without `enabled` it gives
-/// the keyboard back.
+/// Gives the keyboard to the picture whenever no other widget wants it. It then keeps Tab, arrows and Escape to itself.
+/// Without `enabled` it gives the keyboard back.
 fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
     if !enabled || ui.ctx().any_popup_open() {
         response.surrender_focus();
@@ -449,8 +451,8 @@ fn paint_over(
     }
 }
 
-/// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1 has 93 and 90 per cent
-/// since).
+/// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1
+/// has 93 and 90 per cent since).
 fn safe_frame(painter: &egui::Painter, picture: Rect) {
     for share in [0.9, 0.8] {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());

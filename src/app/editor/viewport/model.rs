@@ -87,7 +87,8 @@ pub struct ViewportModel<'a> {
     pub preset: NavigationPreset,
     /// The context of keys.
     pub keys: ActionContext<'a>,
-    /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the screen.
+    /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the
+    /// screen.
     pub mouse: egui::Vec2,
     /// The box around the selection in the world.
     pub extent: Option<Aabb>,
@@ -104,7 +105,8 @@ pub struct ViewportModel<'a> {
 }
 
 impl<'a> ViewportModel<'a> {
-    /// Whether there is a picture, or one that rendering would begin if it were not paused: what is drawn over a picture has its place then.
+    /// Whether there is a picture, or one that rendering would begin if it were not paused: what is drawn over a
+    /// picture has its place then.
     pub(super) fn has_place(&self) -> bool {
         self.picture.is_some() || self.keys.paused && self.outdated.is_some() && self.camera.is_some()
     }

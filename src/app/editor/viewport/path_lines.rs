@@ -1,5 +1,5 @@
-//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex, and where they end. And the paths
-//! from lights that they were joined with.
+//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex,
+//! and where they end. And the paths from lights that they were joined with.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Color32, Shape, Stroke};
@@ -78,7 +78,8 @@ pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chos
     }
 }
 
-/// The segments from vertex to vertex. The first one, from the camera, would look like a point from there, and is left out.
+/// The segments from vertex to vertex. The first one, from the camera, would look like a point from there, and is left
+/// out.
 fn segments(path: &NamedPath, scene_size: f32) -> impl Iterator<Item = [Vec3; 2]> + '_ {
     let vertices = &path.path.vertices;
     let between = vertices

@@ -10,8 +10,8 @@ use crate::engine::Outdated;
 
 /// The size of the bar, in points.
 const SIZE: bevy_egui::egui::Vec2 = vec2(380.0, 30.0);
-/// The distance of the bar from the top of the panel, below the toolbar and the hint about a tool, and from the foot of the picture, above the bars of
-/// tools and the captions.
+/// The distance of the bar from the top of the panel, below the toolbar and the hint about a tool, and from the foot of
+/// the picture, above the bars of tools and the captions.
 const TOP: f32 = 68.0;
 const FOOT: f32 = 84.0;
 

@@ -1,4 +1,5 @@
-//! Handles the mouse over the picture where the gizmo does not use it: looking, orbiting, panning, the wheel, picking and the selection box.
+//! Handles the mouse over the picture where the gizmo does not use it: looking, orbiting, panning, the wheel, picking
+//! and the selection box.
 //!
 //! What a drag does is decided by its press and the navigation preset, whose tables are in `input/drags.rs`.
 
@@ -72,8 +73,8 @@ impl PointerState {
         matches!(self.hold, Some(Hold::Look | Hold::Orbit { .. }))
     }
 
-    /// Follows the mouse for a frame. `is_free` says that the gizmo does not use it. Returns the points by which the view is to be turned, and
-    /// moves `pose`.
+    /// Follows the mouse for a frame. `is_free` says that the gizmo does not use it. Returns the points by which the
+    /// view is to be turned, and moves `pose`.
     pub fn follow(
         &mut self,
         ui: &Ui,
@@ -311,7 +312,8 @@ fn pressed_button(ui: &Ui) -> Option<PointerButton> {
     ui.input(|input| buttons.into_iter().find(|button| input.pointer.button_pressed(*button)))
 }
 
-/// The middle of the selection; without one the point straight ahead that the view was turned about before, or the surface there.
+/// The middle of the selection; without one the point straight ahead that the view was turned about before, or the
+/// surface there.
 pub(super) fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
     let selected = gizmo::bounds(model.gizmo.targets);
     if !selected.is_empty() {

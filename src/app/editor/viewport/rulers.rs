@@ -15,7 +15,8 @@ use crate::scene::LengthUnit;
 const COLOR: Color32 = Color32::from_rgb(255, 214, 90);
 const EDGE: Color32 = Color32::from_black_alpha(170);
 
-/// The point that is measured at a place of the window: a corner if one is near, else the surface there, else the ground.
+/// The point that is measured at a place of the window: a corner if one is near, else the surface there, else the
+/// ground.
 pub(super) fn point_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
     let nearest = |to| snapping::find(model.packed, screen, pointer, to, |_| false).map(|found| found.place);
     let on_ground = || GridPlane::of(screen, model.navigation.up).hit(&screen.ray(pointer));

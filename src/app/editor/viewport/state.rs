@@ -39,7 +39,8 @@ pub struct ViewportState {
 }
 
 impl ViewportState {
-    /// The state at the start. Without a user nothing is marked as under the pointer, which is where the window happened to open.
+    /// The state at the start. Without a user nothing is marked as under the pointer, which is where the window
+    /// happened to open.
     pub fn new(is_attended: bool) -> Self {
         let mut state = Self::default();
         state.pointer.is_unattended = !is_attended;

@@ -1,5 +1,6 @@
-//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the picture shows, and what is drawn
-//! over it. A new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the tools that build and place.
+//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the
+//! picture shows, and what is drawn over it. A new button is a line of one of the groups, a new group a function beside
+//! them. At the left of the picture are the tools that build and place.
 
 use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{self, Align, ComboBox, DragValue, Layout, Margin, Rect, Ui, UiBuilder};

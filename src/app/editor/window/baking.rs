@@ -1,4 +1,5 @@
-//! The form for a bake over the window, the panel of the bake that is under way, and the question before the window is closed meanwhile.
+//! The form for a bake over the window, the panel of the bake that is under way, and the question before the window is
+//! closed meanwhile.
 
 use std::sync::Arc;
 
@@ -113,8 +114,9 @@ impl BakeQuestion {
         self == Self::Asking
     }
 
-    /// Holds back the command to quit while a bake is under way, and gives it when the bake has ended that was waited for. To be called before everything else
-    /// that holds back the command to quit, such as the question about unsaved edits, which holds back what this adds.
+    /// Holds back the command to quit while a bake is under way, and gives it when the bake has ended that was waited
+    /// for. To be called before everything else that holds back the command to quit, such as the question about
+    /// unsaved edits, which holds back what this adds.
     pub fn hold(&mut self, commands: &mut Vec<Command>, model: &BakeModel) {
         if !model.is_busy() {
             let quits = match std::mem::take(self) {

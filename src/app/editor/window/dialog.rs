@@ -1,8 +1,9 @@
-//! What covers the window until it is closed: questions, forms and lists. Keys that were pressed before one could be read are not for it, and each
-//! key is for the uppermost alone.
+//! What covers the window until it is closed: questions, forms and lists. Keys that were pressed before one could be
+//! read are not for it, and each key is for the uppermost alone.
 //!
-//! All questions look alike: a heading, sentences about what each answer does, and one row of buttons. An answer that loses something stands at the
-//! left, apart from the others; the usual answer stands at the right, in the colour of the primary button.
+//! All questions look alike: a heading, sentences about what each answer does, and one row of buttons. An answer that
+//! loses something stands at the left, apart from the others; the usual answer stands at the right, in the colour of
+//! the primary button.
 
 use bevy_egui::egui::{self, Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
 
@@ -97,7 +98,8 @@ struct Progress {
 #[derive(Clone, Copy)]
 struct KeysHeld(bool);
 
-/// Notes whether a key is held. egui does not learn of keys that are let go while another window is in front, or after Shift.
+/// Notes whether a key is held. egui does not learn of keys that are let go while another window is in front, or after
+/// Shift.
 pub fn note_keys(context: &Context, are_held: bool) {
     context.data_mut(|data| data.insert_temp(Id::NULL, KeysHeld(are_held)));
 }

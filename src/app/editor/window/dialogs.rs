@@ -134,8 +134,8 @@ impl Dialogs {
     }
 }
 
-/// The folder to save in if the open scene is a sample, or has no file: that of the last file of one's own, or else the documents. None for other scenes,
-/// which have a folder.
+/// The folder to save in if the open scene is a sample, or has no file: that of the last file of one's own, or else the
+/// documents. None for other scenes, which have a folder.
 fn own_folder(model: DialogModel) -> Option<PathBuf> {
     if model
         .scene
@@ -149,8 +149,8 @@ fn own_folder(model: DialogModel) -> Option<PathBuf> {
     last.or_else(|| documents(home.as_deref()?).or(home))
 }
 
-/// The folder for documents in a home folder: the one that the desktop has noted (`user-dirs.dirs` of freedesktop.org), whose name depends on the language, or
-/// else `Documents`. None if neither is there.
+/// The folder for documents in a home folder: the one that the desktop has noted (`user-dirs.dirs` of freedesktop.org),
+/// whose name depends on the language, or else `Documents`. None if neither is there.
 fn documents(home: &Path) -> Option<PathBuf> {
     let notes = read_text(&home.join(".config/user-dirs.dirs"), LARGEST_NOTE).unwrap_or_default();
     let noted = notes.lines().find_map(|line| {
@@ -175,7 +175,8 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The folders that one can go to at once, each once: those of the scene, of samples and assets, one's own, and those of recent files.
+/// The folders that one can go to at once, each once: those of the scene, of samples and assets, one's own, and those
+/// of recent files.
 fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
     let named = |name: &str, folder: PathBuf| (name.to_owned(), absolute(&folder), false);
     let called = |folder: PathBuf, is_recent: bool| {
@@ -275,7 +276,8 @@ const IMAGES: &[(&str, &str)] = &[
     ("PFM, linear", "pfm"),
 ];
 
-/// The dialog, in the folder `start`. `ending`: that of the file of a picture; `sought`: the missing file that is to be found.
+/// The dialog, in the folder `start`. `ending`: that of the file of a picture; `sought`: the missing file that is to be
+/// found.
 fn opened(
     kind: FileDialogKind,
     model: DialogModel,

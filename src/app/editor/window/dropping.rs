@@ -32,8 +32,9 @@ pub fn take_dropped_files(mut events: MessageReader<FileDragAndDrop>, mut files:
 }
 
 impl DroppedFiles {
-    /// The commands of a drop. A first scene is opened if none is open, and of a single one it is asked otherwise whether it is to be opened; everything
-    /// else is added to the scene. `untouched` says that no file is open and nothing was done.
+    /// The commands of a drop. A first scene is opened if none is open, and of a single one it is asked otherwise
+    /// whether it is to be opened; everything else is added to the scene. `untouched` says that no file is open and
+    /// nothing was done.
     pub fn commands(&mut self, untouched: bool) -> Vec<Command> {
         let is_scene = |path: &PathBuf| {
             let extension = path.extension().unwrap_or_default();

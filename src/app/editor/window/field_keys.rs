@@ -1,5 +1,5 @@
-//! Keys of the window while a field or a list has the keyboard. What the field does not need is for the window, but first the field is left, so that
-//! what was typed counts before the scene is saved, undone or closed.
+//! Keys of the window while a field or a list has the keyboard. What the field does not need is for the window, but
+//! first the field is left, so that what was typed counts before the scene is saved, undone or closed.
 
 use bevy_egui::egui::{Context, Event, Key, Popup};
 
@@ -88,8 +88,8 @@ enum Step {
 }
 
 impl FieldKeys {
-    /// The keys that are for the window in this frame, of those that went down. `keyboard` is what had the keyboard at the end of the last frame. To be
-    /// called before the fields are shown.
+    /// The keys that are for the window in this frame, of those that went down. `keyboard` is what had the keyboard at
+    /// the end of the last frame. To be called before the fields are shown.
     pub fn take(
         &mut self,
         context: &Context,
@@ -131,8 +131,8 @@ impl FieldKeys {
         self.waiting.clear();
     }
 
-    /// Leaves the field that has the keyboard. True once what was typed has been said: then the window may close. It is left only once until then,
-    /// because some fields take the keyboard in every frame.
+    /// Leaves the field that has the keyboard. True once what was typed has been said: then the window may close. It is
+    /// left only once until then, because some fields take the keyboard in every frame.
     pub fn is_left(&mut self, keyboard: Option<Keyboard>) -> bool {
         if self.step == Step::None && keyboard == Some(Keyboard::Text) && !self.has_left {
             self.step = Step::Leaves;

@@ -11,8 +11,9 @@ pub struct LateQuit {
 }
 
 impl LateQuit {
-    /// Holds back the command to quit while an image is awaited, until it is saved. A second command gives the image up. An image that is not saved
-    /// leaves the window open. `ended` is how the last image ended. To be called before the question about unsaved edits, which holds back what this adds.
+    /// Holds back the command to quit while an image is awaited, until it is saved. A second command gives the image
+    /// up. An image that is not saved leaves the window open. `ended` is how the last image ended. To be called
+    /// before the question about unsaved edits, which holds back what this adds.
     pub fn hold(
         &mut self,
         commands: &mut Vec<Command>,

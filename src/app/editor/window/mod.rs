@@ -1,4 +1,5 @@
-//! The window as a whole: menus, docked panels, dialogs, questions, and sheets over them. May import everything but `automation`.
+//! The window as a whole: menus, docked panels, dialogs, questions, and sheets over them. May import everything but
+//! `automation`.
 
 pub(crate) mod assets;
 pub mod baking;

@@ -88,7 +88,8 @@ fn title(action: &Action) -> String {
     }
 }
 
-/// The quality of the match between the words of a query and a text: each has to be in it, as a part or letter by letter. Greater is better.
+/// The quality of the match between the words of a query and a text: each has to be in it, as a part or letter by
+/// letter. Greater is better.
 pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
     let text = text.to_lowercase();
     let mut total = -(text.chars().count().min(60) as i32) / 4;

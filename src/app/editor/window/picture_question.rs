@@ -20,8 +20,8 @@ impl PictureQuestion {
         self.is_asking
     }
 
-    /// Holds back the command to quit, if the picture can be kept and is worth it. To be called after the question about unsaved edits, which hands the command
-    /// on.
+    /// Holds back the command to quit, if the picture can be kept and is worth it. To be called after the question
+    /// about unsaved edits, which hands the command on.
     pub fn hold(&mut self, commands: &mut Vec<Command>, is_worth_it: bool) {
         if is_worth_it && commands.contains(&Command::Quit) {
             commands.retain(|command| *command != Command::Quit);

@@ -1,5 +1,6 @@
-//! Pictures of materials, of the scene and of the library. Those of the library come with the program; the user's own are kept between runs. All
-//! others are rendered one after the other on a thread of the lowest priority, shown as they improve, and begun anew when their material changes.
+//! Pictures of materials, of the scene and of the library. Those of the library come with the program; the user's own
+//! are kept between runs. All others are rendered one after the other on a thread of the lowest priority, shown as they
+//! improve, and begun anew when their material changes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,7 +32,8 @@ const LIBRARY: Quality = Quality {
     samples: 128,
 };
 const LISTED: Quality = Quality { edge: 40, samples: 32 };
-/// The number of pictures that are kept although they are no longer visible, some 100 kB each here and as much in the graphics driver.
+/// The number of pictures that are kept although they are no longer visible, some 100 kB each here and as much in the
+/// graphics driver.
 const MOST: usize = 128;
 
 /// The rendered picture of a ball.
@@ -171,8 +173,8 @@ impl Previews {
         self.are_done
     }
 
-    /// Packs the library's materials, once, and takes the pictures that came with the program. That is done on another thread: it takes longer than
-    /// a frame may.
+    /// Packs the library's materials, once, and takes the pictures that came with the program. That is done on another
+    /// thread: it takes longer than a frame may.
     fn load_library(&mut self, model: &Model, context: &egui::Context, wake_up: &WakeUp) {
         if self.presets.len() == model.presets.len() {
             return;
@@ -204,8 +206,8 @@ impl Previews {
         }
     }
 
-    /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was rendered from, with their
-    /// textures.
+    /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was
+    /// rendered from, with their textures.
     fn let_go(&mut self, packed: &PackedScene, wanted: &[Wanted]) {
         self.pictures.retain(|ball, _| match ball {
             Ball::Material(entity) => packed.material_of_entity.contains_key(entity),
@@ -224,8 +226,8 @@ impl Previews {
         pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
     }
 
-    /// The next picture to render. Rough ones of all come before a fine one of any. While the user works, only what is inspected is rendered: the
-    /// picture of the scene comes first.
+    /// The next picture to render. Rough ones of all come before a fine one of any. While the user works, only what is
+    /// inspected is rendered: the picture of the scene comes first.
     fn next<'w>(&self, wanted: &'w [Wanted], rests: bool) -> Option<(&'w Wanted, Quality)> {
         let rough = |wanted: &Wanted| Quality {
             samples: ROUGH,

@@ -113,7 +113,8 @@ fn render_or_take(
     }
 }
 
-/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no longer needed. Returns the last.
+/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no
+/// longer needed. Returns the last.
 fn render(
     look: &BallMaterial,
     quality: Quality,

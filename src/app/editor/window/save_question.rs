@@ -1,5 +1,5 @@
-//! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side; and whether to save one of
-//! which there are other edits to recover.
+//! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of
+//! either side; and whether to save one of which there are other edits to recover.
 
 use bevy_egui::egui::{self, Ui};
 

@@ -1,5 +1,5 @@
-//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with the list of keys, forms,
-//! the start page.
+//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences with
+//! the list of keys, forms, the start page.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Id, Modal, RichText, Ui};

@@ -1,5 +1,6 @@
-//! The look of the panels: quiet and without a hue, so that the picture is judged against a neutral grey. Texts have a contrast of at least 4.5 to 1
-//! against what they stand on (WCAG 2.2, level AA), and are at least 11 points high; tests hold both.
+//! The look of the panels: quiet and without a hue, so that the picture is judged against a neutral grey. Texts have a
+//! contrast of at least 4.5 to 1 against what they stand on (WCAG 2.2, level AA), and are at least 11 points high;
+//! tests hold both.
 
 use bevy::prelude::*;
 use bevy::window::{PrimaryWindow, WindowTheme};

@@ -78,8 +78,8 @@ impl UnsavedQuestion {
         }
     }
 
-    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`]. True if the user has chosen to lose the
-    /// edits.
+    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`]. True if the
+    /// user has chosen to lose the edits.
     pub fn show(&mut self, context: &egui::Context, unsaved: UnsavedState, commands: &mut Vec<Command>) -> bool {
         let Some(waiting) = &mut self.waiting else {
             return false;
@@ -112,8 +112,8 @@ impl UnsavedQuestion {
     }
 }
 
-/// The command that saves the scene before this one is done. Who recovers a copy of the very scene knows that there is one, and is not asked about it
-/// again.
+/// The command that saves the scene before this one is done. Who recovers a copy of the very scene knows that there is
+/// one, and is not asked about it again.
 fn save_before(command: &Command, scene: Option<&Path>) -> Command {
     match (command, scene) {
         (Command::Shell(ShellCommand::Recover(copy)), Some(scene)) if is_copy_of(copy, scene) => {

@@ -5,8 +5,8 @@ use crate::scene::decimal;
 /// The longest text that is read. Nothing that is typed by hand is longer, and parentheses cannot nest deeper.
 const LONGEST: usize = 200;
 
-/// The value of a text such as `0,5`, `1/4` or `2*(3+1)`. `operand` reads what stands between the signs: a number, and the factor by which
-/// the unit behind it multiplies it. None if the text is no number.
+/// The value of a text such as `0,5`, `1/4` or `2*(3+1)`. `operand` reads what stands between the signs: a number, and
+/// the factor by which the unit behind it multiplies it. None if the text is no number.
 pub fn value(text: &str, operand: impl Fn(&str) -> Option<(f64, f64)>) -> Option<f64> {
     if text.len() > LONGEST {
         return None;

@@ -48,7 +48,8 @@ pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
 }
 
-/// The place of the picture as sampled beside that of the denoised one, with which it is saved: `room-noisy.exr` beside `room.exr`.
+/// The place of the picture as sampled beside that of the denoised one, with which it is saved: `room-noisy.exr` beside
+/// `room.exr`.
 pub fn noisy_beside(path: &Path) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push("-noisy");
@@ -59,7 +60,8 @@ pub fn noisy_beside(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The folder of each file, as far as it tells the files of one name apart: its last part as a rule, and more where these are the same.
+/// The folder of each file, as far as it tells the files of one name apart: its last part as a rule, and more where
+/// these are the same.
 pub(crate) fn folders_apart<P: AsRef<Path>>(paths: &[P]) -> Vec<String> {
     let parents = |path: &Path| -> Vec<String> {
         let parts = path.parent().into_iter().flat_map(Path::components);

@@ -6,7 +6,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
-/// The time of day in the zone of the system, with the date if it is not today. `seconds` count from 1970. None if the time is not known.
+/// The time of day in the zone of the system, with the date if it is not today. `seconds` count from 1970. None if the
+/// time is not known.
 pub fn clock_of(seconds: u64) -> Option<String> {
     clock(seconds, false)
 }

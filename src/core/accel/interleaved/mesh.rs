@@ -15,7 +15,8 @@ use crate::math::Ray;
 use crate::math::lanes::LANES;
 
 impl Blas {
-    /// [`Self::intersect`] of the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that has one.
+    /// [`Self::intersect`] of the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that
+    /// has one.
     #[inline(always)]
     pub(in crate::accel) fn intersect_lanes(
         &self,

@@ -1,7 +1,8 @@
-//! Interleaved traversal: several rays take a step each in turn, so that the others go on while the memory that one needs is being fetched. A
-//! single ray spends most of its time on such waits in large scenes.
+//! Interleaved traversal: several rays take a step each in turn, so that the others go on while the memory that one
+//! needs is being fetched. A single ray spends most of its time on such waits in large scenes.
 //!
-//! Steps at inner nodes are taken together, and so are those at triangles and those at shapes, so that branches are easy to predict.
+//! Steps at inner nodes are taken together, and so are those at triangles and those at shapes, so that branches are
+//! easy to predict.
 
 mod mesh;
 mod scene;
@@ -188,7 +189,8 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
             self.stack.clear();
             return;
         }
-        // Entries behind the hit are removed now. To skip them later would be a branch at every step that is hard to predict.
+        // Entries behind the hit are removed now. To skip them later would be a branch at every step that is hard to
+        // predict.
         let farthest = u64::from(padded(t).to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;
         for place in 0..self.stack.len() {

@@ -1,4 +1,5 @@
-//! Interleaved rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it takes by itself.
+//! Interleaved rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it
+//! takes by itself.
 
 use arrayvec::ArrayVec;
 
@@ -270,8 +271,8 @@ mod tests {
     use crate::accel::{Blas, Instance, SplitMethod};
     use crate::geometry::mesh::MeshData;
 
-    /// Ever larger triangles away from the ray's origin, whose boxes it meets beside them, and a sphere that it hits behind them: their
-    /// tree is a chain.
+    /// Ever larger triangles away from the ray's origin, whose boxes it meets beside them, and a sphere that it hits
+    /// behind them: their tree is a chain.
     #[test]
     fn rays_that_need_too_much_room_go_alone() {
         let corners = vec![Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::new(1.0, 1.0, -1.0)];

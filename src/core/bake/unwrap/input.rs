@@ -1,8 +1,9 @@
 //! A mesh as the crate `uvunwrap` takes it.
 //!
-//! The crate cuts a mesh into charts in one go, and flattens each with a solver whose time per triangle grows with the size of the chart, so that a large mesh
-//! takes minutes in which nothing can be told or ended. Therefore large meshes are cut into pieces of neighbouring triangles, and the pieces into charts, each for
-//! itself. The crate then gets the mesh with the coordinates of these charts, which it tests and places.
+//! The crate cuts a mesh into charts in one go, and flattens each with a solver whose time per triangle grows with the
+//! size of the chart, so that a large mesh takes minutes in which nothing can be told or ended. Therefore large meshes
+//! are cut into pieces of neighbouring triangles, and the pieces into charts, each for itself. The crate then gets the
+//! mesh with the coordinates of these charts, which it tests and places.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,7 +17,8 @@ use super::mesh::{Told, UnwrapMesh};
 
 /// The most triangles of a piece. Smaller ones take less time for each triangle, and make more seams.
 const PIECE: usize = 2000;
-/// The extent of a piece in the texels in which its charts are placed. What counts of the places is that no two charts touch.
+/// The extent of a piece in the texels in which its charts are placed. What counts of the places is that no two charts
+/// touch.
 const PIECE_TEXELS: f32 = 256.0;
 
 /// The part of the time that it takes to cut large meshes into charts, if there are no others.
@@ -72,8 +74,8 @@ impl Input {
         }
     }
 
-    /// Cuts a mesh into charts, piece by piece. `told` hears of the number of triangles that are done. It ends soon after `cancel` is set, with an error. That the
-    /// crate refuses a piece is an error as well.
+    /// Cuts a mesh into charts, piece by piece. `told` hears of the number of triangles that are done. It ends soon
+    /// after `cancel` is set, with an error. That the crate refuses a piece is an error as well.
     fn cut(mesh: &UnwrapMesh, cancel: &AtomicBool, told: impl Fn(usize) + Sync) -> Result<Self, uvunwrap::Error> {
         let pieces = pieces(mesh, PIECE);
         let done = AtomicUsize::new(0);
@@ -186,8 +188,8 @@ impl Charts {
     }
 }
 
-/// Shares the triangles of a mesh out among pieces with at most so many: halves of halves along the longest side of the box around their centres. Each piece has its
-/// triangles in the order of the mesh.
+/// Shares the triangles of a mesh out among pieces with at most so many: halves of halves along the longest side of the
+/// box around their centres. Each piece has its triangles in the order of the mesh.
 fn pieces(mesh: &UnwrapMesh, most: usize) -> Vec<Vec<u32>> {
     let centre = |triangle: u32| {
         let corners = mesh.triangles[triangle as usize];

@@ -20,14 +20,16 @@ pub struct UnwrapMesh {
     pub places: usize,
 }
 
-/// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and cannot lay out a mesh that has no others.
+/// The least height of a triangle relative to its mesh's extent. The crate leaves out those below half of that, and
+/// cannot lay out a mesh that has no others.
 const LEAST_HEIGHT: f64 = 2e-6;
 
 /// The most triangles of a mesh that is unwrapped as a whole.
 const LARGEST_WHOLE: usize = 10_000;
 
 impl UnwrapMesh {
-    /// Whether a lightmap can lie on any of its triangles: not on those that are so thin that single precision takes them for lines.
+    /// Whether a lightmap can lie on any of its triangles: not on those that are so thin that single precision takes
+    /// them for lines.
     pub fn has_surface(&self) -> bool {
         let least = LEAST_HEIGHT * self.extent();
         self.triangles.iter().any(|triangle| {

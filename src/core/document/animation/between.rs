@@ -4,7 +4,8 @@ use glam::{Affine3A, Mat4, Vec3};
 
 use crate::document::{TransformOp, Value};
 
-/// The value at this share of the way from one to another of the same type. Texts and truths have no values between: the first one holds.
+/// The value at this share of the way from one to another of the same type. Texts and truths have no values between:
+/// the first one holds.
 pub(super) fn between(from: &Value, to: &Value, share: f64) -> Value {
     let number = |from: f32, to: f32| mix(from, to, share);
     let triple = |from: &Vec3, to: &Vec3| mix_triple(*from, *to, share);
@@ -30,9 +31,9 @@ fn mix_triple(from: Vec3, to: Vec3, share: f64) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|axis| mix(from[axis], to[axis], share)))
 }
 
-/// The steps between. Where both keys have the same kinds of steps, each step goes its own way, so that a turn by 360 degrees is a whole turn and a
-/// camera looks at a point between its targets. Otherwise place, turn and size go their ways: the turn along the shortest arc (Shoemake,
-/// "Animating rotation with quaternion curves", 1985).
+/// The steps between. Where both keys have the same kinds of steps, each step goes its own way, so that a turn by 360
+/// degrees is a whole turn and a camera looks at a point between its targets. Otherwise place, turn and size go their
+/// ways: the turn along the shortest arc (Shoemake, "Animating rotation with quaternion curves", 1985).
 fn steps_between(from: &[TransformOp], to: &[TransformOp], share: f64) -> Vec<TransformOp> {
     let step_by_step = || -> Option<Vec<TransformOp>> {
         let pairs = from.iter().zip(to);
@@ -92,7 +93,8 @@ pub(super) fn are_alike(one: &[TransformOp], other: &[TransformOp]) -> bool {
             .all(|(one, other)| step_between(one, other, 0.0).is_some())
 }
 
-/// The map at this share of the way from one to another: place and size go straight, the turn goes along the shortest arc.
+/// The map at this share of the way from one to another: place and size go straight, the turn goes along the shortest
+/// arc.
 pub fn affine_between(from: &Affine3A, to: &Affine3A, share: f64) -> Affine3A {
     let (size, turn, place) = from.to_scale_rotation_translation();
     let (end_size, end_turn, end_place) = to.to_scale_rotation_translation();

@@ -13,7 +13,8 @@ const MOST_FILES: usize = 5000;
 /// The most lines of an OBJ that are searched for a material.
 const MOST_LINES: usize = 10_000_000;
 
-/// What was found out about files so far: a scene may name the same ones, or ones that are not there, any number of times.
+/// What was found out about files so far: a scene may name the same ones, or ones that are not there, any number of
+/// times.
 #[derive(Default)]
 pub struct KnownFiles {
     /// By their names the files below the folders that are searched, the nearest first. None before the first search.

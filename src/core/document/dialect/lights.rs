@@ -1,7 +1,7 @@
 //! `<Sun>`, the sky, `<PointLight>` and `<Environment>`.
 //!
-//! In the original the sun is no source of light: it tints what is reflected. Here it is a directional light, and what the original shows
-//! where rays leave the scene becomes a constant light of its mean colour.
+//! In the original the sun is no source of light: it tints what is reflected. Here it is a directional light, and what
+//! the original shows where rays leave the scene becomes a constant light of its mean colour.
 
 use glam::Vec3;
 
@@ -10,14 +10,15 @@ use super::tree::Node;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, TransformOp, Value};
 
-/// Mean of the original's sky over all directions: from white at the horizon to (0.5, 0.7, 1) above (half way on average) and to grey 0.5
-/// below, which it reaches half way down (three quarters on average).
+/// Mean of the original's sky over all directions: from white at the horizon to (0.5, 0.7, 1) above (half way on
+/// average) and to grey 0.5 below, which it reaches half way down (three quarters on average).
 const SKY: Vec3 = Vec3::new(0.5 * (0.75 + 0.625), 0.5 * (0.85 + 0.625), 0.5 * (1.0 + 0.625));
 
 /// A sun darker than this, its colours added up, gives no sky.
 const DARK: f32 = 1e-3;
 
-/// Degrees about y from Mitsuba's `envmap`, whose middle column is towards +z, to the original's, whose middle column is towards +x.
+/// Degrees about y from Mitsuba's `envmap`, whose middle column is towards +z, to the original's, whose middle column
+/// is towards +x.
 const ENVIRONMENT_TURN: f32 = 90.0;
 
 impl Import<'_> {

@@ -11,8 +11,8 @@ impl Import<'_> {
         settle(self.path).parent().unwrap_or(Path::new("/")).to_owned()
     }
 
-    /// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its
-    /// file name alone: an absolute name is often one of its author's machine.
+    /// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then
+    /// anywhere below these by its file name alone: an absolute name is often one of its author's machine.
     pub fn find_file(&mut self, name: &str) -> Option<PathBuf> {
         let name = Path::new(name.trim());
         if name.as_os_str().is_empty() {

@@ -1,7 +1,7 @@
 //! Imports the course project's scene files (roots `ItemContainer` and `Scene`) as a document of the native format.
 //!
-//! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores something that a file says
-//! plainly, it makes a choice and notes it. Messages have the places of the original file.
+//! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores
+//! something that a file says plainly, it makes a choice and notes it. Messages have the places of the original file.
 
 mod attributes;
 mod import;

@@ -1,5 +1,6 @@
-//! Reads numbers. The original program reads them as C's `atof` does: text that is no number is 0, and what follows a number is ignored. Such text is a
-//! slip of the hand, so that it is an error here, and the value counts as not given; what is left empty is 0 with a warning, as programs write it that know no value.
+//! Reads numbers. The original program reads them as C's `atof` does: text that is no number is 0, and what follows a
+//! number is ignored. Such text is a slip of the hand, so that it is an error here, and the value counts as not given;
+//! what is left empty is 0 with a warning, as programs write it that know no value.
 
 use glam::Vec3;
 

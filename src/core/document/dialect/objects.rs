@@ -219,8 +219,8 @@ impl Import<'_> {
         }
     }
 
-    /// The transform: translation x rotation about x, y, z x scale, so that the scale comes first, then z. None (reported) if nothing is left of
-    /// the object.
+    /// The transform: translation x rotation about x, y, z x scale, so that the scale comes first, then z. None
+    /// (reported) if nothing is left of the object.
     fn steps(&mut self, node: Node, rotated: &mut Option<Span>) -> Option<Vec<TransformOp>> {
         let position = self.triple(node, &["Position"]).unwrap_or(Vec3::ZERO);
         let scale = self.triple(node, &["Scale"]).unwrap_or(Vec3::ONE);

@@ -120,7 +120,8 @@ impl Parser {
         let path = self.find_file(file, span).ok_or(NotIncluded::Unread)?;
         let key = canonical(&path);
         if let Some(first) = self.open_files.iter().position(|(open, _)| *open == key) {
-            // The chain of includes from that file on, of which this include is the last. Finding its places takes time in proportion to the files.
+            // The chain of includes from that file on, of which this include is the last. Finding its places takes time
+            // in proportion to the files.
             let chain = match self.diagnostics.has_many() {
                 true => &[][..],
                 false => &self.open_files[first + 1..],

@@ -14,7 +14,8 @@ const FEW: usize = 16;
 pub(super) struct Names(HashSet<SmolStr>);
 
 impl Names {
-    /// Whether one of the properties has this name. `properties` must be those of the same object each time, and may only grow.
+    /// Whether one of the properties has this name. `properties` must be those of the same object each time, and may
+    /// only grow.
     pub fn contain(&mut self, name: &str, properties: &[Property]) -> bool {
         if properties.len() <= FEW {
             return properties.iter().any(|property| property.name == name);

@@ -1,4 +1,5 @@
-//! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the program's.
+//! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the
+//! program's.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -33,14 +34,17 @@ pub(super) const MAX_INCLUDE_DEPTH: usize = 15;
 pub(super) const MAX_SEARCH_FOLDERS: usize = 100;
 /// The most includes of a document, each counted as often as it is read.
 pub(super) const MAX_INCLUDES: usize = 10_000;
-/// The most parameters of one object, all of which are looked through each time that something refers to it. Plugins know a few dozen.
+/// The most parameters of one object, all of which are looked through each time that something refers to it. Plugins
+/// know a few dozen.
 pub(super) const MAX_PROPERTIES: usize = 4096;
-/// The most tags of a document, each include counted each time: they suffice for a million instances with a few steps each.
+/// The most tags of a document, each include counted each time: they suffice for a million instances with a few steps
+/// each.
 const MAX_ELEMENTS: usize = 10_000_000;
 /// The most bytes of text of a document, likewise.
 const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
-/// The children of a scene that stand in a part of a source text, which was read without errors before and has no `$names`.
+/// The children of a scene that stand in a part of a source text, which was read without errors before and has no
+/// `$names`.
 pub(in crate::document) fn parse_children(file: &SourceFile, source: SourceId, range: Range<u32>) -> Vec<Child> {
     let mut level = Level::new(source, file.text.clone(), 0);
     level.packer = None;

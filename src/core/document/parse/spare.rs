@@ -1,7 +1,8 @@
 //! Vectors for collecting elements, which are used again and again.
 //!
-//! A vector that grows and is then made to fit leaves a hole behind it in memory. With a million small ones the holes take as much as the
-//! vectors do. Elements are therefore collected in a spare vector and moved into one of the right size.
+//! A vector that grows and is then made to fit leaves a hole behind it in memory. With a million small ones the holes
+//! take as much as the vectors do. Elements are therefore collected in a spare vector and moved into one of the right
+//! size.
 
 use crate::document::{Child, Property, TransformOp};
 

@@ -1,4 +1,5 @@
-//! The files of `<spectrum filename="...">`. However many tags name a file, it is read once for each role that its spectrum has.
+//! The files of `<spectrum filename="...">`. However many tags name a file, it is read once for each role that its
+//! spectrum has.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -104,7 +104,8 @@ pub fn margin_of_line(text: &str, at: usize) -> &str {
     &line[..line.len() - line.trim_start().len()]
 }
 
-/// The place for something new that follows an element on a line of its own: after the remark at the end of its line, if there is one.
+/// The place for something new that follows an element on a line of its own: after the remark at the end of its line,
+/// if there is one.
 pub fn end_of_line(text: &str, element_end: usize) -> usize {
     let rest = &text[element_end..];
     let line = &rest[..rest.find('\n').unwrap_or(rest.len())];

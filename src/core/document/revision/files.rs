@@ -50,7 +50,8 @@ impl<'d> FileNames<'d> {
         parent(self.path(source))
     }
 
-    /// The property of an object of this kind as it reads in a file of `folder`. What a film names is written, not read.
+    /// The property of an object of this kind as it reads in a file of `folder`. What a film names is written, not
+    /// read.
     pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
         if property.name != "filename" || owner == Category::Film {
             return Cow::Borrowed(property);
@@ -90,8 +91,8 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Another name for the same file; None if the old name still fits. A file that does not exist is named at the place that is searched first: it
-    /// may come later, and the new folder may have another file of that name.
+    /// Another name for the same file; None if the old name still fits. A file that does not exist is named at the
+    /// place that is searched first: it may come later, and the new folder may have another file of that name.
     fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
         if name.is_empty() || Path::new(name).is_absolute() {
             return None;
@@ -103,7 +104,8 @@ impl<'d> FileNames<'d> {
         (!stays).then(|| file_name(&path, to))
     }
 
-    /// Revises the `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known` is the file, if it is known.
+    /// Revises the `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known` is the
+    /// file, if it is known.
     pub fn revise_name(
         &self,
         source: &Source,

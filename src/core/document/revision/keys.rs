@@ -1,4 +1,5 @@
-//! Keys written over the text of a value, or of other keys, in its spelling: of a key that was not edited nothing changes.
+//! Keys written over the text of a value, or of other keys, in its spelling: of a key that was not edited nothing
+//! changes.
 
 use super::edits::{Edit, apply, margin_of_line, resettle};
 use super::slot::slot_after;
@@ -33,7 +34,8 @@ pub(super) struct Keys<'k> {
 }
 
 impl Keys<'_> {
-    /// The edits that make the element at `index`, which says `old`, say the property with its keys; None if it has to be written anew.
+    /// The edits that make the element at `index`, which says `old`, say the property with its keys; None if it has to
+    /// be written anew.
     pub fn revise(&self, index: usize, old: &Property) -> Result<Option<Vec<Edit>>, WriteError> {
         for key in self.now.keys.iter().flat_map(|track| &track.keys) {
             check_finite(&key.value, &self.now.name, self.owner)?;
@@ -75,7 +77,8 @@ impl Keys<'_> {
         Ok(block.map(|block| vec![Edit::replace(range, block)]))
     }
 
-    /// Other keys in an animation. Those of the same time are the same ones; of the others, as many as there are between two of these have moved.
+    /// Other keys in an animation. Those of the same time are the same ones; of the others, as many as there are
+    /// between two of these have moved.
     fn edit(&self, index: usize, old: &Track, now: &Track) -> Result<Option<Vec<Edit>>, WriteError> {
         let Some(texts) = self.texts(index, old) else {
             return Ok(None);

@@ -1,8 +1,8 @@
-//! Writes a changed document over the text that it was read from: comments, layout, `<default>`s and `<include>`s stay, and so does everything that
-//! was not understood; only the elements of what changed are touched.
+//! Writes a changed document over the text that it was read from: comments, layout, `<default>`s and `<include>`s stay,
+//! and so does everything that was not understood; only the elements of what changed are touched.
 //!
-//! Two trees are walked side by side, the one that was read and the one to be written, and the text's elements with them. What stands
-//! for the same thing has the same [`Span`] in both; what was made since has none.
+//! Two trees are walked side by side, the one that was read and the one to be written, and the text's elements with
+//! them. What stands for the same thing has the same [`Span`] in both; what was made since has none.
 
 mod additions;
 pub(super) mod edits;
@@ -28,11 +28,12 @@ use super::paths::settle;
 use super::write::{WriteError, check_finite, property_to_block};
 use super::{Child, Document, Object, Property, SourceId, Span, Value};
 
-/// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of files without a span are
-/// relative to its folder.
+/// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of
+/// files without a span are relative to its folder.
 ///
-/// What changed in an included file is written there if the document stays where it was and the file is included once; otherwise its text
-/// takes the place of the `<include>`. So does the text of a file that others changed since, where the document goes elsewhere.
+/// What changed in an included file is written there if the document stays where it was and the file is included once;
+/// otherwise its text takes the place of the `<include>`. So does the text of a file that others changed since, where
+/// the document goes elsewhere.
 pub fn revise(
     origin: &Document,
     now: &Document,

@@ -18,7 +18,8 @@ pub struct Destination<'d> {
     pub find_before: FindFile<'d>,
     /// Finds the file that a name will mean once the main file is at `path`.
     pub find_after: FindFile<'d>,
-    /// Whether an included file (absolute) has other content now than when it was read: a main file elsewhere cannot include it then.
+    /// Whether an included file (absolute) has other content now than when it was read: a main file elsewhere cannot
+    /// include it then.
     pub has_changed: &'d dyn Fn(&Path) -> bool,
 }
 

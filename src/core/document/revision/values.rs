@@ -1,4 +1,5 @@
-//! A new value written over the text of the old one, in its spelling: `x y z` stay attributes, separators and untouched numbers stay.
+//! A new value written over the text of the old one, in its spelling: `x y z` stay attributes, separators and untouched
+//! numbers stay.
 
 use glam::Vec3;
 
@@ -10,7 +11,8 @@ use crate::document::value::{fields, format_float, parse_float};
 use crate::document::write::{WriteError, escape, step_to_block};
 use crate::document::{Object, Property, TransformOp, Value};
 
-/// The edits that make the property at `index` say `now` instead of `before`; None if its tag cannot say that. All numbers are finite.
+/// The edits that make the property at `index` say `now` instead of `before`; None if its tag cannot say that. All
+/// numbers are finite.
 pub(super) fn revise_value(
     source: &Source,
     index: usize,
@@ -50,7 +52,8 @@ pub fn revise_attribute(
     Tag { text, element }.value(value, name)
 }
 
-/// Revises steps: those that stay of their kind change in place, and further ones follow. None if the transform has to be written anew.
+/// Revises steps: those that stay of their kind change in place, and further ones follow. None if the transform has to
+/// be written anew.
 fn revise_steps(
     source: &Source,
     index: usize,
@@ -202,7 +205,8 @@ impl Tag<'_> {
     }
 }
 
-/// The numbers as a list that differs from the old one only where the numbers do. One number for all stays one if it can.
+/// The numbers as a list that differs from the old one only where the numbers do. One number for all stays one if it
+/// can.
 fn revise_list(old: &str, numbers: &[f32]) -> String {
     let known: Vec<&str> = fields(old).collect();
     if known.len() == 1 && numbers.iter().all(|number| *number == numbers[0]) {

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A folder with a main file, one beside it and one below it, of three sets: an older one, and a newer one of other files.
+/// A folder with a main file, one beside it and one below it, of three sets: an older one, and a newer one of other
+/// files.
 struct Shop(tempfile::TempDir);
 
 const MAIN: &str = "scene.gltf";

@@ -23,8 +23,8 @@ impl Facets {
     /// Adds a flat polygon, counter-clockwise as seen from outside. One without area adds nothing.
     pub fn polygon(&mut self, corners: &[Vec3]) {
         let [first, ..] = corners else { return };
-        // Newell's normal holds for polygons that are not convex, too. It needs double precision, because squares of large lengths overflow in single
-        // precision.
+        // Newell's normal holds for polygons that are not convex, too. It needs double precision, because squares of
+        // large lengths overflow in single precision.
         let turned = corners.iter().zip(corners.iter().cycle().skip(1));
         let from_first = |corner: &Vec3| corner.as_dvec3() - first.as_dvec3();
         let area: DVec3 = turned.map(|(a, b)| from_first(a).cross(from_first(b))).sum();
@@ -53,7 +53,8 @@ impl Facets {
     }
 }
 
-/// The directions in which u and v grow on a face: to the right and down as seen from outside, on level faces along x and against y.
+/// The directions in which u and v grow on a face: to the right and down as seen from outside, on level faces along x
+/// and against y.
 fn directions(normal: Vec3) -> (Vec3, Vec3) {
     let right = match Vec3::Z.cross(normal) {
         level if level.length_squared() < 1e-6 => Vec3::X,

@@ -7,8 +7,8 @@ use glam::Vec3;
 use super::facets::Facets;
 use crate::geometry::mesh::MeshData;
 
-/// A regular prism around the z axis. Its corners are `radius` away from the axis at the foot and `top_radius` at `height`; with a top of 0 it is a
-/// pyramid. One side faces -y.
+/// A regular prism around the z axis. Its corners are `radius` away from the axis at the foot and `top_radius` at
+/// `height`; with a top of 0 it is a pyramid. One side faces -y.
 pub fn prism(radius: f32, top_radius: f32, height: f32, sides: u32) -> MeshData {
     let sides = sides.max(3);
     let corner = |radius: f32, z: f32, k: u32| {

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::facets::Facets;
 use crate::geometry::mesh::MeshData;
 
-/// Solid stairs: they begin at y = 0, rise along +y over `depth` to `height`, and reach from -width / 2 to width / 2 along x. All steps are equal.
+/// Solid stairs: they begin at y = 0, rise along +y over `depth` to `height`, and reach from -width / 2 to width / 2
+/// along x. All steps are equal.
 pub fn stairs(width: f32, depth: f32, height: f32, steps: u32) -> MeshData {
     let steps = steps.max(1);
     let half = 0.5 * width;
@@ -22,8 +23,8 @@ pub fn stairs(width: f32, depth: f32, height: f32, steps: u32) -> MeshData {
         across(&mut facets, (front, 0.0), (back, 0.0));
         across(&mut facets, (back, top), (front, top));
         across(&mut facets, (front, top), (front, below));
-        // The sides have a corner wherever the step before has one, so that no edge ends inside another. All triangles have an area: the
-        // edges of the steps lie on a line, and three of them would make none.
+        // The sides have a corner wherever the step before has one, so that no edge ends inside another. All triangles
+        // have an area: the edges of the steps lie on a line, and three of them would make none.
         for x in [half, -half] {
             let side = |facets: &mut Facets, outline: &[(f32, f32)]| {
                 let mut corners: Vec<Vec3> = outline.iter().map(|&(y, z)| Vec3::new(x, y, z)).collect();

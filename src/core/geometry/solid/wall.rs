@@ -18,8 +18,9 @@ pub struct Hole {
     pub height: f32,
 }
 
-/// The box from (0, -thickness / 2, 0) to (length, thickness / 2, height) without its openings, which go through it along y. Openings may
-/// overlap, and end where the wall does. The faces are cut along the edges of all openings, so that neighbours share whole edges.
+/// The box from (0, -thickness / 2, 0) to (length, thickness / 2, height) without its openings, which go through it
+/// along y. Openings may overlap, and end where the wall does. The faces are cut along the edges of all openings, so
+/// that neighbours share whole edges.
 pub fn wall(length: f32, height: f32, thickness: f32, holes: &[Hole]) -> MeshData {
     // There is no wall if a number is no possible length.
     let [length, height] = [length, height].map(|extent| extent.max(0.0));

@@ -56,8 +56,8 @@ impl GltfWriter {
         Ok(bytes)
     }
 
-    /// The text of the `.gltf` file, and the files that it names. Their names begin with `stem`, in which other characters than letters, digits and `-_. ` are
-    /// replaced.
+    /// The text of the `.gltf` file, and the files that it names. Their names begin with `stem`, in which other
+    /// characters than letters, digits and `-_. ` are replaced.
     pub fn text(mut self, stem: &str) -> Result<(Vec<u8>, Vec<BesideFile>), GltfWriteError> {
         let plain = |c: char| {
             if c.is_alphanumeric() || "-_. ".contains(c) {

@@ -30,7 +30,8 @@ fn check_counts(vertices: u64, corners: u64) -> Result<(), GltfWriteError> {
 }
 
 impl GltfWriter {
-    /// Adds the vertices of a mesh: positions, normals and texture coordinates as far as it has them. `colors`: linear, one for each vertex.
+    /// Adds the vertices of a mesh: positions, normals and texture coordinates as far as it has them. `colors`: linear,
+    /// one for each vertex.
     pub fn add_vertices(&mut self, mesh: &MeshData, colors: Option<&[[f32; 3]]>) -> Result<Attributes, GltfWriteError> {
         check_counts(mesh.positions.len() as u64, 3 * mesh.triangles.len() as u64)?;
         let mut attributes = Attributes::new();

@@ -1,4 +1,5 @@
-//! The meshes of a file that is being made, as others see them: where they stand, what they are made of, and how another one takes the place of one.
+//! The meshes of a file that is being made, as others see them: where they stand, what they are made of, and how
+//! another one takes the place of one.
 
 use std::collections::HashSet;
 
@@ -116,7 +117,8 @@ impl GltfWriter {
         &self.bytes[view.byte_offset..view.byte_offset + view.byte_length]
     }
 
-    /// Adds vertices that are those of `chosen` among others, in that order. `is_turned`: with normals that point the other way.
+    /// Adds vertices that are those of `chosen` among others, in that order. `is_turned`: with normals that point the
+    /// other way.
     pub fn add_chosen_vertices(&mut self, of: &Attributes, chosen: &[u32], is_turned: bool) -> Attributes {
         let mut attributes = Attributes::new();
         for (name, accessor) in of {

@@ -1,7 +1,8 @@
 //! Writes glTF 2.0 files, `.glb` and `.gltf`.
 //!
-//! [`GltfWriter`] collects nodes, meshes, materials, pictures, lights, cameras and animations, each of which gets an index by which others name it, and
-//! the bytes of their buffer. [`GltfWriter::binary`] and [`GltfWriter::text`] make the files. What a scene becomes is not decided here.
+//! [`GltfWriter`] collects nodes, meshes, materials, pictures, lights, cameras and animations, each of which gets an
+//! index by which others name it, and the bytes of their buffer. [`GltfWriter::binary`] and [`GltfWriter::text`] make
+//! the files. What a scene becomes is not decided here.
 
 mod container;
 mod geometry;
@@ -18,7 +19,8 @@ use self::model::{
     Root, Sampler, Texture,
 };
 
-/// The roughness of sheen in files that are written, for the scene format has none: a glow as wide as that of `principled`.
+/// The roughness of sheen in files that are written, for the scene format has none: a glow as wide as that of
+/// `principled`.
 pub const SHEEN_ROUGHNESS: f32 = 0.5;
 
 const FLOAT: u32 = 5126;
@@ -152,7 +154,8 @@ impl GltfWriter {
         push(&mut self.root.buffer_views, view)
     }
 
-    /// Adds an accessor of vectors of single precision, at least one. `bounds`: whether the file says the least and the greatest values.
+    /// Adds an accessor of vectors of single precision, at least one. `bounds`: whether the file says the least and the
+    /// greatest values.
     fn add_floats<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool, target: Option<u32>) -> usize {
         let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes());
         let buffer_view = self.add_view(bytes, target);
@@ -182,7 +185,8 @@ impl GltfWriter {
         self.add_floats(&times, true, None)
     }
 
-    /// Lets a node move: `path` is `translation`, `rotation` or `scale`, with a value for each of the `times`, an accessor.
+    /// Lets a node move: `path` is `translation`, `rotation` or `scale`, with a value for each of the `times`, an
+    /// accessor.
     pub fn animate<const N: usize>(
         &mut self,
         node: usize,

@@ -1,5 +1,5 @@
-//! The parts of a glTF 2.0 file as they are written, under the names of the specification (section 5) and of the KHR extensions. What is not given is
-//! left out of the file. Materials are in `material.rs`.
+//! The parts of a glTF 2.0 file as they are written, under the names of the specification (section 5) and of the KHR
+//! extensions. What is not given is left out of the file. Materials are in `material.rs`.
 
 use std::collections::BTreeMap;
 
@@ -212,7 +212,8 @@ pub(super) struct Texture {
     pub sampler: Option<usize>,
 }
 
-/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring texels.
+/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring
+/// texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Sampler {

@@ -1,5 +1,6 @@
-//! The lights that sixteen surfaces choose. What many of them are likely to have chosen is sampled for all of these at once. What the other lanes have
-//! chosen must not decide on the form of the formula, because its rounding would then depend on which paths go side by side.
+//! The lights that sixteen surfaces choose. What many of them are likely to have chosen is sampled for all of these at
+//! once. What the other lanes have chosen must not decide on the form of the formula, because its rounding would then
+//! depend on which paths go side by side.
 
 use glam::Vec2;
 
@@ -11,7 +12,8 @@ use crate::light::{LightId, LightReference, LightSample, ReferenceLanes};
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{PerLane, Real};
 
-/// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast, unless other lanes have chosen surfaces of the same kind.
+/// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast, unless other lanes
+/// have chosen surfaces of the same kind.
 const FEW_PARTS: usize = 4;
 
 /// The lights that lanes have chosen.
@@ -97,7 +99,8 @@ impl LightTable {
         }
     }
 
-    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each. None if no lane has chosen one.
+    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each. None if no lane has chosen
+    /// one.
     #[inline(never)]
     pub(crate) fn sample_plain(
         &self,
@@ -183,7 +186,8 @@ mod tests {
         Vec3::new(x, y, z + 0.02f32.copysign(z)).normalize()
     }
 
-    /// Compares both forms of a light near the origin, of a size of one: from very near to very far, with and without a normal.
+    /// Compares both forms of a light near the origin, of a size of one: from very near to very far, with and without a
+    /// normal.
     fn check(
         name: &str,
         of_one: impl Fn(&Reference, [f32; 2]) -> LightSample,
@@ -229,7 +233,8 @@ mod tests {
                     radiance.abs_diff_eq(one.radiance, most),
                     "{name}: {radiance} {one:?} {reference:?}"
                 );
-                // Edge-on, and on the horizon, the density is what rounding makes it: a cosine is the root of what is left of one.
+                // Edge-on, and on the horizon, the density is what rounding makes it: a cosine is the root of what is
+                // left of one.
                 on_borders += usize::from((pdf - one.pdf).abs() > 3e-3 * one.pdf + 3e-4);
             }
         }

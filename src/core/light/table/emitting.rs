@@ -24,7 +24,8 @@ const NOWHERE: LightReference = LightReference {
 };
 
 impl LightTable {
-    /// What the lights of a scene can meet. It takes a few steps for each lamp, and for the shapes around the whole scene.
+    /// What the lights of a scene can meet. It takes a few steps for each lamp, and for the shapes around the whole
+    /// scene.
     pub fn reach(&self, geometry: &Tlas) -> Reach {
         let everything = geometry.bounds();
         let is_outermost =
@@ -54,7 +55,8 @@ impl LightTable {
         }
     }
 
-    /// A ray of light: chooses a light by `u_choice`, a place by `u_place` and a direction by `u_dir`. None where nothing is emitted.
+    /// A ray of light: chooses a light by `u_choice`, a place by `u_place` and a direction by `u_dir`. None where
+    /// nothing is emitted.
     pub fn sample_emission(&self, reach: &Reach, u_choice: f32, u_place: Vec2, u_dir: Vec2) -> Option<EmittedRay> {
         let (chosen, pmf) = self.emission.sample(&reach.everything, u_choice)?;
         match chosen {
@@ -147,7 +149,8 @@ impl LightTable {
         }
     }
 
-    /// The densities with which [`Self::sample_emission`] gives a ray from the direction `wi` of light `id`, which is at infinity.
+    /// The densities with which [`Self::sample_emission`] gives a ray from the direction `wi` of light `id`, which is
+    /// at infinity.
     pub fn emission_pdf_from(&self, id: LightId, reach: &Reach, wi: Vec3) -> EmissionPdf {
         let start = self.at_infinity(id).map_or(0.0, |(index, light)| {
             let pdf = match light {
@@ -162,7 +165,8 @@ impl LightTable {
         }
     }
 
-    /// [`Self::sample`] with the place on the light, and the densities of the ray from there to the reference by [`Self::sample_emission`].
+    /// [`Self::sample`] with the place on the light, and the densities of the ray from there to the reference by
+    /// [`Self::sample_emission`].
     pub fn sample_start(
         &self,
         reach: &Reach,
@@ -217,7 +221,8 @@ impl LightTable {
         ))
     }
 
-    /// The density with which [`Self::sample`] finds the start of a ray of light `id` from the reference, in direction `wi`.
+    /// The density with which [`Self::sample`] finds the start of a ray of light `id` from the reference, in direction
+    /// `wi`.
     pub fn pdf_of_start(&self, id: LightId, reference: &LightReference, start: &Start, wi: Vec3) -> f32 {
         match start {
             Start::Surface(hit) => self.pdf_of_hit(id, reference, hit),
@@ -250,7 +255,8 @@ impl Side {
         }
     }
 
-    /// A direction to what is lit, or one that follows the cosine with the normal, and its density. None where it does not shine.
+    /// A direction to what is lit, or one that follows the cosine with the normal, and its density. None where it does
+    /// not shine.
     fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let (is_aimed, u) = self.aim.map_or((false, u), |_| Aim::choose(u));
         let dir = match &self.aim {

@@ -1,8 +1,10 @@
-//! Building the light tree: from the top, splitting where the surface area orientation heuristic is least among binned planes.
+//! Building the light tree: from the top, splitting where the surface area orientation heuristic is least among binned
+//! planes.
 //!
-//! The heuristic is Conty Estevez and Kulla's with two simplifications: the measure of space is the square of the ball's radius, which
-//! also tells points on a line apart, and the spread of a bin's normals is estimated from their mean, which needs no trigonometry per
-//! emitter. The cones of the finished nodes are bounds, merged from the leaves up.
+//! The heuristic is Conty Estevez and Kulla's with two simplifications: the measure of space is the square of the
+//! ball's radius, which also tells points on a line apart, and the spread of a bin's normals is estimated from their
+//! mean, which needs no trigonometry per emitter. The cones of the finished nodes are bounds, merged from the leaves
+//! up.
 
 use glam::Vec3;
 
@@ -73,7 +75,8 @@ impl LightTree {
     }
 }
 
-/// Fills `pairs`, one fewer than `items` and the first of them numbered `first_pair`, with the tree over two items or more.
+/// Fills `pairs`, one fewer than `items` and the first of them numbered `first_pair`, with the tree over two items or
+/// more.
 fn split(items: &mut [Item], pairs: &mut [[Node; 2]], first_pair: u32, depth: u32) -> LightBounds {
     let middle = partition(items, depth);
     let parallel = items.len() >= SMALLEST_TASK;
@@ -180,8 +183,8 @@ impl Bin {
     }
 }
 
-/// The solid angle lit by surfaces with normals in a cone, weighted by the cosine to the nearest normal: pi for one normal, 4 pi for all.
-/// Exact up to a right angle, above it smoothly on to the end.
+/// The solid angle lit by surfaces with normals in a cone, weighted by the cosine to the nearest normal: pi for one
+/// normal, 4 pi for all. Exact up to a right angle, above it smoothly on to the end.
 fn shone_upon(cos: f32) -> f32 {
     use std::f32::consts::PI;
     let sin = (1.0 - cos * cos).max(0.0).sqrt();

@@ -1,8 +1,9 @@
-//! A hierarchy over emitters that chooses one of them with about the probability of its contribution to a reference point.
+//! A hierarchy over emitters that chooses one of them with about the probability of its contribution to a reference
+//! point.
 //!
-//! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018, without the splitting; PBR 4th ed.,
-//! section 12.6.3. One random number goes down the tree and is stretched at every step. `node.rs` estimates importances, `build.rs`
-//! decides what belongs together. Nothing here knows what a light is.
+//! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018, without the
+//! splitting; PBR 4th ed., section 12.6.3. One random number goes down the tree and is stretched at every step.
+//! `node.rs` estimates importances, `build.rs` decides what belongs together. Nothing here knows what a light is.
 
 mod build;
 mod node;
@@ -51,13 +52,15 @@ impl LightTree {
         self.only
     }
 
-    /// The emitter for `u` in [0, 1), with its probability. None if the bounds turn out to hold nothing that sends light to `reference`.
+    /// The emitter for `u` in [0, 1), with its probability. None if the bounds turn out to hold nothing that sends
+    /// light to `reference`.
     pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(u32, f32)> {
         let from = Reference::from(reference);
         self.descend(u, |pair| share_of_first(&self.pairs[pair as usize], &from))
     }
 
-    /// The probabilities by which [`Self::sample_lane`] chooses; None for a large tree, in which lanes go different ways.
+    /// The probabilities by which [`Self::sample_lane`] chooses; None for a large tree, in which lanes go different
+    /// ways.
     pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
         let is_small = self.only.is_none() && self.pairs.len() <= MOST_SHARED;
         is_small.then(|| self.pairs.iter().map(|pair| share_of_first(pair, from)).collect())

@@ -30,8 +30,9 @@ pub(super) struct Node {
 
 const EMITTER: u32 = 1 << 31;
 
-/// Added to the squared sine of the angle under which a node is seen, so that rounding hides no emitter behind a horizon: a thousandth
-/// of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter in the cosine of its angle.
+/// Added to the squared sine of the angle under which a node is seen, so that rounding hides no emitter behind a
+/// horizon: a thousandth of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter
+/// in the cosine of its angle.
 const SINE_SQUARED_ROUNDING: f32 = 1e-6;
 
 /// The least squared distance to a ball's centre that counts, in squared radii: within it, emitters are all around.
@@ -127,7 +128,8 @@ impl<R: Real> Seen<R> {
         R::is_above(self.cosines, 0.0)
     }
 
-    /// The irradiance over that of another node, if all of either shone from where it is seen, about. Where both are [`Self::is_lit`].
+    /// The irradiance over that of another node, if all of either shone from where it is seen, about. Where both are
+    /// [`Self::is_lit`].
     #[inline(always)]
     pub fn over(&self, other: &Self) -> R {
         // No product of two such quotients is beyond all numbers.

@@ -109,7 +109,8 @@ fn build(lights: &[LightBounds]) -> LightTree {
     LightTree::build(&lights).expect("shining lights")
 }
 
-/// Every emitter owns one interval of the random number, as long as its probability. Evenly spaced numbers count that length within one.
+/// Every emitter owns one interval of the random number, as long as its probability. Evenly spaced numbers count that
+/// length within one.
 #[test]
 fn emitters_are_chosen_as_often_as_their_probability_says() {
     const DRAWS: u32 = 20_000;
@@ -192,7 +193,8 @@ fn a_patch_that_faces_away_or_lies_below_the_horizon_is_left_out() {
     assert_eq!(pmfs(Some(Vec3::Y)), [true, false, false]);
 }
 
-/// At a distance of a few radii, the choice is proportional to the irradiance within a factor that the balls of the nodes explain.
+/// At a distance of a few radii, the choice is proportional to the irradiance within a factor that the balls of the
+/// nodes explain.
 #[test]
 fn near_and_strong_lights_are_preferred() {
     let lights: Vec<_> = (0..200).map(|i| point(scattered(i), 1.0)).collect();

@@ -1,6 +1,8 @@
-//! Unpacks chunks of Blosc, version 1, as OpenVDB writes them: blocks whose bytes are sorted by significance and packed by LZ4.
+//! Unpacks chunks of Blosc, version 1, as OpenVDB writes them: blocks whose bytes are sorted by significance and packed
+//! by LZ4.
 //!
-//! A chunk has a header of 16 bytes, the places of its blocks, and the blocks. A block is one stream, or one for each byte of a value.
+//! A chunk has a header of 16 bytes, the places of its blocks, and the blocks. A block is one stream, or one for each
+//! byte of a value.
 
 /// The length of the header, in bytes.
 const HEADER: usize = 16;
@@ -67,7 +69,8 @@ pub(super) fn unpack(chunk: &[u8], into: &mut [u8], scratch: &mut Vec<u8>) -> Op
     Some(())
 }
 
-/// Puts the bytes of values of `width` bytes together, of which the block has all first ones, then all second ones, and so on.
+/// Puts the bytes of values of `width` bytes together, of which the block has all first ones, then all second ones, and
+/// so on.
 fn unshuffle(sorted: &[u8], values: &mut [u8], width: usize) {
     let count = values.len() / width;
     for (byte, plane) in sorted[..count * width].chunks_exact(count.max(1)).enumerate() {

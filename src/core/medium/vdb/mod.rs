@@ -1,11 +1,13 @@
-//! Reads volumes from .vdb files, as OpenVDB and what is built on it write smoke and fire (Museth, VDB: High-Resolution Sparse Volumes with Dynamic
-//! Topology, 2013; the layout of the file is that of OpenVDB's own reader).
+//! Reads volumes from .vdb files, as OpenVDB and what is built on it write smoke and fire (Museth, VDB: High-Resolution
+//! Sparse Volumes with Dynamic Topology, 2013; the layout of the file is that of OpenVDB's own reader).
 //!
-//! Read are trees of the usual form (5, 4, 3) whose values are one or three numbers in half, single or double precision, packed by zlib, by
-//! Blosc with LZ4, or not at all, of the versions 222 to 224, which are those of OpenVDB 1.2 to 12. A grid becomes a dense one over the box
-//! of its active voxels and one layer of voxels around it; the values there are those of the file, active or not. With that layer, most often of the
-//! background, values between voxels and beyond the box are those that OpenVDB finds. Not read are grids of integers, masks, points and
-//! level sets, frustums, files that were written as streams, and Blosc with other packers than LZ4, which OpenVDB does not use.
+//! Read are trees of the usual form (5, 4, 3) whose values are one or three numbers in half, single or double
+//! precision, packed by zlib, by Blosc with LZ4, or not at all, of the versions 222 to 224, which are those of OpenVDB
+//! 1.2 to 12. A grid becomes a dense one over the box of its active voxels and one layer of voxels around it; the
+//! values there are those of the file, active or not. With that layer, most often of the background, values between
+//! voxels and beyond the box are those that OpenVDB finds. Not read are grids of integers, masks, points and
+//! level sets, frustums, files that were written as streams, and Blosc with other packers than LZ4, which OpenVDB does
+//! not use.
 
 mod blosc;
 mod bytes;
@@ -134,10 +136,11 @@ fn listed(names: &[String]) -> String {
 /// A grid that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VdbVolume {
-    /// The voxels in the box of those that are active, and one layer around it. Values are in half precision if the file has them so, otherwise in single precision.
+    /// The voxels in the box of those that are active, and one layer around it. Values are in half precision if the
+    /// file has them so, otherwise in single precision.
     pub grid: VolumeGrid,
-    /// World from local space, in which the grid fills the unit cube, [0, 1]^3. Invertible. The world is that of the file: its units of length and its
-    /// axes.
+    /// World from local space, in which the grid fills the unit cube, [0, 1]^3. Invertible. The world is that of the
+    /// file: its units of length and its axes.
     pub world_from_local: Affine3A,
 }
 
@@ -159,8 +162,8 @@ impl<'a> VdbFile<'a> {
         self.entries.iter().map(|entry| entry.name.clone()).collect()
     }
 
-    /// Reads the grid of this name; without a name `density`, or else the only one. Its voxels may take up `limit` bytes of
-    /// memory, and what the budget of memory has left.
+    /// Reads the grid of this name; without a name `density`, or else the only one. Its voxels may take up `limit`
+    /// bytes of memory, and what the budget of memory has left.
     pub fn read(&self, name: Option<&str>, limit: u64) -> Result<VdbVolume, VdbError> {
         let entry = self.choose(name)?;
         let damaged = VdbError::Damaged {
@@ -249,7 +252,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The voxels in the box of what is active and around it, and the first of them in index space. The root of the tree is next in the file.
+    /// The voxels in the box of what is active and around it, and the first of them in index space. The root of the
+    /// tree is next in the file.
     fn fill<T: Component, const C: usize>(
         &self,
         mut reader: ValueReader<'a, T, C>,

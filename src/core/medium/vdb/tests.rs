@@ -1,4 +1,5 @@
-//! The files of the corpus are from OpenVDB 12, which also reads those that were packed anew. Their voxels have values that follow from their places, as [`written`] says.
+//! The files of the corpus are from OpenVDB 12, which also reads those that were packed anew. Their voxels have values
+//! that follow from their places, as [`written`] says.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 

@@ -1,9 +1,9 @@
-//! The tree of a grid: a root with tiles and children, two levels of internal nodes of 32^3 and 16^3 children, and leaves of 8^3 voxels. What has
-//! no children is a tile, of one value.
+//! The tree of a grid: a root with tiles and children, two levels of internal nodes of 32^3 and 16^3 children, and
+//! leaves of 8^3 voxels. What has no children is a tile, of one value.
 //!
-//! The file has all nodes first, depth first, with the values of their tiles and the masks of active voxels, and then the values of all
-//! leaves in the same order. The nodes are gone through twice, first for the box of what is active and then to fill it, so that no more
-//! than the leaves' places has to be kept.
+//! The file has all nodes first, depth first, with the values of their tiles and the masks of active voxels, and then
+//! the values of all leaves in the same order. The nodes are gone through twice, first for the box of what is active
+//! and then to fill it, so that no more than the leaves' places has to be kept.
 
 use std::collections::HashSet;
 

@@ -159,7 +159,8 @@ impl<'a, T: Component, const C: usize> ValueReader<'a, T, C> {
 
     /// The values of a node of which `active` are active, into `values`.
     ///
-    /// Inactive values are left out of the array where they are the background, its negative (in level sets), or at most two others.
+    /// Inactive values are left out of the array where they are the background, its negative (in level sets), or at
+    /// most two others.
     pub(super) fn array(&mut self, active: Mask, values: &mut Vec<[T; C]>) -> Result<(), VdbError> {
         let code = self.bytes.u8()?;
         let first = match code {

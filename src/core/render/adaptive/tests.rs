@@ -6,8 +6,8 @@ use crate::sampling::{COLOUR, place_in_block};
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 70;
 
-/// A map after [`FIRST`] samples of a picture, and the tiles of the picture. A pixel at (x, y) has the luminance `[l, _]` of `light`, with halves that differ by the
-/// share `[_, d]`.
+/// A map after [`FIRST`] samples of a picture, and the tiles of the picture. A pixel at (x, y) has the luminance `[l,
+/// _]` of `light`, with halves that differ by the share `[_, d]`.
 fn sampled_in([width, height]: [u32; 2], light: impl Fn(u32, u32) -> [f32; 2]) -> (NoiseMap, Vec<Tile>) {
     let all = tiles(width, height);
     let (mut map, mut film) = (NoiseMap::new(&all, width), Film::new(width, height));

@@ -4,8 +4,9 @@ use crate::render::view::{Integrator, PathSettings};
 
 /// The gain from which on bidirectional path tracing is chosen.
 pub(super) const WORTHWHILE: f64 = 1.5;
-/// The gain from which on guided paths are chosen. The pilot compares single samples. Samples of pictures are well spread, which lowers the variance of guided paths further than that of
-/// others, so that pictures gain more than the pilot tells.
+/// The gain from which on guided paths are chosen. The pilot compares single samples. Samples of pictures are well
+/// spread, which lowers the variance of guided paths further than that of others, so that pictures gain more than the
+/// pilot tells.
 const WORTHWHILE_OF_GUIDE: f64 = 1.15;
 
 /// What `auto` can be.
@@ -24,7 +25,8 @@ pub enum Method {
 pub struct Choice {
     /// The method that pays for the scene.
     pub method: Method,
-    /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same cost. None if there was no pilot.
+    /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same
+    /// cost. None if there was no pilot.
     pub gain: Option<f32>,
     /// The same of guided paths. None if they were not tried.
     pub gain_of_guide: Option<f32>,
@@ -52,7 +54,8 @@ impl Choice {
         }
     }
 
-    /// The name of what was chosen: that of the integrator in files, or `guided path`. `has_media`: whether there are media, which only path tracing knows.
+    /// The name of what was chosen: that of the integrator in files, or `guided path`. `has_media`: whether there are
+    /// media, which only path tracing knows.
     pub fn name(&self, has_media: bool) -> &'static str {
         match (self.method, has_media) {
             (Method::Bidirectional, _) => "bdpt",

@@ -1,4 +1,5 @@
-//! The photons that a guide is learnt from: all vertices of paths from the lights but the first, which light comes to straight from a lamp.
+//! The photons that a guide is learnt from: all vertices of paths from the lights but the first, which light comes to
+//! straight from a lamp.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;

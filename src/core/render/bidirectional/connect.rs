@@ -137,7 +137,8 @@ impl<'a> Sample<'a, '_> {
         }
     }
 
-    /// What the camera sees along a ray of its, behind lamps that it does not see: the state of a path there, and the hit.
+    /// What the camera sees along a ray of its, behind lamps that it does not see: the state of a path there, and the
+    /// hit.
     fn first_seen(&mut self, ray: Ray) -> (PathState, Option<Hit>) {
         let mut path = PathState::new(ray, self.camera_sampler, None);
         path.rays += 1;
@@ -414,8 +415,8 @@ impl<'a> Sample<'a, '_> {
         Some(before.area_pdf(vertex.scattering.reverse_pdf(wi), vertex.point.position))
     }
 
-    /// Joins a vertex of the camera's path with one of the light's (s > 1, t > 1). It is chosen at random: all of them would cost as many times more as
-    /// there are, and be less noisy by less than that.
+    /// Joins a vertex of the camera's path with one of the light's (s > 1, t > 1). It is chosen at random: all of them
+    /// would cost as many times more as there are, and be less noisy by less than that.
     fn join_one(
         &mut self,
         path: &LightPath,

@@ -17,10 +17,11 @@ pub(in crate::render) struct Find {
     pub pixel: Option<UVec2>,
     /// The luminance that it has brought.
     pub light: f32,
-    /// The luminance of the path by path tracing, whenever that finds it: its contribution over the density with which its ways find it. Infinite if it never does.
+    /// The luminance of the path by path tracing, whenever that finds it: its contribution over the density with which
+    /// its ways find it. Infinite if it never does.
     ///
-    /// The mean of `light * in_one` is the second moment that such paths have there, so that what path tracing finds once in a million samples need not be waited
-    /// for.
+    /// The mean of `light * in_one` is the second moment that such paths have there, so that what path tracing finds
+    /// once in a million samples need not be waited for.
     pub in_one: f32,
     /// The same for guided paths. It is that of others where nothing guides them.
     pub in_guided: f32,
@@ -31,8 +32,8 @@ pub(in crate::render) struct Find {
 pub(super) struct Guidance<'a>(Option<&'a Field>);
 
 impl Sample<'_, '_> {
-    /// Notes a path with light, if it is asked for. `whole` is its light without a weight, and `of_paths` the sum of the squared densities of path tracing's ways
-    /// relative to that by which it was found.
+    /// Notes a path with light, if it is asked for. `whole` is its light without a weight, and `of_paths` the sum of
+    /// the squared densities of path tracing's ways relative to that by which it was found.
     pub(super) fn note(&mut self, pixel: Option<UVec2>, light: Rgb, whole: Rgb, of_paths: impl Fn(Guidance) -> f32) {
         let Some(finds) = &mut self.finds else { return };
         let light = luminance(light);
@@ -50,8 +51,9 @@ impl Sample<'_, '_> {
 }
 
 impl Guidance<'_> {
-    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Below a coat it is an estimate, as if all of the model had the density of the cosine:
-    /// the direction that the path has come from is not known here.
+    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Below a coat it is an
+    /// estimate, as if all of the model had the density of the cosine: the direction that the path has come from is
+    /// not known here.
     pub fn ratio(&self, vertex: &Vertex, wi: Vec3) -> f32 {
         let of_guide = || {
             let (lobe, normal) = vertex.scattering.diffuse_lobe()?;
@@ -74,8 +76,9 @@ impl Guidance<'_> {
         product
     }
 
-    /// The sum of the squared densities of path tracing's ways, relative to that which joins the vertex number `last` of a path from a light with the camera's. From there it has the
-    /// density `pdf` per area, and `next` is the density per solid angle with which a path from the camera would leave it against the light.
+    /// The sum of the squared densities of path tracing's ways, relative to that which joins the vertex number `last`
+    /// of a path from a light with the camera's. From there it has the density `pdf` per area, and `next` is the
+    /// density per solid angle with which a path from the camera would leave it against the light.
     pub fn of_joined(&self, path: &LightPath, light: &[Vertex], last: usize, pdf: f32, next: f32) -> f32 {
         let factor = |vertex: &Vertex, next: Option<&Vertex>| {
             let wi = next.map_or(-path.emitted.dir, |next| between(vertex, next));

@@ -7,9 +7,11 @@ use crate::color::Rgb;
 use crate::render::observer::{Joined, PathObserver};
 use crate::render::photon_map::Photon;
 
-/// The share of the merging radius up to which photons may be off the plane of the surface, squared. Those beyond belong to another surface.
+/// The share of the merging radius up to which photons may be off the plane of the surface, squared. Those beyond
+/// belong to another surface.
 const OFF_PLANE_SQUARED: f32 = 0.1;
-/// The least cosine of a photon's direction with the normal: below, a photon stands for more area than light comes from.
+/// The least cosine of a photon's direction with the normal: below, a photon stands for more area than light comes
+/// from.
 const LEAST_COSINE: f32 = 1e-3;
 
 impl Sample<'_, '_> {

@@ -1,18 +1,21 @@
-//! Bidirectional path tracing: a path from the camera and a path from a light, joined in all ways under one multiple importance sampling (Veach 1997,
-//! chapter 10; PBR 4th ed., section 16.1). And light tracing, which keeps only the paths that lead from a light to the camera.
+//! Bidirectional path tracing: a path from the camera and a path from a light, joined in all ways under one multiple
+//! importance sampling (Veach 1997, chapter 10; PBR 4th ed., section 16.1). And light tracing, which keeps only the
+//! paths that lead from a light to the camera.
 //!
-//! A path of k vertices can be found with `s` vertices by the path from the light and `t` by that from the camera, s + t = k:
+//! A path of k vertices can be found with `s` vertices by the path from the light and `t` by that from the camera, s +
+//! t = k:
 //!
 //! - s = 0: the path from the camera comes upon the emitter.
 //! - s = 1: a light is sampled from the camera's path, as path tracing does.
 //! - s > 1, t > 1: both paths are joined by a shadow ray.
 //! - t = 1: the path from the light is joined with the lens. What it brings may fall on any pixel ([`super::splats`]).
 //!
-//! Left out are s = t = 1, because what the camera sees directly is found without noise, and t = 0, because cameras are not hit. Each way has the weight of the
-//! power heuristic (`weights.rs`), so that a path counts once in all.
+//! Left out are s = t = 1, because what the camera sees directly is found without noise, and t = 0, because cameras are
+//! not hit. Each way has the weight of the power heuristic (`weights.rs`), so that a path counts once in all.
 //!
-//! Vertex connection and merging adds one more for each vertex that both paths come near, if a delta lobe has sent the light there ([`merge`], [`photons`]):
-//! the only ways to find light that goes through glass to a diffuse surface and is seen through glass. Merged light is blurred a little, by less and less.
+//! Vertex connection and merging adds one more for each vertex that both paths come near, if a delta lobe has sent the
+//! light there ([`merge`], [`photons`]): the only ways to find light that goes through glass to a diffuse surface and
+//! is seen through glass. Merged light is blurred a little, by less and less.
 //!
 //! Media are not traced by it.
 
@@ -212,7 +215,8 @@ impl<'a> Tracer<'a> {
         self.finds.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// The random numbers of the path from a light. All paths of a picture have points of one sequence, so that together they cover the lights evenly.
+    /// The random numbers of the path from a light. All paths of a picture have points of one sequence, so that
+    /// together they cover the lights evenly.
     fn light_sampler(&self, pixel: UVec2, index: u32) -> Sampler {
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
         let number = u64::from(index) * pixels + u64::from(pixel.y) * u64::from(self.view.width) + u64::from(pixel.x);
@@ -267,7 +271,8 @@ impl<'a> Sample<'a, '_> {
     }
 }
 
-/// Puts the light of a place of the film, in pixels, into one of the pixels whose filter has a part in it, chosen by `u`.
+/// Puts the light of a place of the film, in pixels, into one of the pixels whose filter has a part in it, chosen by
+/// `u`.
 fn splat(view: &View, film: glam::Vec2, radiance: Rgb, u: f32) -> Option<Splat> {
     let (pixel, weight) = view.filter.choose_pixel(film, u)?;
     let size = glam::IVec2::new(view.width as i32, view.height as i32);

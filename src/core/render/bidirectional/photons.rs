@@ -13,8 +13,8 @@ use crate::render::photon_rounds::{PATHS_OF_BLOCK, RoundId};
 use crate::render::view::{PhotonSettings, View};
 use crate::sampling::Sampler;
 
-/// The exponent of the round's number in the squared radius: photons are merged in areas that shrink so slowly that both the blur and the noise of the mean of
-/// all rounds vanish (Georgiev et al. 2012, section 5.3; alpha is 3/4).
+/// The exponent of the round's number in the squared radius: photons are merged in areas that shrink so slowly that
+/// both the blur and the noise of the mean of all rounds vanish (Georgiev et al. 2012, section 5.3; alpha is 3/4).
 const SHRINKING: f32 = -0.25;
 /// The largest radius of merging, as a share of the scene's.
 const LARGEST_RADIUS: f32 = 0.01;

@@ -14,8 +14,9 @@ use crate::render::roulette;
 use crate::render::scene::SurfaceSlot;
 use crate::shading::TransportMode;
 
-/// A vertex of a path on a surface. Densities are per area, also behind delta lobes, which count as a density of 1 per solid angle: the directions
-/// before and behind them correspond, and the weights compare only densities of the same paths.
+/// A vertex of a path on a surface. Densities are per area, also behind delta lobes, which count as a density of 1 per
+/// solid angle: the directions before and behind them correspond, and the weights compare only densities of the same
+/// paths.
 pub(super) struct Vertex<'a> {
     pub point: SurfacePoint,
     pub slot: SurfaceSlot,
@@ -24,13 +25,15 @@ pub(super) struct Vertex<'a> {
     pub scattering: Scattering<'a>,
     /// What arrives along the path, over the densities so far.
     pub throughput: Rgb,
-    /// The number of the vertex before; None for the first. A surface through which the path has passed straight on is not before the next one.
+    /// The number of the vertex before; None for the first. A surface through which the path has passed straight on is
+    /// not before the next one.
     pub before: Option<usize>,
     /// The density of the vertex.
     pub pdf: f32,
     /// The density that it would have from the other end of the path, by way of the vertex behind it.
     pub pdf_reverse: f32,
-    /// The density by which sampling a light from here finds the start of the path. Only the first vertex of a path from a light has it.
+    /// The density by which sampling a light from here finds the start of the path. Only the first vertex of a path
+    /// from a light has it.
     pub pdf_of_start: f32,
     /// Whether a delta lobe has sent the path on.
     pub is_delta: bool,
@@ -43,7 +46,8 @@ pub(super) struct Vertex<'a> {
 /// The start of a path from a light.
 pub(super) struct LightPath {
     pub emitted: EmittedRay,
-    /// The density that the start would have from the camera, by way of the first vertex, in the measure of the emission's.
+    /// The density that the start would have from the camera, by way of the first vertex, in the measure of the
+    /// emission's.
     pub pdf_reverse: f32,
 }
 

@@ -1,5 +1,5 @@
-//! A readable picture of few samples: the preview without its noise, enlarged along the edges of the G-buffer (joint bilateral upsampling: Kopf et
-//! al., SIGGRAPH 2007).
+//! A readable picture of few samples: the preview without its noise, enlarged along the edges of the G-buffer (joint
+//! bilateral upsampling: Kopf et al., SIGGRAPH 2007).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -34,7 +34,8 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// The picture as the film has it in the middle of each block, with what each pixel shows. None while there are blocks without a preview.
+    /// The picture as the film has it in the middle of each block, with what each pixel shows. None while there are
+    /// blocks without a preview.
     pub(super) fn of(film: &Film, texel: impl Fn(u32, u32) -> Option<Texel>) -> Option<Self> {
         let size = UVec2::new(film.width(), film.height());
         let blocks = UVec2::new(size.x.div_ceil(STEP), size.y.div_ceil(STEP));
@@ -67,7 +68,8 @@ impl Coarse {
         ]
     }
 
-    /// Filters the blocks and enlarges them: the radiance of every pixel, row by row, divided by its albedo. `cancel` and `threads` are as for [`denoise`].
+    /// Filters the blocks and enlarges them: the radiance of every pixel, row by row, divided by its albedo. `cancel`
+    /// and `threads` are as for [`denoise`].
     pub fn enlarge(&self, threads: usize, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
         let input = DenoiseInput {
             width: self.blocks.x,

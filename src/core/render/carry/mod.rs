@@ -1,11 +1,12 @@
-//! What an earlier picture still tells about a new one: light that is shown in place of noise until the new picture has samples of its own. It is only
-//! ever shown, and never a part of the film.
+//! What an earlier picture still tells about a new one: light that is shown in place of noise until the new picture has
+//! samples of its own. It is only ever shown, and never a part of the film.
 //!
 //! Each pixel of the new picture is found in the earlier one by the place that its [G-buffer](super::gbuffer) tells
-//! (`reproject.rs`; Nehab et al., Accelerating Real-Time Shading with Reverse Reprojection Caching, Graphics Hardware 2007). What is kept there is the light
-//! divided by the albedo, so that a surface may have another colour now. What the new samples tell of larger blocks corrects it, and where they
-//! contradict it is given up (`trust.rs`). New and old light are then blended by what both are worth in samples, and the old light goes altogether once
-//! the new samples are worth far more.
+//! (`reproject.rs`; Nehab et al., Accelerating Real-Time Shading with Reverse Reprojection Caching, Graphics Hardware
+//! 2007). What is kept there is the light divided by the albedo, so that a surface may have another colour now. What
+//! the new samples tell of larger blocks corrects it, and where they contradict it is given up (`trust.rs`). New and
+//! old light are then blended by what both are worth in samples, and the old light goes altogether once the new samples
+//! are worth far more.
 
 mod coarse;
 mod earlier;
@@ -54,7 +55,8 @@ const MOST_WORTH: f32 = 512.0;
 struct Light {
     /// The radiance divided by the albedo.
     light: Rgb,
-    /// The number of samples of a pixel that have about the same error; 0 for a guess that anything else is better than.
+    /// The number of samples of a pixel that have about the same error; 0 for a guess that anything else is better
+    /// than.
     worth: f32,
     /// The variance of the luminance of a single sample.
     variance: f32,
@@ -109,7 +111,8 @@ impl Carried {
     /// The memory for a pixel in bytes.
     pub const BYTES_OF_PIXEL: u64 = (size_of::<Texel>() + 2 * size_of::<Light>()) as u64;
 
-    /// Begins a picture of this size in pixels. Until a tile is [added](Self::add), the places of its pixels in the earlier picture are guessed.
+    /// Begins a picture of this size in pixels. Until a tile is [added](Self::add), the places of its pixels in the
+    /// earlier picture are guessed.
     pub fn begin(earlier: Option<Arc<Earlier>>, camera: &Camera, size: UVec2) -> Self {
         let camera = camera.sharp();
         let tiles = size.x.div_ceil(TILE) * size.y.div_ceil(TILE);
@@ -128,8 +131,8 @@ impl Carried {
         }
     }
 
-    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has hardly begun, and none if it ended without
-    /// a G-buffer.
+    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has
+    /// hardly begun, and none if it ended without a G-buffer.
     pub fn into_earlier(self) -> Option<Arc<Earlier>> {
         let before = self.earlier().filter(|_| self.blender.kept > 0.0);
         let tiles: Option<Vec<CarriedTile>> = self.tiles.into_iter().collect();
@@ -142,7 +145,8 @@ impl Carried {
         Some(self.blender.reprojection.as_ref()?.earlier())
     }
 
-    /// Says that paths are guided: few samples, and those that have taught a guide, do not tell how rare bright ones are.
+    /// Says that paths are guided: few samples, and those that have taught a guide, do not tell how rare bright ones
+    /// are.
     pub fn expect_guided_paths(&mut self) {
         self.blender.trust.least_deviation = DEVIATION_OF_GUIDED;
     }
@@ -167,8 +171,8 @@ impl Carried {
         self.blender.reprojection.as_ref()
     }
 
-    /// Says how much of the new picture is made: 0 at the beginning, 1 at its last sample. What is carried over goes in the second half, so that the finished
-    /// picture has nothing of it.
+    /// Says how much of the new picture is made: 0 at the beginning, 1 at its last sample. What is carried over goes in
+    /// the second half, so that the finished picture has nothing of it.
     pub fn set_progress(&mut self, progress: f32) {
         self.blender.kept = (2.0 - 2.0 * progress).clamp(0.0, 1.0);
     }
@@ -182,7 +186,8 @@ impl Carried {
         place
     }
 
-    /// Compares tiles with the samples that the film has there now. Tiles that have only a preview take up what that tells.
+    /// Compares tiles with the samples that the film has there now. Tiles that have only a preview take up what that
+    /// tells.
     pub fn learn(&mut self, tiles: &[Tile], film: &Film) {
         for &tile in tiles {
             if let Some(own) = &mut self.tiles[self.blender.tile_index(tile)]
@@ -233,8 +238,8 @@ impl Carried {
             .for_each(|tile| tile.add_coarse(size, light));
     }
 
-    /// The coarse picture that previews of all tiles make, once they and the G-buffer are there and before there are samples everywhere; None before and
-    /// afterwards.
+    /// The coarse picture that previews of all tiles make, once they and the G-buffer are there and before there are
+    /// samples everywhere; None before and afterwards.
     pub fn coarse(&mut self, film: &Film) -> Option<Coarse> {
         if self.has_coarse || self.missing > 0 {
             return None;
@@ -255,8 +260,9 @@ impl Blender {
         tile_and_place(self.size, UVec2::new(tile.x, tile.y)).0
     }
 
-    /// Blends a row of pixels of a tile with what is carried over, and notes in `own` what is shown then. `row` is what the film has, or the denoised picture
-    /// of so many samples. Returns whether anything of the row is still carried over.
+    /// Blends a row of pixels of a tile with what is carried over, and notes in `own` what is shown then. `row` is what
+    /// the film has, or the denoised picture of so many samples. Returns whether anything of the row is still
+    /// carried over.
     pub fn blend_row(
         &self,
         mut own: Option<&mut CarriedTile>,
@@ -306,8 +312,8 @@ impl Blender {
         is_carried
     }
 
-    /// The radiance of a pixel and the worth of what is carried over in it. `old` is carried over and worth so many samples, `new` is what the film tells, with its
-    /// worth. None if nothing is known.
+    /// The radiance of a pixel and the worth of what is carried over in it. `old` is carried over and worth so many
+    /// samples, `new` is what the film tells, with its worth. None if nothing is known.
     fn blend(&self, old: Rgb, worth: f32, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
         let Some((new, samples)) = new else {
             return (old != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
@@ -324,7 +330,8 @@ impl Blender {
     }
 }
 
-/// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there; None where there is none.
+/// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there;
+/// None where there is none.
 fn carried_at(size: UVec2, tiles: &[Option<CarriedTile>]) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync {
     move |x, y| {
         let (tile, place) = tile_and_place(size, UVec2::new(x, y));

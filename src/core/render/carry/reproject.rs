@@ -16,12 +16,14 @@ const GUESSED: u32 = 8;
 const ROUNDS: u32 = 4;
 /// The share of its worth that light keeps for a guessed pixel.
 const GUESS: f32 = 0.25;
-/// The share of its worth that light keeps when it is interpolated between pixels, and what it is worth at most then, because that blurs it.
+/// The share of its worth that light keeps when it is interpolated between pixels, and what it is worth at most then,
+/// because that blurs it.
 const MOVED: f32 = 0.9;
 const MOST_MOVED: f32 = 256.0;
 /// What it is worth at most where pixels around it show something else, and with it a part of their light.
 const EDGE: f32 = 32.0;
-/// What light in mirrors and glass is worth at most when the camera has moved: only what plane ones show has moved as if it were where it seems to be.
+/// What light in mirrors and glass is worth at most when the camera has moved: only what plane ones show has moved as
+/// if it were where it seems to be.
 const SPECULAR: f32 = 64.0;
 /// How many times as far off things in mirrors and glass may be.
 const SPECULAR_SLACK: f32 = 4.0;
@@ -40,7 +42,8 @@ pub struct Reprojection {
     size: UVec2,
     /// Whether the camera is that of the earlier picture.
     is_still: bool,
-    /// How far blocks of pixels were from their places on the film, row by row, by a guess; empty if the camera is still.
+    /// How far blocks of pixels were from their places on the film, row by row, by a guess; empty if the camera is
+    /// still.
     ways: Vec<Vec2>,
 }
 
@@ -96,7 +99,8 @@ impl Reprojection {
         (texel, Light { worth, ..light })
     }
 
-    /// How far a pixel was from its place on the film: what the earlier picture shows there is seen from the new place, as often as it takes to agree.
+    /// How far a pixel was from its place on the film: what the earlier picture shows there is seen from the new place,
+    /// as often as it takes to agree.
     fn guessed_way(&self, x: u32, y: u32) -> Vec2 {
         let ray = middle_ray(&self.camera, self.size.as_vec2(), x, y);
         let own = middle(self.size, x, y);
@@ -121,7 +125,8 @@ impl Reprojection {
         ray.origin + ray.dir * distance
     }
 
-    /// The film coordinates in the earlier picture of what lies at this distance along a ray, and its distance there. None behind the camera.
+    /// The film coordinates in the earlier picture of what lies at this distance along a ray, and its distance there.
+    /// None behind the camera.
     fn seen_before(&self, ray: &Ray, distance: f32) -> Option<(Vec2, f32)> {
         match distance.is_finite() {
             true => {
@@ -172,7 +177,8 @@ impl Reprojection {
         light
     }
 
-    /// The light between the four pixels around a place of the film, of which those count that show the same; no light far outside of it.
+    /// The light between the four pixels around a place of the film, of which those count that show the same; no light
+    /// far outside of it.
     pub(super) fn between(&self, film: Vec2, is_same: impl Fn(&Texel) -> bool) -> Light {
         let size = self.earlier.size.as_ivec2();
         let place = film * self.earlier.size.as_vec2() - 0.5;

@@ -89,7 +89,8 @@ fn shown(carried: &mut Carried, film: &Film) -> Vec<Option<Rgb>> {
     blended(carried, film, None).0
 }
 
-/// The same with the denoised picture in place of the film, if there is one, and the tiles that have something that is carried over.
+/// The same with the denoised picture in place of the film, if there is one, and the tiles that have something that is
+/// carried over.
 fn blended(carried: &mut Carried, film: &Film, clean: Option<Clean>) -> (Vec<Option<Rgb>>, Vec<Tile>) {
     let (mut picture, mut still_carried) = (vec![None; (SIZE.x * SIZE.y) as usize], Vec::new());
     let (blender, rows) = carried.rows();
@@ -226,7 +227,8 @@ fn noise(x: u32, y: u32) -> f32 {
     -(((hash >> 8) as f32 + 0.5) / (1 << 24) as f32).ln()
 }
 
-/// The mean of the picture, and that of a block in its middle, after a single noisy sample of every pixel in the light `of`.
+/// The mean of the picture, and that of a block in its middle, after a single noisy sample of every pixel in the light
+/// `of`.
 fn means_after_a_sample(of: impl Fn(u32, u32) -> f32) -> (f32, f32) {
     let still = camera(0.0);
     let mut carried = Carried::begin(Some(earlier(0.5)), &still, SIZE);

@@ -19,7 +19,8 @@ const LEAST_FOUND: f32 = 3.0;
 /// The share of a tile's pixels that makes much of it.
 const MUCH: f32 = 0.1;
 
-/// A tile of a picture: what its pixels show, the light that is carried over to them, and the light that they were painted with, row by row.
+/// A tile of a picture: what its pixels show, the light that is carried over to them, and the light that they were
+/// painted with, row by row.
 #[derive(Debug)]
 pub struct CarriedTile {
     pub(super) tile: Tile,
@@ -61,7 +62,8 @@ impl CarriedTile {
         self.is_hardly_known = unknown as f32 >= MUCH * self.shown.len() as f32;
     }
 
-    /// Says that all of it has samples and was painted without anything that is carried over: from now on it shows the film alone.
+    /// Says that all of it has samples and was painted without anything that is carried over: from now on it shows the
+    /// film alone.
     pub fn end(&mut self) {
         self.is_own = true;
     }
@@ -71,8 +73,8 @@ impl CarriedTile {
         self.light.iter().filter(|light| light.worth > LEAST_FOUND).count()
     }
 
-    /// Where nothing is carried over, shows the surfaces in the mean light of the tile's preview, for all normals near the same axis together. Single
-    /// samples of a preview would only be noise.
+    /// Where nothing is carried over, shows the surfaces in the mean light of the tile's preview, for all normals near
+    /// the same axis together. Single samples of a preview would only be noise.
     pub(super) fn take_preview(&mut self, film: &Film) {
         let Some(preview) = film.preview_of(self.tile) else {
             return;
@@ -99,7 +101,8 @@ impl CarriedTile {
         }
     }
 
-    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over. `light` is the whole picture.
+    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over. `light` is the
+    /// whole picture.
     pub(super) fn add_coarse(&mut self, size: UVec2, light: &[Rgb]) {
         self.is_own = false;
         for ((x, y), own) in pixels_of(self.tile).zip(&mut self.light) {
@@ -113,14 +116,16 @@ impl CarriedTile {
         }
     }
 
-    /// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where there is none.
+    /// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where
+    /// there is none.
     pub(super) fn carried(&self, place: usize) -> Option<(Rgb, f32)> {
         let Light { light, worth, variance } = self.light[place];
         (worth > 0.0).then(|| (light * divisor(&self.texels[place]), variance))
     }
 }
 
-/// The light of the rows of a tile with less worth beside pixels for which none was found: a part of these pixels may have shown the thing that is gone.
+/// The light of the rows of a tile with less worth beside pixels for which none was found: a part of these pixels may
+/// have shown the thing that is gone.
 fn without_rims(mut light: Vec<Light>, width: usize) -> Vec<Light> {
     let is_lost: Vec<bool> = light.iter().map(|light| light.worth <= 0.0).collect();
     let rows = is_lost.len() / width;

@@ -1,9 +1,10 @@
 //! What new samples tell of earlier light: by which factors it has changed, and where it is nothing to rely on.
 //!
-//! The means over blocks of four sizes are compared: of the whole picture, of tiles, and of parts of tiles. A difference counts as far as it exceeds what noise
-//! would bring about (Efron and Morris, Stein's Estimation Rule and its Competitors, Journal of the American Statistical Association 68, 1973). What the larger blocks tell
-//! is taken into account before the smaller ones are asked, so that a lamp that was dimmed changes everything soon, and a shadow that moved changes
-//! its surroundings.
+//! The means over blocks of four sizes are compared: of the whole picture, of tiles, and of parts of tiles. A
+//! difference counts as far as it exceeds what noise would bring about (Efron and Morris, Stein's Estimation Rule and
+//! its Competitors, Journal of the American Statistical Association 68, 1973). What the larger blocks tell
+//! is taken into account before the smaller ones are asked, so that a lamp that was dimmed changes everything soon, and
+//! a shadow that moved changes its surroundings.
 
 use std::ops::Range;
 
@@ -25,7 +26,8 @@ const BLOCKS: usize = (TILE / BLOCK) as usize;
 const SIGNIFICANT: f32 = 9.0;
 /// The least variance of a sample that is believed.
 const LEAST_VARIANCE: f32 = 1e-9;
-/// The relative standard deviation of a denoised picture of one sample is at most this, as `edit --measure-settling` has measured it in rooms.
+/// The relative standard deviation of a denoised picture of one sample is at most this, as `edit --measure-settling`
+/// has measured it in rooms.
 const DEVIATION_OF_DENOISED: f32 = 0.1;
 /// The median of the square of a number that is normally distributed around 0 with variance 1.
 const MEDIAN_OF_SQUARES: f32 = 0.455;
@@ -37,7 +39,8 @@ const SAMPLES_IN_ONE: f32 = 8.0;
 const LEAST_SAMPLES: u32 = 4;
 /// The largest factor by which light is corrected.
 const MOST_CORRECTION: f32 = 16.0;
-/// What is left of the trust in a block that has certainly changed, by the size of the block: the picture, tiles, and halves and quarters of their edge.
+/// What is left of the trust in a block that has certainly changed, by the size of the block: the picture, tiles, and
+/// halves and quarters of their edge.
 const LEFT: [f32; 4] = [1.0, 0.7, 0.3, 0.02];
 
 /// Sums over the pixels of a block that have both lights.
@@ -63,7 +66,8 @@ impl Sums {
         self.samples += other.samples;
     }
 
-    /// The factors on the earlier light and the share of the trust in it, after this block is taken into account as well.
+    /// The factors on the earlier light and the share of the trust in it, after this block is taken into account as
+    /// well.
     fn refine(&self, before: (Rgb, f32), left: f32, least_deviation: f32) -> (Rgb, f32) {
         if self.pixels < 1.0 {
             return before;
@@ -122,8 +126,9 @@ impl Standing {
     }
 }
 
-/// What the samples of a pixel alone tell of its earlier radiance, as [`Standing::doubt`]. `variance` is that of a sample's luminance by the earlier picture. At
-/// lamps that are seen, and in mirrors, pixels change that their blocks say nothing of.
+/// What the samples of a pixel alone tell of its earlier radiance, as [`Standing::doubt`]. `variance` is that of a
+/// sample's luminance by the earlier picture. At lamps that are seen, and in mirrors, pixels change that their blocks
+/// say nothing of.
 pub(super) fn doubt_of_pixel(new: &Moments, old: Rgb, variance: f32) -> f32 {
     if new.samples < LEAST_SAMPLES {
         return 0.0;
@@ -207,8 +212,9 @@ impl Trust {
         }
     }
 
-    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is no better than that many samples. Most blocks
-    /// have not changed as a rule, so that the median of the differences tells how much of them is noise.
+    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is
+    /// no better than that many samples. Most blocks have not changed as a rule, so that the median of the
+    /// differences tells how much of them is noise.
     pub fn learn_clean(&mut self, film: &Film, clean: Clean, old: impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync) {
         let samples = clean.samples.max(1) as f32;
         let worth = WORTH_OF_DENOISED * samples;
@@ -278,8 +284,8 @@ impl TrustRow {
     }
 }
 
-/// The means over a block of the difference of luminance between a denoised picture and earlier light, of the variance of a sample, and of the luminance of the
-/// denoised picture. None where there is no earlier light.
+/// The means over a block of the difference of luminance between a denoised picture and earlier light, of the variance
+/// of a sample, and of the luminance of the denoised picture. None where there is no earlier light.
 fn compare_clean(
     block: Tile,
     correction: Rgb,

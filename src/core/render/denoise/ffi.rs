@@ -1,7 +1,7 @@
 //! The foreign calls into Open Image Denoise, behind types that cannot be used wrongly from safe code.
 //!
-//! The crate's own wrapper is passed by on purpose: it copies the images, cannot prefilter, cancel or limit its threads,
-//! and its `clean_aux` sets a parameter that the library does not know.
+//! The crate's own wrapper is passed by on purpose: it copies the images, cannot prefilter, cancel or limit its
+//! threads, and its `clean_aux` sets a parameter that the library does not know.
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
@@ -46,8 +46,8 @@ pub struct Device {
 }
 
 impl Device {
-    /// Makes a device with at most this many threads, one for each core if `None`. They are not pinned to cores, since other threads render at the
-    /// same time.
+    /// Makes a device with at most this many threads, one for each core if `None`. They are not pinned to cores, since
+    /// other threads render at the same time.
     pub fn new(threads: Option<usize>) -> Result<Self, DenoiseError> {
         let _running = begin().ok_or(DenoiseError::Cancelled)?;
         // SAFETY: takes no pointer; null is handled below.

@@ -26,11 +26,13 @@ pub struct DenoiseInput<'a> {
     pub height: u32,
     /// Linear radiance, before exposure and tone mapping. Broken numbers are replaced before the filter sees them.
     pub color: &'a [Rgb],
-    /// The colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not followed.
+    /// The colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not
+    /// followed.
     pub albedo: Option<&'a [Rgb]>,
     /// The normal of the same surface in world space, of any length up to 1. It needs `albedo`.
     pub normal: Option<&'a [Vec3]>,
-    /// Whether to denoise `albedo` and `normal` on their own first. Edges are better wherever they are noisy, at up to three times the time.
+    /// Whether to denoise `albedo` and `normal` on their own first. Edges are better wherever they are noisy, at up to
+    /// three times the time.
     pub prefilter: bool,
     /// Selects the filter of the library.
     pub quality: DenoiseQuality,

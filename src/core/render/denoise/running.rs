@@ -1,4 +1,5 @@
-//! The filters that run, and their end before the process ends: a thread that is in the library while the process unloads it would crash.
+//! The filters that run, and their end before the process ends: a thread that is in the library while the process
+//! unloads it would crash.
 
 use std::sync::RwLock;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,5 @@
-//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is whole. Reading adds both.
+//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is whole.
+//! Reading adds both.
 
 use std::borrow::Cow;
 
@@ -66,7 +67,8 @@ impl Film {
         }
     }
 
-    /// The chunk of a pixel that is not whole, the place of the pixel in it, and whether the film's sums have samples before it.
+    /// The chunk of a pixel that is not whole, the place of the pixel in it, and whether the film's sums have samples
+    /// before it.
     pub(super) fn begun_at(&self, x: u32, y: u32) -> Option<(&TileSamples, usize, bool)> {
         let chunk = self.begun[self.tile_index(x, y)].as_deref()?;
         let place = (y - chunk.tile.y) * chunk.tile.width + (x - chunk.tile.x);

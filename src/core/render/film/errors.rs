@@ -10,7 +10,8 @@ use crate::render::noise::{DARK, around, likely_luminance};
 use crate::render::tile::{PixelSum, TILE, Tile};
 
 impl Film {
-    /// Notes the means of the blocks of a tile whose number of samples has become a power of two, and compares them with those of half as many.
+    /// Notes the means of the blocks of a tile whose number of samples has become a power of two, and compares them
+    /// with those of half as many.
     pub(super) fn compare_halves(&mut self, tile: Tile) {
         let place = self.tile_index(tile.x, tile.y);
         let mut are_new = false;
@@ -43,7 +44,8 @@ impl Film {
         sum / (part.width * part.height) as f32
     }
 
-    /// Notes the means of a block, whose number of samples has become a power of two. `average` is the brightness of its patch.
+    /// Notes the means of a block, whose number of samples has become a power of two. `average` is the brightness of
+    /// its patch.
     fn compare_halves_of(&mut self, block: Tile, place: usize, average: f32) {
         let count = self.counts[self.index(block.x, block.y)];
         let old = self.errors[place];
@@ -100,7 +102,8 @@ impl Film {
         (self.sums[place].rays / self.counts[place].max(1) as f32).max(1.0)
     }
 
-    /// The mean luminance and the estimated square of its standard error of the pixels of a tile that have two samples or more.
+    /// The mean luminance and the estimated square of its standard error of the pixels of a tile that have two samples
+    /// or more.
     pub(in crate::render) fn mean_errors(&self, tile: Tile) -> impl Iterator<Item = (f32, f32)> {
         let mut efficiencies = [0.0; BLOCKS];
         for (place, block) in blocks_of(tile) {
@@ -142,8 +145,8 @@ impl Film {
         [own, self.splatted(place)].map(luminance)
     }
 
-    /// The luminance that a pixel is likely to have by what is known of it, its mean luminance with the estimated square of its standard error, and by the pixels around it in its tile, as
-    /// [`likely_luminance`].
+    /// The luminance that a pixel is likely to have by what is known of it, its mean luminance with the estimated
+    /// square of its standard error, and by the pixels around it in its tile, as [`likely_luminance`].
     pub(in crate::render) fn likely_luminance(&self, pixel: UVec2, known: (f32, f32)) -> f32 {
         let tile = pixel / TILE * TILE;
         let size = (UVec2::new(self.width, self.height) - tile).min(UVec2::splat(TILE));
@@ -157,8 +160,8 @@ impl Film {
         likely_luminance(known, around(place.x, place.y, size.x, size.y).filter_map(of_pixel))
     }
 
-    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated: `render/mean_error.rs`, and
-    /// `render/replicas.rs` where there are replicas.
+    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated:
+    /// `render/mean_error.rs`, and `render/replicas.rs` where there are replicas.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let place = self.index(x, y);
         let own = self.own_variance(x, y)? * self.correction.unwrap_or(1.0);
@@ -174,7 +177,8 @@ impl Film {
         Some(squared_deviation(&self.sum(x, y), count) * self.efficiency(x, y))
     }
 
-    /// Says how many times what is estimated from a pixel's own samples their squared error is. Returns whether that is new.
+    /// Says how many times what is estimated from a pixel's own samples their squared error is. Returns whether that is
+    /// new.
     pub fn correct_errors(&mut self, correction: f32) -> bool {
         self.correction.replace(correction) != Some(correction)
     }

@@ -1,4 +1,5 @@
-//! The light of lamps that have changed since it was sampled. Light is linear, and the film keeps the light of each group of lamps apart.
+//! The light of lamps that have changed since it was sampled. Light is linear, and the film keeps the light of each
+//! group of lamps apart.
 
 use glam::UVec2;
 use rayon::prelude::*;
@@ -41,14 +42,16 @@ impl SetAside {
 }
 
 impl Film {
-    /// Whether [`Self::relight`] can be used: every pixel has samples, and there is no light besides what they have found.
+    /// Whether [`Self::relight`] can be used: every pixel has samples, and there is no light besides what they have
+    /// found.
     pub fn can_be_relit(&self) -> bool {
         let other = Layers::of(&[Layer::Direct, Layer::Indirect, Layer::Emitted]);
         let has_begun = self.previews.iter().all(Option::is_none);
         has_begun && !self.has_splats() && !self.kept.layers.has_any_of(other) && self.chunks.is_none()
     }
 
-    /// A copy of the light of a layer, or of all light if the film keeps no groups. It is of so many samples for each pixel.
+    /// A copy of the light of a layer, or of all light if the film keeps no groups. It is of so many samples for each
+    /// pixel.
     pub fn set_aside(&self, layer: usize, samples: u32) -> SetAside {
         let mut pixels = vec![(Rgb::ZERO, 0.0); self.sums.len()];
         let tiles = pixels.par_chunks_mut(PIXELS).zip(tiles(self.width, self.height));
@@ -72,9 +75,10 @@ impl Film {
         SetAside { pixels, samples }
     }
 
-    /// Makes these the layers of light, as if all had been sampled so: `groups` layers, or all light together if that is 0 and `new` has one. What the film had
-    /// of other layers is gone. The variance of samples, from which noise is estimated, is not known by layer: each is taken to have as much of it as of the light. What
-    /// comes back counts with the errors of the samples that it has.
+    /// Makes these the layers of light, as if all had been sampled so: `groups` layers, or all light together if that
+    /// is 0 and `new` has one. What the film had of other layers is gone. The variance of samples, from which noise
+    /// is estimated, is not known by layer: each is taken to have as much of it as of the light. What comes back
+    /// counts with the errors of the samples that it has.
     pub fn relight(&mut self, groups: usize, new: &[NewLayer]) {
         let before = std::mem::replace(&mut self.kept.groups, groups);
         let kept = self.kept;
@@ -161,8 +165,8 @@ fn share_of(layer: Rgb, all: Rgb) -> f32 {
     if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Multiplies the light of each group of a pixel, and adds what has been set aside. `index` is that of the film. `counts` are the samples of the sum, and all of the
-/// pixel, which may have a begun chunk as well.
+/// Multiplies the light of each group of a pixel, and adds what has been set aside. `index` is that of the film.
+/// `counts` are the samples of the sum, and all of the pixel, which may have a begun chunk as well.
 fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index: usize, counts: [u32; 2]) {
     let [count, all] = counts.map(|count| count as f32);
     let before = sum.radiance;

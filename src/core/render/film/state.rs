@@ -56,8 +56,8 @@ impl Film {
         }
     }
 
-    /// Takes up what [`Self::write_tile`] has written: sums in place of those of the tile, and chunks after the samples that the tile has. Returns the
-    /// number of samples after which the tile has all of them, if there are any.
+    /// Takes up what [`Self::write_tile`] has written: sums in place of those of the tile, and chunks after the samples
+    /// that the tile has. Returns the number of samples after which the tile has all of them, if there are any.
     pub fn read_tile(&mut self, tile: Tile, from: &mut Reader) -> Result<Option<u32>, Damaged> {
         let mut end = None;
         let pixels = (tile.width * tile.height) as usize;

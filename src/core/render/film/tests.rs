@@ -167,7 +167,8 @@ fn a_film_of_another_size_has_nothing_of_the_old_picture() {
     }
 }
 
-/// A chunk of the only tile of a small film, as a share has it, without light. Each pixel has these ids, with their samples, in each of its mattes.
+/// A chunk of the only tile of a small film, as a share has it, without light. Each pixel has these ids, with their
+/// samples, in each of its mattes.
 fn bytes_of_chunk(kept: FilmLayers, samples: std::ops::Range<u32>, ids: &[[u32; 2]]) -> Vec<u8> {
     let mut to = Writer::default();
     // Chunks alone, of which there is one without first hits.
@@ -228,8 +229,8 @@ fn numbers_of_samples_that_cannot_be_are_damaged() {
     }
 }
 
-/// A film with two groups and the layer of albedos: 16 samples of a whole chunk and 3 of a begun one, in which the groups shine with 1 and 2 in turn
-/// with nothing, and the albedo is 0.5.
+/// A film with two groups and the layer of albedos: 16 samples of a whole chunk and 3 of a begun one, in which the
+/// groups shine with 1 and 2 in turn with nothing, and the albedo is 0.5.
 fn two_lamps() -> (Film, FilmLayers) {
     let kept = FilmLayers {
         groups: 2,

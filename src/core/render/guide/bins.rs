@@ -1,7 +1,8 @@
 //! The bins of a histogram over directions, about the axis that is nearest to a surface's normal.
 //!
-//! A direction is projected to the octahedron; each half of that, above and below the axis' plane, is a square of bins whose sides are parallel to those of the half, so that
-//! no bin is above and below. Bins are not of one size, which the densities know.
+//! A direction is projected to the octahedron; each half of that, above and below the axis' plane, is a square of bins
+//! whose sides are parallel to those of the half, so that no bin is above and below. Bins are not of one size, which
+//! the densities know.
 
 use glam::Vec3;
 

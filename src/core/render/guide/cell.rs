@@ -2,7 +2,8 @@
 
 use super::bins::BINS;
 
-/// The units that a cell's bins share: each has a whole number of them, so that a number from 0 to 1 leads to its bin without a search.
+/// The units that a cell's bins share: each has a whole number of them, so that a number from 0 to 1 leads to its bin
+/// without a search.
 pub(in crate::render) const UNITS: usize = 255;
 
 #[derive(Clone, Debug)]

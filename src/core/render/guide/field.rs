@@ -1,6 +1,7 @@
 //! The guide of a scene: a histogram over directions for each piece of a grid and each of six orientations of surfaces.
 //!
-//! Where few photons fall, a larger piece of space has one for all. Where a histogram is nearly that of the cosine there is none, so that paths there go as without a guide.
+//! Where few photons fall, a larger piece of space has one for all. Where a histogram is nearly that of the cosine
+//! there is none, so that paths there go as without a guide.
 
 use glam::{UVec3, Vec3};
 
@@ -27,11 +28,13 @@ const RESOLUTION: f32 = 32.0;
 const LEAST_PHOTONS: u32 = 128;
 /// What the piece around a piece says of it counts as so many photons.
 const PRIOR: f32 = 64.0;
-/// The parts of the directions of a diffuse lobe that may be from a histogram. A smaller one gains less where the histogram is right, a larger one loses more where it is wrong.
+/// The parts of the directions of a diffuse lobe that may be from a histogram. A smaller one gains less where the
+/// histogram is right, a larger one loses more where it is wrong.
 const PARTS: [f32; 2] = [0.5, 0.75];
 /// The larger part has to lessen the second moment of light by this factor more than the smaller one.
 const DECISIVE: f32 = 1.15;
-/// A histogram is of use if it lessens the second moment of light by this factor: the variance has other parts, and a guided step takes longer.
+/// A histogram is of use if it lessens the second moment of light by this factor: the variance has other parts, and a
+/// guided step takes longer.
 const WORTHWHILE: f32 = 1.5;
 /// Photons of one path are neighbours in their list: so many are in the same half.
 const RUN: usize = 64;
@@ -40,8 +43,8 @@ const RUN: usize = 64;
 pub(super) const MOST_PHOTONS: usize = PATHS as usize * MOST_OF_PATH;
 /// The pieces of the finest level, with their orientations.
 const MOST_PLACES: usize = (RESOLUTION * RESOLUTION * RESOLUTION) as usize * ORIENTATIONS as usize;
-/// The most histograms. A level has at most one for each of its pieces and orientations, and one for so many photons, of the finest level; the levels above have an eighth of the
-/// pieces of the one below.
+/// The most histograms. A level has at most one for each of its pieces and orientations, and one for so many photons,
+/// of the finest level; the levels above have an eighth of the pieces of the one below.
 const MOST_CELLS: usize = {
     let (mut cells, mut left) = (1 + MOST_PHOTONS / LEAST_PHOTONS as usize, MOST_PLACES / 8);
     while left > 0 {
@@ -224,7 +227,8 @@ impl Field {
         self.index.get(place as usize).copied().unwrap_or(0)
     }
 
-    /// The density per solid angle of a direction from the histogram of a place, and the part of a diffuse lobe that is from there, from 0 to 1; None where there is none.
+    /// The density per solid angle of a direction from the histogram of a place, and the part of a diffuse lobe that is
+    /// from there, from 0 to 1; None where there is none.
     pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<(f32, f32)> {
         let axes = BinLanes::of(Vec3Lanes::splat(normal));
         let place = self.places(Vec3Lanes::splat(position), &axes).as_array()[0];
@@ -268,15 +272,16 @@ fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
     shares
 }
 
-/// The part of the directions that are to be from a histogram whose bins have these shares; None where it is of no use. (Müller, "Practical Path Guiding in Production", SIGGRAPH
-/// 2019 courses, learns the same while the picture is rendered.)
+/// The part of the directions that are to be from a histogram whose bins have these shares; None where it is of no use.
+/// (Müller, "Practical Path Guiding in Production", SIGGRAPH 2019 courses, learns the same while the picture is
+/// rendered.)
 fn part_of(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> Option<f32> {
     let [small, large] = PARTS.map(|part| gain(part, shares, halves, cosine));
     (small >= WORTHWHILE).then_some(PARTS[usize::from(large >= DECISIVE * small)])
 }
 
-/// By how much less the second moment of light is if this part of the directions has these shares. The product of two independent halves is without the noise of either, which
-/// would look like light from few directions.
+/// By how much less the second moment of light is if this part of the directions has these shares. The product of two
+/// independent halves is without the noise of either, which would look like light from few directions.
 fn gain(part: f32, shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
     // In doubles, because the square of a power may be out of the range of floats in a scene of millimetres.
     let moment = |guided: f32| -> f64 {
@@ -388,7 +393,8 @@ mod tests {
                 power: 1.0,
             }
         };
-        // Most photons come to pieces that have just enough of them for a histogram of their own, and to others that have not.
+        // Most photons come to pieces that have just enough of them for a histogram of their own, and to others that
+        // have not.
         let few = |index: u32| index % (side * side * side * ORIENTATIONS) < COUNT / LEAST_PHOTONS;
         let own = (0..COUNT).map(|index| index / LEAST_PHOTONS);
         let all: Vec<PhotonArrival> = own

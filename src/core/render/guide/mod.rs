@@ -1,8 +1,10 @@
-//! Path guiding: directions that paths take because light comes from there, and not by the bsdf alone (Jensen, "Importance Driven Path Tracing Using the Photon Map", 1995).
+//! Path guiding: directions that paths take because light comes from there, and not by the bsdf alone (Jensen,
+//! "Importance Driven Path Tracing Using the Photon Map", 1995).
 //!
-//! The guide is learnt from photons: paths from the lights, with random numbers of their own. What they tell of a place is what comes to it from other surfaces; light that
-//! comes straight from a lamp is found by sampling lamps. The density of photons is that of light times cosine, which is what a diffuse surface needs. They are no
-//! samples of the picture, so that it stays without bias, and they know nothing of the camera, so that a guide belongs to the scene.
+//! The guide is learnt from photons: paths from the lights, with random numbers of their own. What they tell of a place
+//! is what comes to it from other surfaces; light that comes straight from a lamp is found by sampling lamps. The
+//! density of photons is that of light times cosine, which is what a diffuse surface needs. They are no samples of the
+//! picture, so that it stays without bias, and they know nothing of the camera, so that a guide belongs to the scene.
 
 mod bins;
 mod cell;

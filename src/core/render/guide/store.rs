@@ -50,7 +50,8 @@ struct Learnt {
 }
 
 impl Guide {
-    /// The guide of a scene, or None where there is nothing to be guided by. None at all if cancelled. `trace` traces the paths from the lights with these numbers.
+    /// The guide of a scene, or None where there is nothing to be guided by. None at all if cancelled. `trace` traces
+    /// the paths from the lights with these numbers.
     pub(in crate::render) fn field(
         &self,
         scene: &RenderScene,

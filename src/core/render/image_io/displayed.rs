@@ -16,7 +16,8 @@ pub(super) fn encode_png(
     let mut bytes = Vec::new();
     let png = PngEncoder::new(&mut bytes);
     let (width, height) = (image.width, image.height);
-    // The colours of PNG files are those of the thing itself, not of the light that comes from it (PNG specification, section 6.2).
+    // The colours of PNG files are those of the thing itself, not of the light that comes from it (PNG specification,
+    // section 6.2).
     let straight = |i: usize| match alpha {
         Some(alpha) if alpha[i] > 0.0 && alpha[i] < 1.0 => image.pixels[i] / alpha[i],
         _ => image.pixels[i],

@@ -1,7 +1,7 @@
 //! Layered pictures to OpenEXR files and back: one part, all channels in it, each with its own precision.
 //!
-//! The crate `exr` encodes and decodes. Files that other programs wrote in several parts are read as well; the names of the parts then stand before
-//! those of the channels.
+//! The crate `exr` encodes and decodes. Files that other programs wrote in several parts are read as well; the names of
+//! the parts then stand before those of the channels.
 
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -43,8 +43,9 @@ pub fn write_exr(path: &Path, image: &LayeredImage, compression: ExrCompression)
     write(path, &encode_exr(image, compression)?)
 }
 
-/// The bytes of an EXR file. The same picture gives the same bytes. An error if the picture has no channels or pixels, a channel has not one sample
-/// for each pixel, a name cannot be written or occurs twice, or the compression would damage a cryptomatte or a layer of data.
+/// The bytes of an EXR file. The same picture gives the same bytes. An error if the picture has no channels or pixels,
+/// a channel has not one sample for each pixel, a name cannot be written or occurs twice, or the compression would
+/// damage a cryptomatte or a layer of data.
 pub fn encode_exr(image: &LayeredImage, compression: ExrCompression) -> Result<Vec<u8>, ImageIoError> {
     check(image, compression)?;
     let width = image.width as usize;
@@ -208,8 +209,9 @@ fn half(sample: f32) -> f16 {
     }
 }
 
-/// Puts the attributes of the file's one header in the order of their names: the crate keeps some of them in a table without an order, and the same
-/// picture shall give the same bytes. The header has names and types that end in a zero, lengths of four bytes, and a zero at its end.
+/// Puts the attributes of the file's one header in the order of their names: the crate keeps some of them in a table
+/// without an order, and the same picture shall give the same bytes. The header has names and types that end in a zero,
+/// lengths of four bytes, and a zero at its end.
 fn sort_attributes(bytes: &mut [u8]) {
     /// The magic number and the version.
     const BEGIN: usize = 8;
@@ -228,8 +230,9 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[BEGIN..at].copy_from_slice(&sorted);
 }
 
-/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the first are left out, and so are channels whose name an earlier one has. What it
-/// needs is reserved in the memory budget.
+/// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the
+/// first are left out, and so are channels whose name an earlier one has. What it needs is reserved in the memory
+/// budget.
 pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     const BYTES_PER_SAMPLE: u64 = 4;
     let mut memory = reserve_exr(bytes, |channels| BYTES_PER_SAMPLE * channels as u64)?;

@@ -102,7 +102,8 @@ fn hdr_carries_what_is_rounded_up_into_the_exponent() {
     let folder = folder();
     let path = folder.path().join("a.hdr");
     let pairs = [
-        // 255.6 units become 256, and the units of the other components are twice as large: 101 of the old units become 50.5, which is 51.
+        // 255.6 units become 256, and the units of the other components are twice as large: 101 of the old units
+        // become 50.5, which is 51.
         (Vec3::new(255.6, 101.0, 0.4), Vec3::new(256.0, 102.0, 0.0)),
         (Vec3::new(255.4, 101.0, 0.6), Vec3::new(255.0, 101.0, 1.0)),
         (Vec3::splat(1.0), Vec3::splat(1.0)),

@@ -58,8 +58,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Begins new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns
-    /// their number.
+    /// Begins new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are
+    /// numbered from `number` on. Returns their number.
     pub fn begin(&mut self, context: &Context, jobs: &[Job], number: usize) -> usize {
         let count = jobs.len().min(LANES);
         let mut camera = CameraRays::new(context.view, &jobs[..count]);
@@ -163,7 +163,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.finish(lane, self.paths.record[lane].sample(radiance, rays), samples);
     }
 
-    /// Finds out what the rays meet of which that is not known. Paths that meet nothing end; what ends goes to `samples`.
+    /// Finds out what the rays meet of which that is not known. Paths that meet nothing end; what ends goes to
+    /// `samples`.
     #[inline(never)]
     pub fn trace(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let asked = self.active & !self.traced;
@@ -228,7 +229,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by itself.
+    /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by
+    /// itself.
     #[inline(always)]
     pub(super) fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);

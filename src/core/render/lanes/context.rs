@@ -79,7 +79,8 @@ impl Context<'_> {
         self.view.medium.filter(|_| self.settings.media)
     }
 
-    /// Whether lights are sampled at all. Some lights that are not sole can be found only by sampling, whatever the strategy.
+    /// Whether lights are sampled at all. Some lights that are not sole can be found only by sampling, whatever the
+    /// strategy.
     pub fn samples_lights(&self) -> bool {
         self.settings.strategy.samples_lights() || self.sole_light.is_none()
     }

@@ -26,7 +26,8 @@ impl<'a> Guided<'a> {
     pub fn of(field: &'a Field, asked: u32, position: Vec3Lanes, lobes: DiffuseLobeLanes) -> Option<Self> {
         let axes = BinLanes::of(lobes.normal);
         let places = field.places(position, &axes).to_array();
-        // Looked up for all lanes, since those that were not asked for have a place as well: it takes less than to go from bit to bit.
+        // Looked up for all lanes, since those that were not asked for have a place as well: it takes less than to go
+        // from bit to bit.
         let cells = places.map(|place| field.cell_at(place));
         let has_lobe = lobes.share.simd_gt(Lanes::ZERO).to_bitmask();
         let lanes = asked & has_lobe & !WordLanes::new(cells).simd_eq(WordLanes::ZERO).to_bitmask();
@@ -46,7 +47,8 @@ impl<'a> Guided<'a> {
         self.lanes
     }
 
-    /// The densities of the directions `wi` in the world, for paths that would take them by the bsdf with density `bsdf_pdf`.
+    /// The densities of the directions `wi` in the world, for paths that would take them by the bsdf with density
+    /// `bsdf_pdf`.
     #[inline(always)]
     pub fn mixed(&self, wi: Vec3Lanes, bsdf_pdf: Lanes) -> Lanes {
         let (bins, density) = self.axes.find(wi);
@@ -77,9 +79,10 @@ impl<'a> Guided<'a> {
         self.axes.direction(Lanes::new(bins), x, u[1])
     }
 
-    /// Replaces the samples `sample` of the bsdf, in world space, of the lanes `here` by those of the mixture with their histograms, where `u_lobe`
-    /// has chosen the lobes of the bsdf. `eval_and_pdf` gives the values and densities of the bsdf for directions in the world, in the lanes of its
-    /// second argument, which have a direction.
+    /// Replaces the samples `sample` of the bsdf, in world space, of the lanes `here` by those of the mixture with
+    /// their histograms, where `u_lobe` has chosen the lobes of the bsdf. `eval_and_pdf` gives the values and
+    /// densities of the bsdf for directions in the world, in the lanes of its second argument, which have a
+    /// direction.
     #[inline(always)]
     pub fn sample(
         &self,
@@ -102,8 +105,8 @@ impl<'a> Guided<'a> {
             weight: value / pdf,
             pdf,
             is_delta: Lanes::ZERO,
-            // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In other directions paths have more than
-            // that, and are to be kept for it.
+            // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In
+            // other directions paths have more than that, and are to be kept for it.
             eta: (pdf / bsdf_pdf).fast_max(Lanes::ONE).sqrt(),
             is_returned: bsdf_pdf.simd_gt(Lanes::ZERO) & is_there,
         };

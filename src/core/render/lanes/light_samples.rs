@@ -40,8 +40,9 @@ impl LightLanes {
         }
     }
 
-    /// A light for each of the lanes `asked`, by the numbers of the vertices at `depth`. Densities are per solid angle, the choice
-    /// included. The other lanes mean nothing, valid or not. If there is a factor `raised`, the number that chooses a light is multiplied by it.
+    /// A light for each of the lanes `asked`, by the numbers of the vertices at `depth`. Densities are per solid angle,
+    /// the choice included. The other lanes mean nothing, valid or not. If there is a factor `raised`, the number
+    /// that chooses a light is multiplied by it.
     #[inline(always)]
     pub fn sample(
         context: &Context,
@@ -110,7 +111,8 @@ impl LightLanes {
         self.is_valid |= lanes_of(bit);
     }
 
-    /// Samples the lights that the lanes `asked` choose. It is not inlined, because what is set lane by lane is in memory.
+    /// Samples the lights that the lanes `asked` choose. It is not inlined, because what is set lane by lane is in
+    /// memory.
     #[inline(never)]
     fn chosen(context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         let lights = &context.scene.lights;

@@ -1,5 +1,6 @@
-//! The ways of paths in lanes through participating media: the steps of [`crate::render::medium_path`]. Where a path is scattered is a vertex like those on
-//! surfaces. In the commonest media all is done in lanes; in others the paths go on one by one.
+//! The ways of paths in lanes through participating media: the steps of [`crate::render::medium_path`]. Where a path is
+//! scattered is a vertex like those on surfaces. In the commonest media all is done in lanes; in others the paths go on
+//! one by one.
 
 use glam::{Vec2, Vec3};
 
@@ -41,7 +42,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.vertices.entered(lane, self.medium(lane), dir)
     }
 
-    /// The lanes among `lanes` whose paths are in media after they have left their vertices in the directions `dir`, a bit each.
+    /// The lanes among `lanes` whose paths are in media after they have left their vertices in the directions `dir`, a
+    /// bit each.
     #[inline(always)]
     pub(super) fn in_media_towards(&self, lanes: u32, dir: &Vec3Lanes) -> u32 {
         let is_in_medium = |lane| u32::from(self.medium_towards(lane, dir.get(lane)).is_some());
@@ -59,7 +61,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Takes the paths of the lanes `in_media` through the commonest media, up to their hits or to the vertices where they are scattered before.
+    /// Takes the paths of the lanes `in_media` through the commonest media, up to their hits or to the vertices where
+    /// they are scattered before.
     #[inline(never)]
     pub(super) fn travel(&mut self, in_media: u32, context: &Context<'a>) -> Travelled {
         let (scene, settings) = (context.scene, context.settings);
@@ -215,7 +218,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Lets the path of a lane pass a surface that light does not notice. False, and nothing is done, if roulette might end it there.
+    /// Lets the path of a lane pass a surface that light does not notice. False, and nothing is done, if roulette might
+    /// end it there.
     #[inline(always)]
     fn pass(&mut self, lane: usize, hit: &Hit, slot: &SurfaceSlot, context: &Context<'a>) -> bool {
         let depth = self.paths.depth.as_array()[lane];

@@ -1,9 +1,11 @@
-//! Sixteen paths traced side by side, each from one vertex to the next in every step: what most of them do is done for all at once, in
-//! vectors.
+//! Sixteen paths traced side by side, each from one vertex to the next in every step: what most of them do is done for
+//! all at once, in vectors.
 //!
-//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in lanes; a model below maps that
-//! lie in each other is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. Places of scattering in media are vertices
-//! like those on surfaces. A path that has ended gives its lane to the next one. The numbers are those of one path at a time, but for rounding.
+//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is
+//! done in lanes; a model below maps that lie in each other is evaluated by itself, and its random numbers, lights and
+//! shadow rays are in lanes. Where several models are mixed, or light passes straight through, the path takes its step
+//! alone, by [`PathState::advance`]. Places of scattering in media are vertices like those on surfaces. A path that has
+//! ended gives its lane to the next one. The numbers are those of one path at a time, but for rounding.
 //!
 //! [`PathState::advance`]: super::path_state::PathState::advance
 
@@ -58,8 +60,8 @@ pub(super) fn trace<'v>(
     is_done.then_some(samples)
 }
 
-/// What paths are guided by, which is learnt if need be; None without a guide, and where there is nothing to be guided by. None at all if `cancel` was set in the
-/// meantime.
+/// What paths are guided by, which is learnt if need be; None without a guide, and where there is nothing to be guided
+/// by. None at all if `cancel` was set in the meantime.
 pub(super) fn field(
     scene: &RenderScene,
     view: &View,
@@ -83,7 +85,8 @@ fn is_guided(scene: &RenderScene, settings: &PathSettings) -> bool {
     !has_media && settings.strategy == Strategy::Mis && settings.longest_path() > 2
 }
 
-/// Traces paths that have left a vertex, as one by one. Those without throughput have ended. None if `cancel` was set in the meantime.
+/// Traces paths that have left a vertex, as one by one. Those without throughput have ended. None if `cancel` was set
+/// in the meantime.
 pub(super) fn trace_begun(
     scene: &RenderScene,
     view: &View,
@@ -104,8 +107,9 @@ pub(super) fn trace_begun(
     }
 }
 
-/// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to their first bounce,
-/// their rays are alike. Then they go where there is a free lane, since some end sooner than others.
+/// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to
+/// their first bounce, their rays are alike. Then they go where there is a free lane, since some end sooner than
+/// others.
 struct Paths<'a, const MEDIA: bool> {
     jobs: &'a [Job],
     /// The number of jobs that have been begun.

@@ -1,4 +1,5 @@
-//! The scattering of light at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the next ray, in lanes.
+//! The scattering of light at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the
+//! next ray, in lanes.
 
 use super::batch::PathBatch;
 use super::context::{Coherence, Context, Samples};
@@ -84,7 +85,8 @@ struct SoughtLight {
 }
 
 impl SoughtLight {
-    /// The light of a lane that is scattered along the path, where media let the path come to it with the probability `passed`.
+    /// The light of a lane that is scattered along the path, where media let the path come to it with the probability
+    /// `passed`.
     fn reflected(&self, lane: usize, strategy: Strategy, passed: f32) -> Rgb {
         let [pdf, bsdf_pdf] = [self.light.pdf, self.bsdf_pdf].map(|pdf| pdf.as_array()[lane]);
         let is_delta = self.light.is_delta >> lane & 1 == 1;
@@ -169,8 +171,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         self.trace_shadow_rays(surfaces, coherence, context, sought, samples);
     }
 
-    /// The lanes among `smooth` from which lights are sampled, as of [`crate::render::path::Scatterer`]: not from all of those `in_media`. The rest is
-    /// None, or the factor of what lights bring.
+    /// The lanes among `smooth` from which lights are sampled, as of [`crate::render::path::Scatterer`]: not from all
+    /// of those `in_media`. The rest is None, or the factor of what lights bring.
     #[inline(never)]
     fn seek_light(&self, smooth: u32, in_media: u32) -> (u32, Option<Lanes>) {
         let enclosed = in_media & is_enclosed(self.paths.eta_squared).to_bitmask();
@@ -264,7 +266,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         Media::new(medium, sought.carried.get(lane), sampler.stream(draw))
     }
 
-    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that may let it pass, and through media.
+    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that may let it pass,
+    /// and through media.
     #[inline(never)]
     fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight {
@@ -291,7 +294,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         reflected
     }
 
-    /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only ones of a lobe.
+    /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only
+    /// ones of a lobe.
     #[inline(always)]
     fn sample_bsdfs(
         &self,
@@ -332,7 +336,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         }
     }
 
-    /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It is not inlined, so that paths without a guide have the code that they had.
+    /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It
+    /// is not inlined, so that paths without a guide have the code that they had.
     #[inline(never)]
     fn guide(
         &self,

@@ -134,7 +134,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// The diffuse lobes of the lanes `asked`, which are among [`Self::guided`]. `normal` are the normals of the models in lanes, and `wo` the directions in their frames.
+    /// The diffuse lobes of the lanes `asked`, which are among [`Self::guided`]. `normal` are the normals of the models
+    /// in lanes, and `wo` the directions in their frames.
     #[inline(always)]
     pub fn diffuse_lobes(
         &self,
@@ -164,12 +165,14 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         lobes
     }
 
-    /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
+    /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal
+    /// that is seen.
     pub fn halved(&self) -> u32 {
         self.lanes & !(self.bsdf.transmitting() | self.in_media() | self.other & !self.other_halved)
     }
 
-    /// The values and densities of the models in lanes and of phase functions. `wo` is in the frames of the vertices, which are `frame`, and `wi` in the world.
+    /// The values and densities of the models in lanes and of phase functions. `wo` is in the frames of the vertices,
+    /// which are `frame`, and `wi` in the world.
     #[inline(always)]
     pub fn eval_and_pdf(
         &self,
@@ -190,7 +193,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// The factor by which the surfaces below maps dim light from `wi`, in the world; 1 without a map, None if no lane has one.
+    /// The factor by which the surfaces below maps dim light from `wi`, in the world; 1 without a map, None if no lane
+    /// has one.
     #[inline(always)]
     pub fn bump_shadow(&self, wi: Vec3Lanes) -> Option<Lanes> {
         let (here, shadow) = self.bump_shadows.held()?;
@@ -269,8 +273,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. It is a function of its
-    /// own, so that what is done in lanes stays in registers.
+    /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`.
+    /// It is a function of its own, so that what is done in lanes stays in registers.
     #[inline(never)]
     pub fn eval_others(&self, asked: u32, wi: Vec3Lanes, mut value: Vec3Lanes, mut pdf: Lanes) -> (Vec3Lanes, Lanes) {
         for lane in each_lane(asked) {
@@ -311,7 +315,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         sample
     }
 
-    /// Finds the surfaces of meshes at the hits `asked`, a bit each, at once. [`Self::set_plain`] and [`Self::set_other`] use what it has found.
+    /// Finds the surfaces of meshes at the hits `asked`, a bit each, at once. [`Self::set_plain`] and
+    /// [`Self::set_other`] use what it has found.
     #[inline(always)]
     pub fn find_meshes(&mut self, scene: &RenderScene, hits: &[Option<Hit>; LANES], asked: u32) {
         self.meshes = scene.geometry.mesh_surfaces(hits, asked);
@@ -324,8 +329,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         (meshes.lanes >> lane & 1 == 1).then(|| meshes.get(lane))
     }
 
-    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it depends on more than the side that is seen, or if its light
-    /// needs to know more.
+    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it depends on more than
+    /// the side that is seen, or if its light needs to know more.
     #[inline(always)]
     pub fn set_plain(
         &mut self,

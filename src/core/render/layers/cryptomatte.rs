@@ -1,5 +1,6 @@
-//! Cryptomatte: which objects or materials are in each pixel, and how much of it each covers, so that a compositor can cut any of them out by
-//! its name (Friedman and Jones, Fully automatic ID mattes with support for motion blur and transparency, 2015; specification 1.2).
+//! Cryptomatte: which objects or materials are in each pixel, and how much of it each covers, so that a compositor can
+//! cut any of them out by its name (Friedman and Jones, Fully automatic ID mattes with support for motion blur and
+//! transparency, 2015; specification 1.2).
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -31,8 +32,8 @@ fn murmur_hash(text: &str) -> u32 {
     hash ^ hash >> 16
 }
 
-/// The hash of a name, changed so that its bits are those of a float that is neither denormal, infinite nor not a number: files and programs may
-/// change such floats.
+/// The hash of a name, changed so that its bits are those of a float that is neither denormal, infinite nor not a
+/// number: files and programs may change such floats.
 fn id_of(name: &str) -> u32 {
     let hash = murmur_hash(name);
     match hash >> 23 & 255 {
@@ -41,8 +42,8 @@ fn id_of(name: &str) -> u32 {
     }
 }
 
-/// Adds the channels and attributes of a cryptomatte with the name `layer`. `name_of` gives the names of the ids in `mattes`, each of which is a
-/// pixel's with its number of samples; ids of one name are one.
+/// Adds the channels and attributes of a cryptomatte with the name `layer`. `name_of` gives the names of the ids in
+/// `mattes`, each of which is a pixel's with its number of samples; ids of one name are one.
 pub(super) fn add_cryptomatte(
     image: &mut LayeredImage,
     layer: &str,

@@ -36,8 +36,9 @@ pub fn picture_of_camera(picture: &ImageRgb, camera: &Camera) -> LayeredImage {
     image
 }
 
-/// The picture of [`picture_of_camera`] with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the picture itself, and those of layers, such as `Albedo.R`,
-/// `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the view; `denoised` is the layer of that name.
+/// The picture of [`picture_of_camera`] with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the
+/// picture itself, and those of layers, such as `Albedo.R`, `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the
+/// view; `denoised` is the layer of that name.
 pub fn layered_image(
     picture: &ImageRgb,
     film: &Film,

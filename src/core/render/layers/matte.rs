@@ -1,6 +1,7 @@
 //! The ids of what is in a pixel, of which a cryptomatte is made.
 
-/// The number of ids that a pixel remembers. Those that come when all places are taken are left out while they have fewer samples.
+/// The number of ids that a pixel remembers. Those that come when all places are taken are left out while they have
+/// fewer samples.
 const PLACES: usize = 8;
 
 /// The ids in one pixel.

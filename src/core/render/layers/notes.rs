@@ -1,5 +1,5 @@
-//! Notes along the paths of samples, from which the film's layers follow. They are taken of paths that are traced one by one, as their observer,
-//! and of those in lanes.
+//! Notes along the paths of samples, from which the film's layers follow. They are taken of paths that are traced one
+//! by one, as their observer, and of those in lanes.
 
 use crate::accel::Hit;
 use crate::color::Rgb;
@@ -21,7 +21,8 @@ pub(in crate::render) struct LayerNotes<'v> {
 /// The notes of one sample.
 #[derive(Clone, Copy, Default)]
 pub(super) struct SampleNotes {
-    /// The first surface that does not let the camera ray pass straight on, as the hit of a ray; None while there is none.
+    /// The first surface that does not let the camera ray pass straight on, as the hit of a ray; None while there is
+    /// none.
     pub surface: Option<(Ray, Hit)>,
     /// The way from the first surface to that one.
     pub beyond: f32,

@@ -25,8 +25,9 @@ pub enum LayerPixels {
 }
 
 impl Film {
-    /// A layer; pixels without samples are zero. None if the film does not keep it, and of those that are no list of one value for each pixel:
-    /// light groups (see [`Self::light_group`]), cryptomattes (see [`Self::mattes`]) and the denoised picture. `camera` is that of the view.
+    /// A layer; pixels without samples are zero. None if the film does not keep it, and of those that are no list of
+    /// one value for each pixel: light groups (see [`Self::light_group`]), cryptomattes (see [`Self::mattes`]) and
+    /// the denoised picture. `camera` is that of the view.
     pub fn layer(&self, layer: Layer, camera: &Camera) -> Option<LayerPixels> {
         let (kept, samples) = (self.layers(), |x, y| self.samples(x, y));
         let is_kept = kept.layers.contains(layer);

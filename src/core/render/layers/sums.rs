@@ -153,7 +153,8 @@ fn channels(layer: Layer) -> usize {
 /// The layers of some pixels in sums.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayerSums {
-    /// The values of each pixel side by side, as many as the [`FilmLayers`] have: the light of each group as red, green and blue, then the sums.
+    /// The values of each pixel side by side, as many as the [`FilmLayers`] have: the light of each group as red,
+    /// green and blue, then the sums.
     pub values: Vec<f32>,
     /// The cryptomattes of each pixel side by side.
     pub mattes: Vec<Matte>,
@@ -193,8 +194,8 @@ impl LayerSums {
         mattes.for_each(|(sum, new)| sum.merge(new));
     }
 
-    /// Adds to the pixels from `first` on what `new` has of its pixels from `from` on, one for each of `counts`: the numbers of samples that are in
-    /// the sums so far.
+    /// Adds to the pixels from `first` on what `new` has of its pixels from `from` on, one for each of `counts`: the
+    /// numbers of samples that are in the sums so far.
     pub(in crate::render) fn add(&mut self, kept: FilmLayers, first: usize, new: &Self, from: usize, counts: &[u32]) {
         let (values, mattes) = (kept.values(), kept.matte_count());
         if values > 0 {

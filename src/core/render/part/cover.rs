@@ -26,7 +26,8 @@ fn place_in_words(place: &Crop) -> String {
     format!("the {width} x {height} pixels at {x},{y}")
 }
 
-/// Checks that every pixel of the picture has all samples from 0 on exactly once. Each part has the name of its file. All parts are of one picture.
+/// Checks that every pixel of the picture has all samples from 0 on exactly once. Each part has the name of its file.
+/// All parts are of one picture.
 pub fn check_cover(parts: &[(String, PartHeader)]) -> Result<(), CoverError> {
     let Some((_, first)) = parts.first() else {
         return Ok(());

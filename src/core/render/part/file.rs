@@ -40,8 +40,8 @@ pub enum PartError {
     Damaged(#[from] Damaged),
 }
 
-/// Writes a part in one step: after a failure the old file is there. `picture` is the content of an EXR file, `tiles` are the tiles of the part that have samples,
-/// and `job` is the state of the engine's job.
+/// Writes a part in one step: after a failure the old file is there. `picture` is the content of an EXR file, `tiles`
+/// are the tiles of the part that have samples, and `job` is the state of the engine's job.
 pub fn write_part(
     path: &Path,
     picture: &[u8],
@@ -161,7 +161,8 @@ impl PartFile {
         &self.header
     }
 
-    /// Adds the samples to a film of the picture's size and layers, and returns what the engine has written of its job. The film is spoilt after an error.
+    /// Adds the samples to a film of the picture's size and layers, and returns what the engine has written of its job.
+    /// The film is spoilt after an error.
     pub fn read_into(&self, film: &mut Film) -> Result<Vec<u8>, PartError> {
         let mut file = self.access.open_apart(&self.path, LARGEST_DATA)?;
         let [start, length] = self.state;

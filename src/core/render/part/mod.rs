@@ -1,7 +1,8 @@
 //! Parts of a picture with their exact sums: shares that are merged, and checkpoints that are resumed.
 //!
-//! A part is an EXR file. Any program shows the picture in it, which has what was rendered so far. Behind the picture, where readers of EXR do not look,
-//! follows the state: a header in JSON, the sums of each tile bit by bit, and what the engine knows of its job. A checkpoint is a part that is not finished.
+//! A part is an EXR file. Any program shows the picture in it, which has what was rendered so far. Behind the picture,
+//! where readers of EXR do not look, follows the state: a header in JSON, the sums of each tile bit by bit, and what
+//! the engine knows of its job. A checkpoint is a part that is not finished.
 
 mod cover;
 mod file;
@@ -115,7 +116,8 @@ pub struct About {
     pub light_groups: Vec<String>,
     /// The bits of the axes of the camera in the world, for layers in camera space.
     pub camera_axes: [u32; 9],
-    /// The bits of the attributes `worldToCamera` and `worldToNDC`, see [`crate::render::layered_image::Attribute::Matrix`].
+    /// The bits of the attributes `worldToCamera` and `worldToNDC`, see
+    /// [`crate::render::layered_image::Attribute::Matrix`].
     pub matrices: [[u32; 16]; 2],
     /// The film's `pixel_format`, `component_format` and `compression`.
     pub storage: [Option<String>; 3],

@@ -31,9 +31,10 @@ pub struct Origin {
 const LONGEST_QUOTED: usize = 60;
 
 impl Origin {
-    /// The version of samples. Raise it with every change after which a sample of the same scene, settings, seed and index is another one, of pictures or of
-    /// bakes: in what paths do, in their densities, or in the random numbers that they use. Files of an older version would be continued with other samples, and
-    /// the result would have the bits of neither version.
+    /// The version of samples. Raise it with every change after which a sample of the same scene, settings, seed and
+    /// index is another one, of pictures or of bakes: in what paths do, in their densities, or in the random
+    /// numbers that they use. Files of an older version would be continued with other samples, and the result would
+    /// have the bits of neither version.
     pub const SAMPLES: u32 = 2;
 
     /// A file that the picture `then` was of as well, with another content.

@@ -170,7 +170,8 @@ fn is_near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
     a.abs_diff_eq(b, tolerance * a.abs().max(b.abs()).max_element().max(1e-3))
 }
 
-/// The tolerance of a kind, and whether some may differ. Formulas without differences of large numbers have a strict one.
+/// The tolerance of a kind, and whether some may differ. Formulas without differences of large numbers have a strict
+/// one.
 fn tolerance(kind: usize) -> (f32, bool) {
     match kind {
         0 | 1 | 3 => (2e-4, false),
@@ -178,7 +179,8 @@ fn tolerance(kind: usize) -> (f32, bool) {
     }
 }
 
-/// Counts comparisons. Few may differ: where rounding decides what is chosen, and where a small number is left of two large ones.
+/// Counts comparisons. Few may differ: where rounding decides what is chosen, and where a small number is left of two
+/// large ones.
 #[derive(Default)]
 struct Comparisons {
     equal: u32,

@@ -1,13 +1,14 @@
-//! The diffuse base: diffuse reflection darkened at grazing angles, retro-reflection of rough surfaces, and a flatter profile that
-//! imitates subsurface scattering (Burley 2012 and 2015; the profile after Hanrahan and Krueger, Reflection from Layered Surfaces due to
-//! Subsurface Scattering, SIGGRAPH 1993).
+//! The diffuse base: diffuse reflection darkened at grazing angles, retro-reflection of rough surfaces, and a flatter
+//! profile that imitates subsurface scattering (Burley 2012 and 2015; the profile after Hanrahan and Krueger,
+//! Reflection from Layered Surfaces due to Subsurface Scattering, SIGGRAPH 1993).
 
 use std::f32::consts::FRAC_1_PI;
 
 use super::schlick;
 use crate::math::Real;
 
-/// The value f |cos wi| of a white base. It takes the cosines of viewer, light, and of the angle from either to their half vector, all above 0.
+/// The value f |cos wi| of a white base. It takes the cosines of viewer, light, and of the angle from either to their
+/// half vector, all above 0.
 #[inline(always)]
 pub(super) fn value<R: Real>(roughness: R, flatness: R, cos_o: R, cos_i: R, cos_half: R) -> R {
     let (one, half) = (R::ONE, R::HALF);

@@ -1,5 +1,5 @@
-//! The clear coat: an isotropic reflection of fixed index 1.5 over everything else, with the long-tailed distribution GTR of exponent 1
-//! (Burley 2012, appendix B).
+//! The clear coat: an isotropic reflection of fixed index 1.5 over everything else, with the long-tailed distribution
+//! GTR of exponent 1 (Burley 2012, appendix B).
 
 use std::f32::consts::{PI, TAU};
 
@@ -36,8 +36,8 @@ impl<R: Real> Clearcoat<R> {
         (self.alpha_squared - R::ONE) / (R::splat(PI) * ln(self.alpha_squared) * spread)
     }
 
-    /// The value f |cos wi| of reflection off facets of normal `m` that are met with cosine `cos`. Both directions are above the surface. `fresnel`
-    /// is that of the main lobe, which says only on which side the angle counts.
+    /// The value f |cos wi| of reflection off facets of normal `m` that are met with cosine `cos`. Both directions are
+    /// above the surface. `fresnel` is that of the main lobe, which says only on which side the angle counts.
     #[inline(always)]
     pub(super) fn value(&self, wo: R::Vec3, wi: R::Vec3, m: R::Vec3, cos: R, fresnel: &DielectricFresnel<R>) -> R {
         let reflectance = R::splat(NORMAL_REFLECTANCE).mix(R::ONE, schlick::facet_weight(cos, fresnel));

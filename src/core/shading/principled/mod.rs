@@ -1,17 +1,20 @@
 //! The principled model: a diffuse base, metal and rough glass in any proportion, under sheen and a clear coat.
 //!
-//! Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes, and Extending the Disney BRDF to a BSDF with Integrated
-//! Subsurface Scattering, 2015 course notes; in the form in which Mitsuba 3 knows it, because its scenes must look the same here:
+//! Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes, and Extending the Disney BRDF to a BSDF with
+//! Integrated Subsurface Scattering, 2015 course notes; in the form in which Mitsuba 3 knows it, because its scenes
+//! must look the same here:
 //!
 //! - Light scatters at the surface only: `flatness` imitates what happens below.
-//! - Masking is the separable Smith function of the lobe's own roughness, and dielectrics reflect by Fresnel's equations.
+//! - Masking is the separable Smith function of the lobe's own roughness, and dielectrics reflect by Fresnel's
+//!   equations.
 //! - The clear coat is darker than Burley's: f lacks the division by 4 cos wo cos wi. Its strength is 0.25 `clearcoat`.
 //! - Sheen lies over base and glass (the thin model's over the base alone), and nothing below is darkened for it.
 //! - Where `eta` is 1, metal reflects nothing either.
 //! - From behind only the glass is seen, without metal or tint, and black if there is none.
 //!
-//! The layers do not share energy: over a white base, up to 1.1 times what arrives leaves towards a viewer overhead, and 1.5 times towards
-//! a grazing one. Such values are kept. Reflection is reciprocal; radiance refracted one way is eta^2 times that the other way.
+//! The layers do not share energy: over a white base, up to 1.1 times what arrives leaves towards a viewer overhead,
+//! and 1.5 times towards a grazing one. Such values are kept. Reflection is reciprocal; radiance refracted one way is
+//! eta^2 times that the other way.
 
 mod base;
 mod clearcoat;
@@ -68,7 +71,8 @@ real_struct! {
 }
 
 real_struct! {
-    /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
+    /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not
+    /// the picture.
     pub struct SamplingRates<R> {
         /// The rate of reflection and refraction at the base's own interface.
         pub main_specular: R,
@@ -138,7 +142,8 @@ struct Aspect<R: Real> {
     base: R,
     clearcoat: R,
     specular: R,
-    /// The probability that light that facets do not reflect is sampled as refracted; otherwise it is sampled as reflected.
+    /// The probability that light that facets do not reflect is sampled as refracted; otherwise it is sampled as
+    /// reflected.
     refracted: R,
     is_outside: R::Mask,
     /// Index of the far side over that of the viewer's.

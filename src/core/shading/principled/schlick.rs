@@ -1,4 +1,5 @@
-//! Schlick's interpolation from the reflectance at normal incidence to 1 at grazing angles, and the hue that tints pull towards.
+//! Schlick's interpolation from the reflectance at normal incidence to 1 at grazing angles, and the hue that tints pull
+//! towards.
 
 use crate::color::LUMINANCE;
 use crate::math::{Real, Vector};
@@ -11,7 +12,8 @@ pub(super) fn weight<R: Real>(cos: R) -> R {
     grazing.squared().squared() * grazing
 }
 
-/// The weight of a facet met with cosine `cos`, in the angle on the thinner side: it meets total internal reflection without a jump.
+/// The weight of a facet met with cosine `cos`, in the angle on the thinner side: it meets total internal reflection
+/// without a jump.
 #[inline(always)]
 pub(super) fn facet_weight<R: Real>(cos: R, fresnel: &DielectricFresnel<R>) -> R {
     weight(R::select(fresnel.eta_it.is_more(R::ONE), cos, fresnel.cos_t.abs()))
@@ -23,7 +25,8 @@ pub(super) fn interpolated<R: Real>(color: R::Vec3, cos: R, fresnel: &Dielectric
     color.mix(R::Vec3::even(R::ONE), facet_weight(cos, fresnel))
 }
 
-/// Reflectance of a facet that at normal incidence reflects as much as a dielectric of index `eta`, in the hue of `color`.
+/// Reflectance of a facet that at normal incidence reflects as much as a dielectric of index `eta`, in the hue of
+/// `color`.
 #[inline(always)]
 pub(super) fn tinted<R: Real>(color: R::Vec3, eta: R, cos: R, fresnel: &DielectricFresnel<R>) -> R::Vec3 {
     let normal = ((eta - R::ONE) / (eta + R::ONE)).squared();

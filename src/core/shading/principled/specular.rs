@@ -1,5 +1,5 @@
-//! Reflection and refraction by microfacets, for the main specular lobes (Burley 2012; Walter et al., Microfacet Models for Refraction through
-//! Rough Surfaces, EGSR 2007).
+//! Reflection and refraction by microfacets, for the main specular lobes (Burley 2012; Walter et al., Microfacet Models
+//! for Refraction through Rough Surfaces, EGSR 2007).
 
 use crate::math::{Real, Vector};
 use crate::shading::{Ggx, LEAST_HALF_VECTOR};
@@ -7,7 +7,8 @@ use crate::shading::{Ggx, LEAST_HALF_VECTOR};
 /// The least width of a lobe.
 const LEAST_ALPHA: f32 = 1e-3;
 
-/// The microfacets of a surface of `roughness` (its square looks even), stretched along the first tangent by `anisotropic`, in [0, 1].
+/// The microfacets of a surface of `roughness` (its square looks even), stretched along the first tangent by
+/// `anisotropic`, in [0, 1].
 #[inline(always)]
 pub(super) fn microfacets<R: Real>(roughness: R, anisotropic: R) -> Ggx<R> {
     let aspect = (R::ONE - R::splat(0.9) * anisotropic).sqrt();
@@ -15,8 +16,8 @@ pub(super) fn microfacets<R: Real>(roughness: R, anisotropic: R) -> Ggx<R> {
     Ggx::new((alpha / aspect).max(least), (alpha * aspect).max(least))
 }
 
-/// A facet that takes light from `wi` to `wo`. Of the light that it reflects or refracts, f |cos wi| is `pdf` x `unmasked` (refracted
-/// radiance: over the squared relative index).
+/// A facet that takes light from `wi` to `wo`. Of the light that it reflects or refracts, f |cos wi| is `pdf` x
+/// `unmasked` (refracted radiance: over the squared relative index).
 #[derive(Clone, Copy)]
 pub(super) struct Facet<R: Real> {
     /// Unit normal, z > 0.
@@ -47,7 +48,8 @@ pub(super) fn reflecting<R: Real>(distribution: &Ggx<R>, wo: R::Vec3, wi: R::Vec
     }
 }
 
-/// The facet that refracts `wi`, below the surface where the index is `eta` times that above, to `wo` above it. None if none can.
+/// The facet that refracts `wi`, below the surface where the index is `eta` times that above, to `wo` above it. None if
+/// none can.
 #[inline(always)]
 pub(super) fn refracting<R: Real>(distribution: &Ggx<R>, eta: R, wo: R::Vec3, wi: R::Vec3) -> Facet<R> {
     let half = wo + wi * eta;

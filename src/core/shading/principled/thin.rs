@@ -1,11 +1,12 @@
-//! The thin principled model: a sheet that scatters diffusely and specularly to both sides, and looks the same from either.
+//! The thin principled model: a sheet that scatters diffusely and specularly to both sides, and looks the same from
+//! either.
 //!
 //! Burley 2015 (thin surfaces), in the form in which Mitsuba 3 knows it:
 //!
 //! - There is no metal and no coat. All specular light, also what is reflected, comes with the share `spec_trans`.
-//! - What passes is reflected by facets and mirrored to the other side; they are rougher or smoother by 0.65 `eta` - 0.35. Paths are not
-//!   bent, nor do they bounce between the sheet's two faces. Facets that the light does not leave from behind pass none: a part of
-//!   what grazes is lost, and not reciprocally.
+//! - What passes is reflected by facets and mirrored to the other side; they are rougher or smoother by 0.65 `eta` -
+//!   0.35. Paths are not bent, nor do they bounce between the sheet's two faces. Facets that the light does not leave
+//!   from behind pass none: a part of what grazes is lost, and not reciprocally.
 //! - Sheen can make the sheet reflect more than arrives.
 
 use super::{Evaluation, base, reflect, schlick, sheen, specular, upright};

@@ -70,7 +70,8 @@ pub fn next_acts(world: &mut World, random: &mut Random, folder: &Folder, own: O
     (kind, after_packing(acts))
 }
 
-/// The commands that use the scene as the engine has packed it last (places of things, the picture), which may be older than the last edit.
+/// The commands that use the scene as the engine has packed it last (places of things, the picture), which may be older
+/// than the last edit.
 const FROM_PACKED: [&str; 9] = [
     "align ",
     "bake-lights",

@@ -14,7 +14,8 @@ pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-pla
     <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
     <emitter type='point' id='part-light'/></scene>";
 
-/// Above this number of things, edits delete some. It is small enough to be quick, and large enough for several of each kind.
+/// Above this number of things, edits delete some. It is small enough to be quick, and large enough for several of each
+/// kind.
 const MOST_THINGS: usize = 60;
 
 /// The sorted names of all things that pass the filter.
@@ -28,8 +29,8 @@ pub fn names<F: QueryFilter>(world: &mut World) -> Vec<String> {
     names
 }
 
-/// One edit as the lines of a script that make it, of which the last is the edit itself. None: the scene has nothing to do the chosen edit
-/// to. `part` is a scene file to import.
+/// One edit as the lines of a script that make it, of which the last is the edit itself. None: the scene has nothing to
+/// do the chosen edit to. `part` is a scene file to import.
 pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Option<Vec<String>> {
     let shapes = names::<With<Shape>>(world);
     let materials = names::<With<Material>>(world);

@@ -1,4 +1,5 @@
-//! The monkey's folder: copies of the scenes, files to import, and what the editor remembers. Nothing outside of it is written.
+//! The monkey's folder: copies of the scenes, files to import, and what the editor remembers. Nothing outside of it is
+//! written.
 
 use std::path::{Path, PathBuf};
 
@@ -185,7 +186,8 @@ enum Mesh {
     Ply,
 }
 
-/// A square with hills, of up to some thousand triangles: small ones are built at once and large ones in the background.
+/// A square with hills, of up to some thousand triangles: small ones are built at once and large ones in the
+/// background.
 fn hills(random: &mut Random, format: Mesh) -> String {
     let edge = 2 + random.below(50);
     let places = (0..edge * edge).map(|place| (place % edge, place / edge));

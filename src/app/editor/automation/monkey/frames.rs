@@ -9,7 +9,8 @@ use super::gauge::ThreadTimes;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
     pub wall: Duration,
-    /// The time without that in which the thread was ready to run and other threads had the cores. Waiting for locks and disks counts.
+    /// The time without that in which the thread was ready to run and other threads had the cores. Waiting for locks
+    /// and disks counts.
     pub own: Duration,
     /// The time on a core.
     pub computed: Duration,

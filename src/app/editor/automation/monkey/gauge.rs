@@ -1,5 +1,5 @@
-//! Measures what the process uses of the machine: memory, threads, open files, and how long a thread has waited for a core. It reads Linux's
-//! `/proc`; on other systems nothing is known, and nothing is judged.
+//! Measures what the process uses of the machine: memory, threads, open files, and how long a thread has waited for a
+//! core. It reads Linux's `/proc`; on other systems nothing is known, and nothing is judged.
 
 use std::time::Duration;
 
@@ -55,7 +55,8 @@ impl ThreadTimes {
     }
 }
 
-/// Threads of the whole machine that run or are ready to run, for each core, as a mean over the last minute. Zero where the system does not say.
+/// Threads of the whole machine that run or are ready to run, for each core, as a mean over the last minute. Zero where
+/// the system does not say.
 pub(crate) fn threads_per_core() -> f32 {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = text.split_whitespace().next().and_then(|load| load.parse().ok());

@@ -286,8 +286,8 @@ impl Monkey {
         }
     }
 
-    /// Compares without what saving and reading renew: saving gives ids to things and reading the file again renews their order, and undo reverts
-    /// neither.
+    /// Compares without what saving and reading renew: saving gives ids to things and reading the file again renews
+    /// their order, and undo reverts neither.
     fn difference(&self, one: &Snapshot, other: &Snapshot) -> Option<String> {
         match self.round.own_file {
             OwnFile::Untouched => one.difference(other),

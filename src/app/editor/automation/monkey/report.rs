@@ -35,8 +35,8 @@ pub struct Frame {
     pub load: f32,
 }
 
-/// The number of threads ready to run for each core above which a frame is judged by its time on a core: threads that hold what the window waits
-/// for have to wait as well then.
+/// The number of threads ready to run for each core above which a frame is judged by its time on a core: threads that
+/// hold what the window waits for have to wait as well then.
 const BUSY: f32 = 2.0;
 
 impl Frame {
@@ -59,7 +59,8 @@ pub(crate) struct Record {
     pub frames: u64,
     pub rounds: usize,
     pub done: BTreeMap<&'static str, usize>,
-    /// The number of commands that the editor refused with a sentence. That is no fault: many random commands make no sense.
+    /// The number of commands that the editor refused with a sentence. That is no fault: many random commands make no
+    /// sense.
     pub refused: usize,
     pub marks: Vec<Mark>,
     /// The longest frames, the longest first.
@@ -92,12 +93,13 @@ pub(crate) struct Bounds {
     pub longest_frame: Option<Duration>,
 }
 
-/// Memory at the start of rounds may grow by this share of it and this many kB from the second quarter of the run to the last. In a short run, or on a
-/// slow machine, caches that have a bound are still being filled: the pictures of 128 materials alone take some 25 MB.
+/// Memory at the start of rounds may grow by this share of it and this many kB from the second quarter of the run to
+/// the last. In a short run, or on a slow machine, caches that have a bound are still being filled: the pictures of 128
+/// materials alone take some 25 MB.
 const MEMORY_SHARE: f64 = 0.05;
 const MEMORY_KB: u64 = 32 * 1024;
-/// The number of threads and files by which the start of a round in the last quarter may exceed the most of the first half. Pictures of materials
-/// are made on threads that come and go.
+/// The number of threads and files by which the start of a round in the last quarter may exceed the most of the first
+/// half. Pictures of materials are made on threads that come and go.
 const MORE_THREADS: u64 = 3;
 const MORE_FILES: u64 = 4;
 /// The frames that are listed.

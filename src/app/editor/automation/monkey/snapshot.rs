@@ -29,8 +29,9 @@ impl Snapshot {
         }
     }
 
-    /// The shapes with their materials, the lights, sensors and all other materials, each as a text, sorted. It leaves out what saving and
-    /// reloading renew: names and ids that files give to things, the numbers of their order, and the text that the file has for each.
+    /// The shapes with their materials, the lights, sensors and all other materials, each as a text, sorted. It leaves
+    /// out what saving and reloading renew: names and ids that files give to things, the numbers of their order,
+    /// and the text that the file has for each.
     pub fn contents(&self) -> Vec<String> {
         let scene = &self.scene;
         let material = |index: &Option<usize>| index.map(|index| self.material(index));

@@ -1,4 +1,5 @@
-//! Changes the file of the open scene while it is edited, as another program would: a text editor, with small changes and broken ones.
+//! Changes the file of the open scene while it is edited, as another program would: a text editor, with small changes
+//! and broken ones.
 
 use bevy::prelude::*;
 

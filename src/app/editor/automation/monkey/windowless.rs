@@ -1,4 +1,5 @@
-//! The editor without a window: its commands, history, messages, watch of files and recovery, but no panels and no textures.
+//! The editor without a window: its commands, history, messages, watch of files and recovery, but no panels and no
+//! textures.
 
 use std::process::ExitCode;
 use std::time::Duration;

@@ -63,8 +63,8 @@ pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(),
     })
 }
 
-/// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of that, `filename` the path of a grid in place of
-/// the extinction, and `mean_free_path` its inverse; lengths are in `unit`.
+/// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of that,
+/// `filename` the path of a grid in place of the extinction, and `mean_free_path` its inverse; lengths are in `unit`.
 pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit) -> Result<(), AssignError> {
     let (mut path, mut file) = (None, None);
     assign(parameter, text, |visitor| {
@@ -216,8 +216,8 @@ fn one_of<T: Copy>(text: &str, unsaid: &str, all: &[T], name: fn(T) -> &'static 
     })
 }
 
-/// The pose with another position, rotation (degrees about x, then y, then z, from `rest`) or scale; and the angles, if these were set. `angles`: those that it
-/// has. A pose with shear gets others in its place.
+/// The pose with another position, rotation (degrees about x, then y, then z, from `rest`) or scale; and the angles, if
+/// these were set. `angles`: those that it has. A pose with shear gets others in its place.
 pub fn pose(
     pose: &Affine3A,
     parameter: &str,

@@ -46,7 +46,8 @@ pub fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
     })
 }
 
-/// Whether the level is seen by its lightmaps as the window wants it, if it does: from the present camera, and by the finished lightmaps once the bake has ended.
+/// Whether the level is seen by its lightmaps as the window wants it, if it does: from the present camera, and by the
+/// finished lightmaps once the bake has ended.
 pub fn is_lit_level_seen(world: &World) -> bool {
     let resources = (world.get_resource::<Baking>(), world.get_resource::<Comparison>());
     let (Some(baking), Some(comparison)) = resources else {

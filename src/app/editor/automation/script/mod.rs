@@ -1,9 +1,10 @@
 //! Replays a script: a file of named commands, one a line, which are applied one after the other as a user would.
 //!
-//! No line is done if one has a fault that no scene could mend, such as a misspelt verb. A line begins when everything that the one before asked for is
-//! loaded and in the picture. The first that fails ends the run. After
-//! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
-//! again if the scene was changed in between, as they do after `wait done`. What a script saves therefore does not depend on the speed of the machine.
+//! No line is done if one has a fault that no scene could mend, such as a misspelt verb. A line begins when everything
+//! that the one before asked for is loaded and in the picture. The first that fails ends the run. After
+//! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or
+//! measure it wait for that again if the scene was changed in between, as they do after `wait done`. What a script
+//! saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
 pub mod baking;

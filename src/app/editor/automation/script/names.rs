@@ -12,8 +12,9 @@ pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item 
     format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one could be changed unnoticed. Errors depend
-/// on the scene: values that are written in the line are better parsed before.
+/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one
+/// could be changed unnoticed. Errors depend on the scene: values that are written in the line are better parsed
+/// before.
 pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
     let (mut by_id, mut by_name) = (Vec::new(), Vec::new());

@@ -59,13 +59,15 @@ pub enum Step {
 /// The event that a line waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wait {
-    /// The picture of the present scene has exactly this number of samples per pixel, and gets no more; 0: everything is loaded.
+    /// The picture of the present scene has exactly this number of samples per pixel, and gets no more; 0: everything
+    /// is loaded.
     Samples(u32),
     /// The picture has reached one of its own limits.
     Done,
 }
 
-/// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it is now.
+/// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it
+/// is now.
 pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> {
     let text = text.trim();
     if text.is_empty() || text.starts_with('#') {

@@ -12,7 +12,8 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
 use crate::scene::{AreaLight, Emitter, EulerAngles, Film, LengthUnit, Material, Medium, Sensor, Shape};
 
-/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
+/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the
+/// known ones.
 pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
     let mut known = Vec::new();
     if let Some(pose) = pose_of(world, entity) {

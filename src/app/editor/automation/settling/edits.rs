@@ -56,7 +56,8 @@ const PLACES: f32 = 64.0;
 /// The share of the scene's size above which a thing is rather a wall or the ground.
 const LARGEST: f32 = 0.5;
 
-/// The largest thing in the middle of the picture that is no wall and no light: without its only lamp a picture is black.
+/// The largest thing in the middle of the picture that is no wall and no light: without its only lamp a picture is
+/// black.
 fn seen_thing(world: &World) -> Option<Entity> {
     let packed = world.resource::<PackedScene>();
     let mut seen = seen_in(packed, MIDDLE, [PLACES; 2]);
@@ -65,7 +66,8 @@ fn seen_thing(world: &World) -> Option<Entity> {
         .iter()
         .map(|solids| size(solids))
         .collect();
-    // The size of the view counts the way to the camera, and the bounds count ground that reaches far beyond what is seen.
+    // The size of the view counts the way to the camera, and the bounds count ground that reaches far beyond what is
+    // seen.
     let extent = scene_bounds(packed)?.extent().length();
     let limit = LARGEST * extent.min(world.resource::<ViewSettings>().navigation.scene_size);
     Some(seen[largest_within(&sizes, limit)?])

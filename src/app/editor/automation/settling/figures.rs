@@ -20,7 +20,8 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// The linear colours in [0, 1], enlarged to this size as the window enlarges them: the picture has fewer pixels while something moves.
+    /// The linear colours in [0, 1], enlarged to this size as the window enlarges them: the picture has fewer pixels
+    /// while something moves.
     fn linear(&self, size: UVec2) -> Vec<Rgb> {
         let rgba = match self.size == size {
             true => Cow::Borrowed(&self.rgba),
@@ -71,7 +72,8 @@ impl Figures {
         })
     }
 
-    /// The means; the decibels are those of the mean squared error, so that equal pictures count as well. None of nothing.
+    /// The means; the decibels are those of the mean squared error, so that equal pictures count as well. None of
+    /// nothing.
     pub fn mean(all: &[Self]) -> Option<Self> {
         let of = |figure: fn(&Self) -> f32| mean(&all.iter().map(figure).collect::<Vec<f32>>());
         let seconds: Option<Vec<f32>> = all.iter().map(|figures| figures.seconds).collect();

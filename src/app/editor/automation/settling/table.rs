@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::figures::Figures;
 
-/// The pictures that are compared with the converged one, in the order in which they are shown: that from before the edit, which is what would be
-/// seen had it stayed, those soon after it, and the one with all samples.
+/// The pictures that are compared with the converged one, in the order in which they are shown: that from before the
+/// edit, which is what would be seen had it stayed, those soon after it, and the one with all samples.
 pub(super) const PICTURES: [&str; 6] = ["kept", "0.1s", "0.3s", "1s", "3s", "end"];
 
 /// The seconds after the command of those of [`PICTURES`] between the first and the last.

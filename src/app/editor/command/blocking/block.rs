@@ -18,7 +18,8 @@ pub struct Block {
     pub to: Vec3,
     /// The plane that it is drawn on.
     pub plane: Plane,
-    /// The extent above the plane, that of a floor below it; world units. A box may have a negative one: it goes into the other direction.
+    /// The extent above the plane, that of a floor below it; world units. A box may have a negative one: it goes into
+    /// the other direction.
     pub height: f32,
     /// The thickness of a wall; world units.
     pub thickness: f32,
@@ -118,7 +119,8 @@ impl Block {
     }
 }
 
-/// The corners of a shape that is a box or stands in one, the lower four first, each four in turn around; in world space.
+/// The corners of a shape that is a box or stands in one, the lower four first, each four in turn around; in world
+/// space.
 pub fn corners(kind: &ShapeKind, pose: &Affine3A) -> Option<[Vec3; 8]> {
     let [low, high] = match kind {
         ShapeKind::Cube => [Vec3::NEG_ONE, Vec3::ONE],

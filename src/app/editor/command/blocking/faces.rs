@@ -24,7 +24,8 @@ impl Face {
         (0..3).flat_map(|axis| [false, true].map(|is_far| Self { axis, is_far }))
     }
 
-    /// The face that a place (in world space, with the normal there) belongs to; None where the shape has no face of this sort.
+    /// The face that a place (in world space, with the normal there) belongs to; None where the shape has no face of
+    /// this sort.
     pub fn at(kind: &ShapeKind, pose: &Affine3A, place: Vec3, normal: Vec3) -> Option<Self> {
         let [low, high] = extent(kind)?;
         let local = pose.inverse().transform_point3(place);
@@ -93,7 +94,8 @@ pub fn extent_across(kind: &ShapeKind, pose: &Affine3A, face: Face) -> Option<f3
     Some((high - low)[face.axis] * face.outward(pose).1)
 }
 
-/// The shape with this face moved outwards by so many world units; the opposite face stays where it is. None for shapes that have no such face.
+/// The shape with this face moved outwards by so many world units; the opposite face stays where it is. None for shapes
+/// that have no such face.
 pub fn pushed(kind: &ShapeKind, pose: &Affine3A, face: Face, by: f32) -> Option<(ShapeKind, Affine3A)> {
     let [low, high] = extent(kind)?;
     let before = (high - low)[face.axis];

@@ -1,7 +1,8 @@
 //! Where walls meet: their ends are moved so that a corner has neither a notch nor two walls in the same place.
 //!
-//! At right angles the wall that is there goes on through the corner, and the new one begins at its side (a butt joint). At other angles both go on until
-//! their outer edges meet. A wall that ends at another one's middle ends at its side.
+//! At right angles the wall that is there goes on through the corner, and the new one begins at its side (a butt
+//! joint). At other angles both go on until their outer edges meet. A wall that ends at another one's middle ends at
+//! its side.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
@@ -26,7 +27,8 @@ pub struct StandingWall {
 /// How a new wall and those that it meets change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Joints {
-    /// The ways by which the start and the end of the new wall move outwards; negative ones make it shorter. World units.
+    /// The ways by which the start and the end of the new wall move outwards; negative ones make it shorter. World
+    /// units.
     pub outwards: [f32; 2],
     /// Walls with one of their end faces and the way by which it moves outwards.
     pub pushes: Vec<(Entity, Face, f32)>,
@@ -57,7 +59,8 @@ impl StandingWall {
         })
     }
 
-    /// The places along and across its middle line of a point at its foot, if that is within the wall or close to its end.
+    /// The places along and across its middle line of a point at its foot, if that is within the wall or close to its
+    /// end.
     fn place_of(&self, point: Vec3) -> Option<[f32; 2]> {
         let way = point - self.start;
         let [x, y] = [self.along, self.across].map(|axis| way.dot(axis));
@@ -67,7 +70,8 @@ impl StandingWall {
         is_at.then_some([x, y])
     }
 
-    /// The face of its end that is nearer to a place along it, and how far beyond the end that place is (negative: before it).
+    /// The face of its end that is nearer to a place along it, and how far beyond the end that place is (negative:
+    /// before it).
     fn nearer_end(&self, x: f32) -> (Face, f32) {
         let is_far = x > 0.5 * self.length;
         let beyond = if is_far { x - self.length } else { -x };

@@ -1,4 +1,5 @@
-//! Blocking out: boxes, floors and walls that are drawn, faces that are pushed and pulled, doors and windows that are cut.
+//! Blocking out: boxes, floors and walls that are drawn, faces that are pushed and pulled, doors and windows that are
+//! cut.
 
 pub mod block;
 pub mod faces;
@@ -50,7 +51,8 @@ impl BlockKind {
     }
 }
 
-/// The multiple of a step nearest to a length, without the rounding of a product of singles; the length itself without a step.
+/// The multiple of a step nearest to a length, without the rounding of a product of singles; the length itself without
+/// a step.
 pub(crate) fn snapped(length: f32, step: f32) -> f32 {
     if !(step > 0.0 && length.is_finite()) {
         return length;

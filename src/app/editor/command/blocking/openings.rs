@@ -35,9 +35,9 @@ pub struct Side {
     pub up: Vec3,
 }
 
-/// The opening of this kind and of the usual size at a place of a wall's or a box's side. It is moved to multiples of `step` (world units; 0 for none), and
-/// to where the wall has room. A window near the foot of the wall is a French window, which begins at the foot and ends at the height of the others. None
-/// where none can be cut.
+/// The opening of this kind and of the usual size at a place of a wall's or a box's side. It is moved to multiples of
+/// `step` (world units; 0 for none), and to where the wall has room. A window near the foot of the wall is a French
+/// window, which begins at the foot and ends at the height of the others. None where none can be cut.
 pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, step: f32) -> Option<Cut> {
     let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
     let (length, height) = extents(&wall)?;
@@ -72,8 +72,9 @@ pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, ste
     Some(Cut { wall, pose, opening })
 }
 
-/// The opening between two opposite corners on a side, the second one in world space. Its edges are moved to multiples of `step`, and a door begins at
-/// the foot. `size`: its width and height in world units, as far as they are given; then it goes towards the second corner. None where it has no extent.
+/// The opening between two opposite corners on a side, the second one in world space. Its edges are moved to multiples
+/// of `step`, and a door begins at the foot. `size`: its width and height in world units, as far as they are given;
+/// then it goes towards the second corner. None where it has no extent.
 pub fn between(
     kind: &ShapeKind,
     pose: &Affine3A,
@@ -134,7 +135,8 @@ impl Cut {
         (ShapeKind::Solid(wall), self.pose)
     }
 
-    /// The word for what is cut: only its user knows whether an opening that reaches the foot is a door or a French window.
+    /// The word for what is cut: only its user knows whether an opening that reaches the foot is a door or a French
+    /// window.
     pub fn name(&self, what: OpeningKind) -> &'static str {
         match what {
             OpeningKind::Door => "Door",
@@ -155,7 +157,8 @@ impl Cut {
         [width * along, height * upward, from * along, sill * upward]
     }
 
-    /// The corners of the opening on both sides of the wall, in world space: four in turn around, then the same four on the other side.
+    /// The corners of the opening on both sides of the wall, in world space: four in turn around, then the same four on
+    /// the other side.
     pub fn corners(&self) -> [Vec3; 8] {
         let Opening {
             from,
@@ -192,7 +195,8 @@ pub fn wall_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Af
     as_wall(kind, pose, columns[across].normalize_or_zero(), up)
 }
 
-/// The wall with the same surface as a box, which stands as the box does: at rest if the box is not turned. None for a box that leans or is sheared.
+/// The wall with the same surface as a box, which stands as the box does: at rest if the box is not turned. None for a
+/// box that leans or is sheared.
 pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
     let upward = facing(&columns, up)?;

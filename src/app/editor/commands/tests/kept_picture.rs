@@ -109,7 +109,8 @@ fn bits(app: &App) -> Vec<[u32; 3]> {
     film.radiance().into_iter().map(bits).collect()
 }
 
-/// Shows what the file does not say: a view of its own through the other camera, a region, and another number of samples.
+/// Shows what the file does not say: a view of its own through the other camera, a region, and another number of
+/// samples.
 fn look(app: &mut App) {
     let world = app.world_mut();
     let mut cameras = world.query_filtered::<(&DocumentOrder, Entity), With<Sensor>>();

@@ -348,7 +348,8 @@ fn edits_while_a_scene_is_copied_are_in_the_file() {
     assert_eq!(pose.translation.x, 2.5);
 }
 
-/// Renames, shared materials (which saving gives ids), undo and redo in every order, before, while and after the scene is saved and read again.
+/// Renames, shared materials (which saving gives ids), undo and redo in every order, before, while and after the scene
+/// is saved and read again.
 #[test]
 fn no_id_is_given_twice_whatever_is_undone_around_saves() {
     let mut large = Large::with_materials(4);

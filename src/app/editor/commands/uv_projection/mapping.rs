@@ -132,8 +132,8 @@ fn unwound(turns: [Option<f32>; 3]) -> [f32; 3] {
     near.map(|turn| turn.unwrap_or(mean))
 }
 
-/// The mesh with texture coordinates: `uv_from_tiles` of the tiles at each place of the world. Vertices become several where faces that meet there
-/// differ.
+/// The mesh with texture coordinates: `uv_from_tiles` of the tiles at each place of the world. Vertices become several
+/// where faces that meet there differ.
 pub(super) fn mapped(mesh: &MeshData, pose: &Affine3A, mapping: &Mapping, uv_from_tiles: &Affine2) -> MeshData {
     let mut made = MeshData::default();
     let mut sources = Vec::new();

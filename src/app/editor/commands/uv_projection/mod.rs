@@ -1,8 +1,9 @@
 //! Gives shapes new texture coordinates.
 //!
-//! Walls, stairs, prisms and boxes keep their numbers: their coordinates are lengths already, so that a transform of uv in the material suffices.
-//! For rectangles it suffices if no other shape has the material. All others become meshes, in a file of their own that goes along when the
-//! scene is saved. What other textures of the material do relative to the first one stays.
+//! Walls, stairs, prisms and boxes keep their numbers: their coordinates are lengths already, so that a transform of uv
+//! in the material suffices. For rectangles it suffices if no other shape has the material. All others become meshes,
+//! in a file of their own that goes along when the scene is saved. What other textures of the material do relative to
+//! the first one stays.
 
 mod mapping;
 
@@ -153,7 +154,8 @@ fn plane(world: &World, from: ProjectedFrom, tile: f32) -> Option<Plane> {
     }
 }
 
-/// Places the textures for shapes for which that suffices. The shapes for which it does not, because others have their material, come back.
+/// Places the textures for shapes for which that suffices. The shapes for which it does not, because others have their
+/// material, come back.
 fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec<Entity>, CommandError> {
     let mut rest = Vec::new();
     let mut copies: Vec<(Entity, Affine2, Entity)> = Vec::new();

@@ -131,7 +131,8 @@ impl Action {
         }
     }
 
-    /// The command of its key where there is none: it is refused, and says why. None for actions of which that is plain.
+    /// The command of its key where there is none: it is refused, and says why. None for actions of which that is
+    /// plain.
     pub(in crate::app::editor::input) fn refused(&self) -> Option<Command> {
         match self.name {
             "continue-picture" => Some(Command::KeptPicture(KeptPicture::Continue)),

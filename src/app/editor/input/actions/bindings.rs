@@ -1,4 +1,5 @@
-//! The keys of every action: the table gives them, unless the user has chosen others. Nothing else asks the table for keys.
+//! The keys of every action: the table gives them, unless the user has chosen others. Nothing else asks the table for
+//! keys.
 
 use bevy_egui::egui::Key;
 
@@ -113,8 +114,8 @@ fn meet((key, flies): (&Shortcut, bool), (other, other_flies): (&Shortcut, bool)
     key == other || key.key == other.key && (flies && can_fly(other) || other_flies && can_fly(key))
 }
 
-/// The actions other than `name` that a press of the key would mean; those that have this very key come first. A key that flies can clash with two
-/// keys.
+/// The actions other than `name` that a press of the key would mean; those that have this very key come first. A key
+/// that flies can clash with two keys.
 pub fn owners(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<Bindable> {
     let flies = bindables().any(|own| own.name == name && own.is_held());
     let meets = |other: &Bindable| {
@@ -134,8 +135,8 @@ pub fn reserved(key: &Shortcut) -> Option<&'static str> {
     found.map(|(_, what)| *what)
 }
 
-/// Gives `name` the key alone: all others lose the keys that clash with it. The first of them gets the first key that `name` had, if that is free
-/// then.
+/// Gives `name` the key alone: all others lose the keys that clash with it. The first of them gets the first key that
+/// `name` had, if that is free then.
 pub fn bind(bound: &mut KeyBindings, name: &str, key: Shortcut) {
     let Some(own) = bindables().find(|own| own.name == name) else {
         return;

@@ -1,5 +1,5 @@
-//! The table of actions, each of which is one key, one menu entry or one word. The keyboard, the menus, the palette, the overview of shortcuts and
-//! scripts share it.
+//! The table of actions, each of which is one key, one menu entry or one word. The keyboard, the menus, the palette,
+//! the overview of shortcuts and scripts share it.
 
 mod action;
 mod arrange;

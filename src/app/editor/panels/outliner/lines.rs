@@ -1,5 +1,5 @@
-//! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a material that is inside
-//! another one is listed under it.
+//! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a
+//! material that is inside another one is listed under it.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -263,7 +263,8 @@ enum Entry<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Adds the lines of the folder with this path (empty: of no folder): its folders where their first member stands, and things.
+    /// Adds the lines of the folder with this path (empty: of no folder): its folders where their first member stands,
+    /// and things.
     fn folder(&mut self, path: &str, depth: usize, indices: &[usize]) {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         let mut known: HashMap<&str, usize> = HashMap::new();

@@ -89,7 +89,8 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     });
 }
 
-/// The lines, and the scroll position if something else became active that is out of sight; what is closed around it is opened.
+/// The lines, and the scroll position if something else became active that is out of sight; what is closed around it is
+/// opened.
 fn follow_selection(
     outline: &Arc<Outline>,
     active: Option<Entity>,

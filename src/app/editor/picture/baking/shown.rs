@@ -17,7 +17,8 @@ use crate::render::tonemap::Display;
 const LARGEST: u32 = 512;
 /// The time between two pictures while light is gathered.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time, or more after [`LONGEST_PAUSE`].
+/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time, or more after
+/// [`LONGEST_PAUSE`].
 const WORK_PER_PICTURE: u32 = 20;
 /// The longest pause after a picture, so that it is seen to grow on a slow or busy machine as well.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);

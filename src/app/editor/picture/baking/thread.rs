@@ -1,4 +1,5 @@
-//! The thread that bakes: it tells how far the bake is, and makes the small pictures of lightmaps that the window shows.
+//! The thread that bakes: it tells how far the bake is, and makes the small pictures of lightmaps that the window
+//! shows.
 //!
 //! The window's thread reads what is told and says what it wants to see, both under a lock that is held for a moment.
 
@@ -66,7 +67,8 @@ pub struct BakeNews {
     pub progress: Option<Progress>,
     /// The samples that each texel of the lightmaps has.
     pub samples: u32,
-    /// What the level has that is in the folder, as long as this bake has less and would not replace it if it were stopped.
+    /// What the level has that is in the folder, as long as this bake has less and would not replace it if it were
+    /// stopped.
     pub stays: Option<Content>,
     /// The number of lightmaps; 0 before that is known.
     pub pages: usize,
@@ -147,7 +149,8 @@ impl Shared {
         lock(&self.wanted).clone()
     }
 
-    /// The thread that bakes waits here until the window wants to see something else than `before`. Returns false when the window shows the bake no more.
+    /// The thread that bakes waits here until the window wants to see something else than `before`. Returns false when
+    /// the window shows the bake no more.
     fn wait_for_other(&self, before: &Wanted) -> bool {
         let mut wanted = lock(&self.wanted);
         while *wanted == *before && !self.closes.load(Ordering::Relaxed) {
@@ -165,7 +168,8 @@ pub struct BakeThread {
 }
 
 impl BakeThread {
-    /// Begins to bake for the order's folder, which is `held`. The error is that of the system, which has no more threads.
+    /// Begins to bake for the order's folder, which is `held`. The error is that of the system, which has no more
+    /// threads.
     pub fn begin(order: BakeOrder, held: OutputFolder, wanted: Wanted) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             folder: Mutex::new(Folder {
@@ -243,8 +247,8 @@ impl BakeThread {
         self.shared.wanted()
     }
 
-    /// Gives it up. Nothing is written, and a folder that was made for it is removed at once; files that are being written already are all written, so that they
-    /// fit together.
+    /// Gives it up. Nothing is written, and a folder that was made for it is removed at once; files that are being
+    /// written already are all written, so that they fit together.
     pub fn discard(self) -> LeftThread {
         self.shared.discards.store(true, Ordering::Relaxed);
         self.shared.cancel.store(true, Ordering::Relaxed);
@@ -265,8 +269,8 @@ impl BakeThread {
     }
 }
 
-/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is described, or the
-/// neighbours of the triangles of a large mesh are looked for.
+/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is
+/// described, or the neighbours of the triangles of a large mesh are looked for.
 pub struct LeftThread {
     shared: Arc<Shared>,
     thread: JoinHandle<()>,
@@ -283,8 +287,8 @@ impl LeftThread {
     }
 }
 
-/// Waits before the program ends: until files that are being written are complete, and for the other threads, all together, 0.3 seconds at most. Those that take
-/// longer write nothing, and end with the program.
+/// Waits before the program ends: until files that are being written are complete, and for the other threads, all
+/// together, 0.3 seconds at most. Those that take longer write nothing, and end with the program.
 pub fn wait_at_exit(threads: Vec<LeftThread>) {
     let begin = Instant::now();
     for thread in threads {

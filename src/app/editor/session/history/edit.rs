@@ -108,7 +108,8 @@ impl<'w> Edit<'w> {
         ObjectState::default().write(self.world, entity);
     }
 
-    /// Makes keys of values that were changed and have tracks, and gives everything with tracks the values of these: they may have been changed.
+    /// Makes keys of values that were changed and have tracks, and gives everything with tracks the values of these:
+    /// they may have been changed.
     pub(crate) fn follow_keys(&mut self) {
         if SettingsState::of(self.world).integrator != self.settings.integrator
             && let Some(keys) = integrator_keys_after(self.world)

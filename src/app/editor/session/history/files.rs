@@ -66,7 +66,8 @@ impl History {
         }
     }
 
-    /// Notes what the file was before a save that has succeeded, and what it is. To be called before [`Self::end_save`].
+    /// Notes what the file was before a save that has succeeded, and what it is. To be called before
+    /// [`Self::end_save`].
     pub(crate) fn note_file(&mut self, saved: Saved, now: Option<Arc<Document>>) {
         let Self { done, undone, .. } = self;
         let is_known = |at: u64| done.iter().chain(undone.iter()).any(|entry| entry.number == at);
@@ -90,8 +91,9 @@ impl History {
     }
 }
 
-/// The file at the state before the present one that is the nearest to it. None if none is nearer than the file as it is. Things lose the ids that saves
-/// after it gave them, until the save has failed ([`end_save`]). To be called when a save to `path` begins, after changes by others were taken in.
+/// The file at the state before the present one that is the nearest to it. None if none is nearer than the file as it
+/// is. Things lose the ids that saves after it gave them, until the save has failed ([`end_save`]). To be called when a
+/// save to `path` begins, after changes by others were taken in.
 pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFile>> {
     let origin = world.get_resource::<AuthoredScene>()?.origin.clone()?;
     let mut history = world.get_resource_mut::<History>()?;
@@ -118,7 +120,8 @@ pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFil
     Some(file)
 }
 
-/// Notes how a save has ended, as [`History::end_save`]. After a failure things have the ids again that they had before.
+/// Notes how a save has ended, as [`History::end_save`]. After a failure things have the ids again that they had
+/// before.
 pub(crate) fn end_save(world: &mut World, is_saved: bool) {
     let mut history = world.resource_mut::<History>();
     history.end_save(is_saved);

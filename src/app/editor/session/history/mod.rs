@@ -1,7 +1,8 @@
-//! The edits of the scene that can be undone and redone. An entry holds the components that an edit changed, before and after, and no others; the
-//! number of entries and their memory are bounded.
+//! The edits of the scene that can be undone and redone. An entry holds the components that an edit changed, before and
+//! after, and no others; the number of entries and their memory are bounded.
 //!
-//! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay valid.
+//! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay
+//! valid.
 
 mod edit;
 mod entry;
@@ -204,10 +205,12 @@ impl History {
     }
 }
 
-/// The number of entities that no entry names any more from which on they are despawned: finding them takes a pass over all entries.
+/// The number of entities that no entry names any more from which on they are despawned: finding them takes a pass over
+/// all entries.
 const GONE_AT_ONCE: usize = 512;
 
-/// Despawns entities that were deleted, cannot come back by undo or redo, and are not deleted from the file as well: a reload must know the latter.
+/// Despawns entities that were deleted, cannot come back by undo or redo, and are not deleted from the file as well: a
+/// reload must know the latter.
 pub(crate) fn despawn_forgotten(world: &mut World) {
     let mut history = world.resource_mut::<History>();
     // A save that is under way knows entities by their ids.
@@ -235,8 +238,8 @@ fn stand(world: &mut World, at: Standpoint) {
     world.insert_resource(at.free);
 }
 
-/// Gives ids anew after undo and redo. Saving and reloading give ids that the history does not know of: a thing that comes back with the id of
-/// another one gets a free one, since no file may have an id twice.
+/// Gives ids anew after undo and redo. Saving and reloading give ids that the history does not know of: a thing that
+/// comes back with the id of another one gets a free one, since no file may have an id twice.
 fn separate_ids(world: &mut World, changes: &[Change]) {
     let mut restored: HashMap<SceneId, Vec<Entity>> = HashMap::new();
     for change in changes.iter().filter(|change| change.change.is_about_id()) {

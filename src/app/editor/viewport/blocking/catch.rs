@@ -31,7 +31,8 @@ const EDGE: f32 = 4.0;
 const AROUND: u32 = 8;
 /// The share of its distance by which a place may be behind the surface that is seen there.
 const BEHIND: f32 = 2e-3;
-/// A box that is lower than this number of steps of the usual grid is a slab: walls stand on its upper side, wherever it is touched.
+/// A box that is lower than this number of steps of the usual grid is a slab: walls stand on its upper side, wherever
+/// it is touched.
 const SLAB_STEPS: f32 = 3.0;
 
 /// The shapes under the pointer and close around it.
@@ -48,7 +49,8 @@ pub(super) fn shapes_around(packed: &PackedScene, screen: &Screen, pointer: Pos2
     found
 }
 
-/// The corner near the pointer, else the place on an edge there. None without a step: Control frees from corners as it does from the grid.
+/// The corner near the pointer, else the place on an edge there. None without a step: Control frees from corners as it
+/// does from the grid.
 pub(super) fn caught(
     kind: BlockKind,
     screen: &Screen,
@@ -96,7 +98,8 @@ pub(super) fn caught(
     nearest(on_lines.collect(), EDGE).map(|place| of(place, false))
 }
 
-/// The place at the foot of a wall under the pointer, on its middle line: at an end if that is near, otherwise at a point of the grid.
+/// The place at the foot of a wall under the pointer, on its middle line: at an end if that is near, otherwise at a
+/// point of the grid.
 pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, step: f32) -> Option<Caught> {
     let line = model.target(seen.entity)?.foot_line()?;
     let way = line[1] - line[0];
@@ -122,7 +125,8 @@ pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, s
     })
 }
 
-/// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side of a slab. None for other shapes.
+/// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side
+/// of a slab. None for other shapes.
 pub(super) fn base(seen: &SeenSurface, model: &BlockingModel) -> Option<Vec3> {
     let corners = model.target(seen.entity).and_then(BlockTarget::corners)?;
     let [low, high] = range(corners, model.up);
@@ -220,10 +224,11 @@ fn is_slab(height: f32, model: &BlockingModel) -> bool {
     height <= SLAB_STEPS * model.step
 }
 
-/// The places where the middle lines of walls meet, and the ends of those that meet no other. Where walls are joined, one of them ends beyond the place
-/// at which they were drawn, and the other before it.
+/// The places where the middle lines of walls meet, and the ends of those that meet no other. Where walls are joined,
+/// one of them ends beyond the place at which they were drawn, and the other before it.
 fn ends_of_walls(walls: &[[Vec3; 2]], step: f32) -> Vec<Vec3> {
-    /// The steps of the grid by which a joint lengthens or shortens walls: half the thickness of usual ones, and more at sharp angles.
+    /// The steps of the grid by which a joint lengthens or shortens walls: half the thickness of usual ones, and more
+    /// at sharp angles.
     const JOINT: f32 = 3.0;
     let near = JOINT * step;
     let mut meetings = Vec::new();

@@ -1,5 +1,5 @@
-//! Drawing boxes, floors and walls: a drag (or two clicks) gives the base, then the pointer gives the height until a click. Numbers may be typed for
-//! both.
+//! Drawing boxes, floors and walls: a drag (or two clicks) gives the base, then the pointer gives the height until a
+//! click. Numbers may be typed for both.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{Painter, Pos2};

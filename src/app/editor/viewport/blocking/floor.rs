@@ -17,8 +17,9 @@ const PROBES: u32 = 5;
 const WALL: f32 = 0.3;
 const FLOOR: f32 = 0.9;
 
-/// The place where the wall under the pointer meets the floor, with the plane of the floor, if the pointer is a few points above it: on the wall, what is
-/// drawn down or towards one would go through the floor. None elsewhere, and with Control, which gives the surface under the pointer alone.
+/// The place where the wall under the pointer meets the floor, with the plane of the floor, if the pointer is a few
+/// points above it: on the wall, what is drawn down or towards one would go through the floor. None elsewhere, and with
+/// Control, which gives the surface under the pointer alone.
 pub(super) fn at_foot(
     seen: &SeenSurface,
     hand: &Hand,

@@ -1,4 +1,5 @@
-//! The input of the tools that block out: the data that they act on, the mouse, and the conversion of pointer positions to places.
+//! The input of the tools that block out: the data that they act on, the mouse, and the conversion of pointer positions
+//! to places.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec3};
@@ -63,7 +64,8 @@ pub(in crate::app::editor::viewport) struct Hand {
     pub step: f32,
 }
 
-/// The place along a line (in units of its direction, of unit length) that is nearest to what the pointer shows; None where the line is seen end on.
+/// The place along a line (in units of its direction, of unit length) that is nearest to what the pointer shows; None
+/// where the line is seen end on.
 pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction: Vec3) -> Option<f32> {
     let ray = screen.ray(pointer);
     let towards = ray.dir.normalize_or_zero();
@@ -75,8 +77,8 @@ pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction
     (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
 }
 
-/// The moments of a frame at which the left button went down or up, and its end: a quick drag begins and ends within one frame of a slow picture.
-/// `hand` is the mouse at the end.
+/// The moments of a frame at which the left button went down or up, and its end: a quick drag begins and ends within
+/// one frame of a slow picture. `hand` is the mouse at the end.
 pub(super) fn moments(events: &[Event], is_over: bool, hand: Hand) -> Vec<Hand> {
     let buttons = events.iter().filter_map(|event| match *event {
         Event::PointerButton {

@@ -1,7 +1,8 @@
-//! The tools that block out a building in the picture: drawing boxes, floors and walls, pushing and pulling faces, cutting doors and windows.
+//! The tools that block out a building in the picture: drawing boxes, floors and walls, pushing and pulling faces,
+//! cutting doors and windows.
 //!
-//! They use the left button and, while something is being drawn or pushed, the number keys, Enter and Escape. Everything else, such as looking
-//! around with the right button, is as without them.
+//! They use the left button and, while something is being drawn or pushed, the number keys, Enter and Escape.
+//! Everything else, such as looking around with the right button, is as without them.
 
 mod catch;
 pub mod cut;
@@ -105,7 +106,8 @@ impl BlockingState {
         let mut take_keys = |this: &mut Self, commands: &mut Vec<Command>| {
             rest.retain(|press| !this.take_key(press, screen, model, &end, commands));
         };
-        // Keys are told apart from the mouse. Before something is begun they mean nothing to the tool, so that they were pressed after it.
+        // Keys are told apart from the mouse. Before something is begun they mean nothing to the tool, so that they
+        // were pressed after it.
         let keys_first = self.is_busy() && !self.draw.is_dragging();
         if keys_first {
             take_keys(self, commands);

@@ -158,7 +158,8 @@ impl PushState {
 }
 
 impl Held {
-    /// The way of the face: what was typed, or what the pointer shows, to the grid of the world where the face is along it.
+    /// The way of the face: what was typed, or what the pointer shows, to the grid of the world where the face is along
+    /// it.
     fn way(&self, screen: &Screen, model: &BlockingModel, hand: &Hand) -> Option<f32> {
         if let Some(&[number]) = self.typed.lengths(model.unit).as_deref() {
             return Some(number);

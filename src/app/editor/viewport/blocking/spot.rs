@@ -23,12 +23,14 @@ const ROUNDING: f32 = 1e-3;
 /// The ground counts where it is no farther than this number of steps of the grid.
 const FARTHEST: f32 = 2000.0;
 
-/// The least cosine between the upward direction and the normal of a surface that walls and floors are laid onto; others are sides.
+/// The least cosine between the upward direction and the normal of a surface that walls and floors are laid onto;
+/// others are sides.
 const LAID: f32 = 0.5;
 
 impl Spot {
-    /// The place under the pointer: the corner or edge that attracts it, else the floor at the foot of a wall, else the surface that is seen there, else the
-    /// ground through the origin. Walls and floors lie level at the foot of a wall or beside a box.
+    /// The place under the pointer: the corner or edge that attracts it, else the floor at the foot of a wall, else the
+    /// surface that is seen there, else the ground through the origin. Walls and floors lie level at the foot of a
+    /// wall or beside a box.
     pub fn under(
         kind: BlockKind,
         hand: &Hand,
@@ -96,7 +98,8 @@ pub(super) fn on_plane(screen: &Screen, pointer: Pos2, through: Vec3, normal: Ve
     is_seen.then(|| ray.at(t))
 }
 
-/// The point of the plane's grid nearest to a place of the plane. The grid is that of the world: its points are multiples of the step.
+/// The point of the plane's grid nearest to a place of the plane. The grid is that of the world: its points are
+/// multiples of the step.
 pub(super) fn rounded(place: Vec3, plane: &Plane, grid: f32, step: f32) -> Vec3 {
     let (along, across) = (plane.along, plane.across());
     let above = snapped(place.dot(plane.normal), ROUNDING * grid);

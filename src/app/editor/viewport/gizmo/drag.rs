@@ -1,7 +1,8 @@
-//! Computes how all selected objects stand after a drag: from where the pointer took hold of a handle and where it is now.
+//! Computes how all selected objects stand after a drag: from where the pointer took hold of a handle and where it is
+//! now.
 //!
-//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the perspective undone. Near horizons
-//! and vanishing points, where a pixel would be a mile, it goes no further.
+//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the
+//! perspective undone. Near horizons and vanishing points, where a pixel would be a mile, it goes no further.
 
 use std::f32::consts::{PI, TAU};
 
@@ -81,7 +82,8 @@ pub struct Drag {
 
 /// The sine of the angle of view below which axes and planes are too foreshortened to be dragged as they are seen.
 const EDGE_ON: f32 = 0.1;
-/// The factor of distance up to which the pointer is followed towards the horizon of a plane, or the vanishing point of an axis.
+/// The factor of distance up to which the pointer is followed towards the horizon of a plane, or the vanishing point of
+/// an axis.
 const FARTHEST: f32 = 10.0;
 /// Points on which an even scaling doubles.
 const POINTS_PER_DOUBLING: f32 = 100.0;
@@ -92,7 +94,8 @@ const FINEST_TURN: f64 = 0.1;
 /// The significant digits of a scale factor that the pointer chooses, and of the lengths of scaled axes.
 const FACTOR_DIGITS: i32 = 4;
 const LENGTH_DIGITS: i32 = 6;
-/// Places that result from a typed rotation or factor are rounded to this share of the unit that is used for the pointer.
+/// Places that result from a typed rotation or factor are rounded to this share of the unit that is used for the
+/// pointer.
 pub(super) const TYPED_SHARE: f64 = 1e-3;
 /// Places on steps are rounded to this share of a step.
 const STEP_SHARE: f32 = 1e-3;
@@ -378,7 +381,8 @@ impl Drag {
         }
     }
 
-    /// The poses of all objects after the change. An object stays as it was if the change would not leave it a transform.
+    /// The poses of all objects after the change. An object stays as it was if the change would not leave it a
+    /// transform.
     pub fn apply(&self, change: Change) -> Vec<(Entity, Affine3A)> {
         let changed = |target: &Target| {
             let to_world = self.applied(target, change);
@@ -455,7 +459,8 @@ impl Target {
     }
 }
 
-/// The centre of the lower face of the targets' common bounds; None if the bounds are empty. `up` is an axis of the world or its opposite.
+/// The centre of the lower face of the targets' common bounds; None if the bounds are empty. `up` is an axis of the
+/// world or its opposite.
 pub fn lowest_point(targets: &[Target], up: Vec3) -> Option<Vec3> {
     let all = bounds(targets);
     (!all.is_empty()).then(|| all.center() - up * (0.5 * all.extent().dot(up.abs())))

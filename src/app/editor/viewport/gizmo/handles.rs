@@ -1,4 +1,5 @@
-//! The shapes of the handles on the window, and which of them is under the pointer. All sizes in points, whatever the distance.
+//! The shapes of the handles on the window, and which of them is under the pointer. All sizes in points, whatever the
+//! distance.
 
 use std::f32::consts::TAU;
 
@@ -17,8 +18,8 @@ pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
 /// The distance from the middle within which all handles can be taken.
 pub(crate) const SPAN: f32 = VIEW_RING + REACH;
-/// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of the parts in the middle and
-/// at the tips.
+/// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of
+/// the parts in the middle and at the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
 /// Half the width of the handle in the middle, in points.
@@ -26,7 +27,8 @@ pub const MIDDLE: f32 = 9.0;
 pub(crate) const TIP: f32 = 6.0;
 /// The distance up to which the pointer takes a line.
 const REACH: f32 = 7.0;
-/// The share of their length below which axes are too short to be shown, and the sine below which squares are too foreshortened.
+/// The share of their length below which axes are too short to be shown, and the sine below which squares are too
+/// foreshortened.
 const SHORTEST: f32 = 0.12;
 const RING_SEGMENTS: usize = 64;
 

@@ -1,7 +1,7 @@
 //! The gizmo in the hand: which handle is under the pointer, a drag from press to release, and the keys that rule it.
 //!
-//! A drag begins with a press on a handle, or with G, R or T: then an axis (X, Y, Z) and a number may be typed, and the same key again
-//! makes the selection follow the pointer. Escape puts everything back.
+//! A drag begins with a press on a handle, or with G, R or T: then an axis (X, Y, Z) and a number may be typed, and the
+//! same key again makes the selection follow the pointer. Escape puts everything back.
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;

@@ -1,5 +1,5 @@
-//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where it stands; how it looks is
-//! in `handles` and `paint`, what dragging does in `drag`.
+//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where
+//! it stands; how it looks is in `handles` and `paint`, what dragging does in `drag`.
 //!
 //! Scaling is always along an object's own axes: along others it would shear what is turned.
 
@@ -74,8 +74,8 @@ pub(crate) fn step_beside(targets: &[Target], step: f32) -> Vec3 {
     Vec3::X * rounding::rounded(step * steps, rounding::unit_below(1e-3 * step))
 }
 
-/// The frame; None if this mode could change nothing. The active object is the last one. Things that are infinitely far away are turned at `ahead`,
-/// a visible place.
+/// The frame; None if this mode could change nothing. The active object is the last one. Things that are infinitely far
+/// away are turned at `ahead`, a visible place.
 pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Option<Frame> {
     let active = targets.last()?;
     let all = bounds(targets);

@@ -70,7 +70,8 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
     }
 }
 
-/// Paints a drag instead of the handles: the axes of its constraint, and in a rotation the way from the middle to the pointer.
+/// Paints a drag instead of the handles: the axes of its constraint, and in a rotation the way from the middle to the
+/// pointer.
 pub(crate) fn paint_drag(
     painter: &Painter,
     drag: &Drag,

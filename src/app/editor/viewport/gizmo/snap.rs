@@ -14,7 +14,8 @@ use crate::app::editor::camera::solid::Solid;
 const LEAST_SHARE: f32 = 1e-3;
 
 impl Drag {
-    /// The move that takes the origin of the active thing to multiples of the step, in the coordinates in which it moves.
+    /// The move that takes the origin of the active thing to multiples of the step, in the coordinates in which it
+    /// moves.
     pub(super) fn onto_grid(&self, moved: Vec3, step: f32) -> Vec3 {
         let origin = self.targets.last().map_or(self.frame.origin, Target::origin);
         let goal = rounding::rounded_place(origin + moved, f64::from(step));
@@ -30,7 +31,8 @@ impl Drag {
         self.onto(screen, place - nearest.copied().unwrap_or(self.frame.origin))
     }
 
-    /// The change that lays the selection onto a plane. `aligned_from`: the direction that is turned to the normal, if one is.
+    /// The change that lays the selection onto a plane. `aligned_from`: the direction that is turned to the normal, if
+    /// one is.
     pub fn onto_plane(
         &mut self,
         screen: &Screen,

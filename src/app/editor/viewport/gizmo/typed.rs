@@ -22,7 +22,8 @@ impl Typed {
         &self.0
     }
 
-    /// Whether the key belongs to a number; then it has been taken in. Minus turns the sign of the number being typed over.
+    /// Whether the key belongs to a number; then it has been taken in. Minus turns the sign of the number being typed
+    /// over.
     pub fn press(&mut self, key: Key) -> bool {
         let typed = match key {
             Key::Minus => {

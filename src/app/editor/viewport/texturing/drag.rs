@@ -51,7 +51,8 @@ pub(super) struct Drag {
 }
 
 impl Drag {
-    /// The transform of uv for these coordinates under the pointer; None while nothing follows from them. `snaps` rounds to steps.
+    /// The transform of uv for these coordinates under the pointer; None while nothing follows from them. `snaps`
+    /// rounds to steps.
     pub fn placed(&self, pointer: Vec2, snaps: bool) -> Option<Affine2> {
         let numbers = self.typed.numbers();
         let placed = match self.part {

@@ -1,4 +1,5 @@
-//! The tool that places textures: a tile of the texture over the surface, which is moved, scaled and turned by its handles.
+//! The tool that places textures: a tile of the texture over the surface, which is moved, scaled and turned by its
+//! handles.
 
 mod bar;
 mod drag;

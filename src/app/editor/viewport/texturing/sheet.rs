@@ -6,12 +6,14 @@ use bevy_egui::egui::Pos2;
 use crate::app::editor::camera::picking::MappedSurface;
 use crate::app::editor::camera::screen::Screen;
 
-/// Texture coordinates in the plane that touches a surface: exact on flat faces, nearly so around the place on curved ones.
+/// Texture coordinates in the plane that touches a surface: exact on flat faces, nearly so around the place on curved
+/// ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sheet {
     place: Vec3,
     uv: Vec2,
-    /// Two directions across the normal, of unit length: that in which u grows, and the one that is to its left as seen from the front.
+    /// Two directions across the normal, of unit length: that in which u grows, and the one that is to its left as
+    /// seen from the front.
     axes: [Vec3; 2],
     /// Lengths along `axes` from uv.
     lengths_from_uv: Mat2,
@@ -61,7 +63,8 @@ impl Sheet {
     }
 }
 
-/// A square of tiles of a texture on a sheet: one as a rule, several where one would be too small to be held, a part of one that is too large.
+/// A square of tiles of a texture on a sheet: one as a rule, several where one would be too small to be held, a part of
+/// one that is too large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tile {
     pub sheet: Sheet,

@@ -1,4 +1,5 @@
-//! Finds out what a file looks like and holds. Files are read as the scene's own are, within the memory budget, and nothing outside of their folder is read.
+//! Finds out what a file looks like and holds. Files are read as the scene's own are, within the memory budget, and
+//! nothing outside of their folder is read.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -57,8 +58,8 @@ pub(super) struct Content {
     pub is_material: bool,
 }
 
-/// Reads a file, or takes what is known of it from an earlier run. Links may lead to where `trusted` permits. The error says why the file cannot be
-/// used.
+/// Reads a file, or takes what is known of it from an earlier run. Links may lead to where `trusted` permits. The error
+/// says why the file cannot be used.
 pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Access) -> Result<Content, String> {
     let changed = entry.modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
     let key = format!("file {} {} {changed:?}", entry.path.display(), entry.bytes);
@@ -99,7 +100,8 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Acc
     Ok(content)
 }
 
-/// Does work on one thread that gives way to all others. Readers and hierarchies would share it with the threads of the whole program otherwise.
+/// Does work on one thread that gives way to all others. Readers and hierarchies would share it with the threads of the
+/// whole program otherwise.
 fn beside_everything(work: impl FnOnce() -> Result<Content, String> + Send) -> Result<Content, String> {
     let pool = ThreadPoolBuilder::new()
         .num_threads(1)
@@ -281,7 +283,8 @@ fn encoded(radiance: &[Rgb]) -> ColorImage {
     ColorImage::from_rgba_unmultiplied([EDGE as usize; 2], &rgba)
 }
 
-/// A file that holds nothing but materials looks like a ball of the first; scenes have no picture, but a number of shapes.
+/// A file that holds nothing but materials looks like a ball of the first; scenes have no picture, but a number of
+/// shapes.
 fn xml(path: &Path, access: Access) -> Result<Content, String> {
     let preset = match presets::content_of(path, access).map_err(|error| error.to_string())? {
         FileContent::Materials(preset) => *preset,

@@ -1,4 +1,5 @@
-//! Reads the folder that the browser of assets shows, and makes the pictures of the files in sight, one after the other on a thread of low priority.
+//! Reads the folder that the browser of assets shows, and makes the pictures of the files in sight, one after the other
+//! on a thread of low priority.
 
 mod file_picture;
 mod listing;
@@ -121,8 +122,9 @@ impl AssetWork {
         self.made.get(&entry.path).is_some_and(|made| made.of == *entry)
     }
 
-    /// Takes the listing that was asked for, and asks for one of the folder where there is none or an old one. True if files of another folder that
-    /// could not be read are forgotten: the reason may have passed when one comes back.
+    /// Takes the listing that was asked for, and asks for one of the folder where there is none or an old one. True if
+    /// files of another folder that could not be read are forgotten: the reason may have passed when one comes
+    /// back.
     fn list(&mut self, folder: &PathBuf, wake_up: &WakeUp) -> bool {
         let mut forgets = false;
         // A folder that is slow to read must not keep others waiting.

@@ -10,7 +10,8 @@ use crate::app::editor::session::trust::asset_folders;
 /// The most folders of scenes that were open.
 const MOST_RECENT: usize = 5;
 
-/// The user's own folders, that of the scene, those that come with the program, those of `$SUNROOM_ASSETS`, those of recent scenes, and the user's home.
+/// The user's own folders, that of the scene, those that come with the program, those of `$SUNROOM_ASSETS`, those of
+/// recent scenes, and the user's home.
 pub(super) fn places(scene: Option<&Path>, preferences: &Preferences) -> Vec<AssetPlace> {
     let mut places: Vec<AssetPlace> = Vec::new();
     let mut add = |name: String, folder: PathBuf, is_own: bool| {

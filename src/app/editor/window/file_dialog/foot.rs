@@ -1,4 +1,5 @@
-//! The rows below the list of files: the name, the kind of files, a new folder, and the question before a file is replaced.
+//! The rows below the list of files: the name, the kind of files, a new folder, and the question before a file is
+//! replaced.
 
 use std::path::Path;
 

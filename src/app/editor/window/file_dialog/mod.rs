@@ -1,4 +1,5 @@
-//! The dialog that chooses a file: places at the left, the files of a folder with their sizes and dates, a path and a search.
+//! The dialog that chooses a file: places at the left, the files of a folder with their sizes and dates, a path and a
+//! search.
 
 mod foot;
 pub mod listing;
@@ -25,7 +26,8 @@ use names::{is_of, is_path, with_end, without_dots};
 pub enum Purpose {
     /// A file that is there. Only files of these extensions are listed at first.
     Open(&'static [&'static str]),
-    /// A file to write, in one of these formats: what it is called, and its extension. The text is the name that is proposed.
+    /// A file to write, in one of these formats: what it is called, and its extension. The text is the name that is
+    /// proposed.
     Save(&'static [(&'static str, &'static str)], String),
     /// A folder that is there: the one that is shown, or the one that is chosen in it.
     Folder,
@@ -141,7 +143,8 @@ impl FileDialog {
         matches!(self.purpose, Purpose::Save(..))
     }
 
-    /// Shows a folder, as soon as it has been read. One that cannot be read is an empty one, with what is wrong with it.
+    /// Shows a folder, as soon as it has been read. One that cannot be read is an empty one, with what is wrong with
+    /// it.
     fn go_to(&mut self, folder: &Path) {
         self.folder = without_dots(folder);
         (self.entries, self.problem) = (Vec::new(), None);
@@ -400,7 +403,8 @@ impl FileDialog {
         }
     }
 
-    /// The keys of the list; what Enter accepts. Enter is for the focused button or field where there is one, other than the field that names the file.
+    /// The keys of the list; what Enter accepts. Enter is for the focused button or field where there is one, other
+    /// than the field that names the file.
     fn keys(&mut self, ui: &Ui, focused: Option<Id>) -> Option<String> {
         if egui::Popup::is_any_open(ui.ctx()) {
             return None;
