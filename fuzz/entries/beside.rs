@@ -9,9 +9,9 @@ use glam::UVec2;
 use sunroom_core::document::spectrum::{Role, SampledSpectrum};
 use sunroom_core::document::{Document, Value, parse_str};
 use sunroom_core::geometry::obj::load_obj;
-use sunroom_core::render::adaptive::{FIRST, NoiseMap};
 use sunroom_core::render::bytes::{Reader, Writer};
-use sunroom_core::render::replicas::Replicas;
+use sunroom_core::render::noise::adaptive::{FIRST, NoiseMap};
+use sunroom_core::render::noise::replicas::Replicas;
 use sunroom_core::render::tile::tiles;
 
 /// An OBJ file and, each behind a zero byte, material libraries with the names `0.mtl`, `1.mtl` and so on. Each is read

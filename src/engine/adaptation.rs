@@ -1,13 +1,13 @@
 //! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different
-//! numbers of samples. What they are and why pictures stay unbiased: [`crate::render::adaptive`].
+//! numbers of samples. What they are and why pictures stay unbiased: [`crate::render::noise::adaptive`].
 
 use std::iter::successors;
 use std::ops::Range;
 
-use crate::render::adaptive::NoiseMap;
-use crate::render::blocks::PerBlock;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
+use crate::render::noise::adaptive::NoiseMap;
+use crate::render::noise::blocks::PerBlock;
 use crate::render::tile::{Tile, TileSamples};
 
 /// The mean samples of a visit to a tile.

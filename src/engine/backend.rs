@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use super::priority;
 use super::schedule::WorkItem;
 use crate::render::gbuffer::{TileGBuffer, render_gbuffer};
-use crate::render::replicas::{ReplicaSums, render_replicas};
+use crate::render::noise::replicas::{ReplicaSums, render_replicas};
 use crate::render::scene::RenderScene;
 use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, render_blocks, render_preview};

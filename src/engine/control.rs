@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
-use crate::render::sight::CutPlane;
+use crate::render::visibility::sight::CutPlane;
 
 /// The settings of how, how much and how fast to render. Write a field only when its value differs, because every
 /// change is handled once per frame.
@@ -30,8 +30,8 @@ pub struct RenderControl {
     /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is the sensor film's own
     /// `noise_target`, 0 is no limit.
     pub noise_target: Option<f32>,
-    /// Whether more samples go where the noise is, see [`crate::render::adaptive`]; None is the sensor film's own
-    /// `adaptive`.
+    /// Whether more samples go where the noise is, see [`crate::render::noise::adaptive`]; None is the sensor film's
+    /// own `adaptive`.
     pub adaptive: Option<bool>,
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None
     /// is all of it, as is a part outside of the picture. The rest keeps what it has.
@@ -141,7 +141,7 @@ pub enum ViewMode {
     Clay,
 }
 
-/// What camera rays pass through, as [`Sight`](crate::render::sight::Sight), with shapes by their entities.
+/// What camera rays pass through, as [`Sight`](crate::render::visibility::sight::Sight), with shapes by their entities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SightControl {
     /// Whether rays pass surfaces that they meet from behind.

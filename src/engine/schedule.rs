@@ -11,9 +11,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy::math::{Rect, UVec2};
 
 use super::adaptation::TileRound;
-use crate::render::blocks::PerBlock;
+use crate::render::noise::blocks::PerBlock;
+use crate::render::noise::replicas::Missing;
 use crate::render::passes::pass_end;
-use crate::render::replicas::Missing;
 use crate::render::tile::Tile;
 
 /// Sorts tiles from the middle of the picture outwards, for that is where people look.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bevy::prelude::Entity;
 
 use crate::accel::{SplitMethod, Tlas};
-use crate::render::outer_walls::OuterWalls;
-use crate::render::sight::Isolated;
+use crate::render::visibility::outer_walls::OuterWalls;
+use crate::render::visibility::sight::Isolated;
 
 /// The shapes as they were last taken out of the scene.
 #[derive(Default)]

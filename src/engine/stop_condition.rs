@@ -3,7 +3,7 @@
 use bevy::math::Rect;
 
 use super::control::RenderControl;
-use crate::render::adaptive::FIRST;
+use crate::render::noise::adaptive::FIRST;
 
 /// The limits of a job. They may change while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -152,7 +152,7 @@ pub struct Film {
     /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is
     /// reached first counts.
     pub noise_target: Option<f32>,
-    /// Whether more samples go where the noise is, see [`crate::render::adaptive`].
+    /// Whether more samples go where the noise is, see [`crate::render::noise::adaptive`].
     pub adaptive: bool,
 }
 

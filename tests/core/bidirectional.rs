@@ -16,8 +16,8 @@ use sunroom::render::film::Film;
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::sight::CutPlane;
 use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::visibility::sight::CutPlane;
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
     Bsdf, Compensation, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,

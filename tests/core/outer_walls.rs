@@ -6,8 +6,8 @@ use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::math::Ray;
-use sunroom::render::outer_walls::OuterWalls;
-use sunroom::render::sight::Sight;
+use sunroom::render::visibility::outer_walls::OuterWalls;
+use sunroom::render::visibility::sight::Sight;
 
 /// A cube of the half extents `half` around `center`.
 struct Solid {

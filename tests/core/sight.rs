@@ -11,9 +11,9 @@ use sunroom::light::LightSource;
 use sunroom::math::Ray;
 use sunroom::render::path::trace_path;
 use sunroom::render::scene::RenderScene;
-use sunroom::render::sight::{CutPlane, Isolated, Sight};
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
+use sunroom::render::visibility::sight::{CutPlane, Isolated, Sight};
 use sunroom::shading::{Bsdf, Diffuse};
 
 const FLOOR: u32 = 0;

@@ -6,8 +6,8 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::math::Aabb;
 use sunroom::render::camera::{Camera, ThinLens};
-use sunroom::render::sight::{CutPlane, Sight};
-use sunroom::render::silhouette::{EdgePoint, MarkedShapes, PixelGrid, edges};
+use sunroom::render::visibility::sight::{CutPlane, Sight};
+use sunroom::render::visibility::silhouette::{EdgePoint, MarkedShapes, PixelGrid, edges};
 
 const PICTURE: UVec2 = UVec2::new(200, 100);
 

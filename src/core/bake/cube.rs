@@ -8,7 +8,7 @@ use glam::{Mat3A, UVec2, Vec2, Vec3};
 
 use super::texels::{Texel, Texels};
 use crate::color::Rgb;
-use crate::render::outlook::Window;
+use crate::render::probe_radiance::Window;
 
 /// The middle of each side, and the directions in which its columns and its rows follow each other: +x, -x, +y, -y, -z
 /// and +z, since z is turned around.

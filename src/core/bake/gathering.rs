@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::color::Rgb;
 use crate::render::irradiance::{IrradianceJob, ReceivedLight, Receiver, trace_irradiance};
-use crate::render::outlook::{RadianceJob, Window, trace_radiance};
+use crate::render::probe_radiance::{RadianceJob, Window, trace_radiance};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::sampling::Sampler;

@@ -32,10 +32,10 @@ use crate::gltf::write::GltfWriter;
 use crate::memory::{Reservation, Shortage};
 use crate::render::camera::Camera;
 use crate::render::irradiance::ReceivedLight;
-use crate::render::outer_walls::OuterWalls;
 use crate::render::scene::RenderScene;
-use crate::render::sight::Sight;
 use crate::render::view::View;
+use crate::render::visibility::outer_walls::OuterWalls;
+use crate::render::visibility::sight::Sight;
 
 /// What is baked.
 pub struct BakeSource {

@@ -17,7 +17,7 @@ use super::cube::{CubePicture, index, middles, places, windows};
 use super::progress::{Pace, Work};
 use super::texels::Texel;
 use crate::color::Rgb;
-use crate::render::outlook::Window;
+use crate::render::probe_radiance::Window;
 
 /// The sizes that a picture may have; each is a power of two.
 pub const SIZES: std::ops::RangeInclusive<u32> = 16..=512;

@@ -26,7 +26,7 @@ use crate::memory::{self, Reservation, Shortage};
 use crate::render::borders::{Met, behind_borders};
 use crate::render::camera::Camera;
 use crate::render::scene::RenderScene;
-use crate::render::sight::Sight;
+use crate::render::visibility::sight::Sight;
 use crate::shading::TransportMode;
 
 /// The texels by which the triangles of a lightmap may lie apart from the surface that is seen.

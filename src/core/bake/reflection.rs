@@ -9,7 +9,7 @@ use super::progress::Work;
 use super::texels::Texels;
 use crate::color::Rgb;
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
-use crate::render::outlook::Window;
+use crate::render::probe_radiance::Window;
 
 /// The texels of the probe of a box, which is a cube from -0.5 to 0.5 in its own space. The picture is one of
 /// directions of that space, so that a renderer which follows a reflected ray to the side of the box finds there what

@@ -15,14 +15,14 @@ use rayon::prelude::*;
 
 use self::chunks::{is_whole, without_splats};
 pub use self::relight::{LightFrom, NewLayer, SetAside};
-use super::blocks::{BLOCK, BLOCKS};
 use super::layers::{FilmLayers, LayerSums, Matte};
-use super::mean_error::{BlockError, Efficiency};
 use super::passes::chunks_in;
 use super::scene::FirstHit;
 use super::splats::{Splat, SplatSum, Splats, TileSplats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
 use crate::color::{Rgb, luminance};
+use crate::render::noise::blocks::{BLOCK, BLOCKS};
+use crate::render::noise::mean_error::{BlockError, Efficiency};
 
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
@@ -57,8 +57,8 @@ pub struct Film {
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,
-    /// How many times the estimate the squared errors of the pixels' own samples are, where [`super::replicas`] have
-    /// told.
+    /// How many times the estimate the squared errors of the pixels' own samples are, where
+    /// [`crate::render::noise::replicas`] have told.
     correction: Option<f32>,
 }
 

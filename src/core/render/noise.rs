@@ -7,6 +7,11 @@
 //! estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and
 //! at edges, it stays what it is.
 
+pub mod adaptive;
+pub mod blocks;
+pub(super) mod mean_error;
+pub mod replicas;
+
 use rayon::prelude::*;
 
 use super::film::Film;
@@ -140,7 +145,7 @@ impl PictureNoise {
     }
 
     /// Says how many times what is estimated from the pixels' own samples their squared errors are, see
-    /// [`super::replicas`]; 1 at first.
+    /// [`crate::render::noise::replicas`]; 1 at first.
     pub fn correct(&mut self, correction: f32) {
         self.correction = correction;
     }

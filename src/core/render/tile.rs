@@ -6,7 +6,6 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec3};
 
-use super::blocks::{PerBlock, block_of, blocks_of, parts};
 use super::fireflies;
 use super::lanes::Job;
 use super::layers::{LayerSums, PixelLayers};
@@ -16,6 +15,7 @@ use super::splats::TileSplats;
 use super::tracer::Tracer;
 use super::view::{Shown, View};
 use crate::color::{Rgb, luminance};
+use crate::render::noise::blocks::{PerBlock, block_of, blocks_of, parts};
 
 /// The edge length of a tile in pixels.
 pub const TILE: u32 = 32;
@@ -90,7 +90,8 @@ pub struct TileSamples {
     /// The indices of the samples that the sums are over. Where blocks differ, they count the samples of the mean
     /// pixel.
     pub samples: Range<u32>,
-    /// The indices of the samples of each block, where [adaptive sampling](super::adaptive) has blocks differ.
+    /// The indices of the samples of each block, where [adaptive sampling](crate::render::noise::adaptive) has blocks
+    /// differ.
     pub blocks: Option<Arc<PerBlock<Range<u32>>>>,
     /// The pixels row by row.
     pub pixels: Vec<PixelSum>,

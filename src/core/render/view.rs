@@ -11,9 +11,9 @@ use super::layers::{FilmLayers, Layers};
 use super::light_layers::LightGroups;
 use super::motion::FrameBefore;
 use super::photon_rounds::PhotonRounds;
-use super::sight::Sight;
 use crate::math::Ray;
 use crate::medium::MediumId;
+use crate::render::visibility::sight::Sight;
 use crate::sampling::{Sampler, SequenceKind};
 
 /// Everything that a picture depends on besides the scene.

@@ -11,8 +11,8 @@ use crate::engine::resolution::{self, is_same_at_other_size};
 use crate::render::auto::{Choice, Method};
 use crate::render::borders::medium_at;
 use crate::render::guide::Guide;
-use crate::render::sight::Sight;
 use crate::render::view::View;
+use crate::render::visibility::sight::Sight;
 use crate::scene::Sensor;
 
 impl Extracted {

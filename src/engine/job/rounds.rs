@@ -5,7 +5,7 @@ use crate::engine::film::RenderFilm;
 use crate::engine::schedule::WorkQueue;
 use crate::engine::stop_condition::{FEWEST_FOR_NOISE, JudgedNoise, Rounds, StopCondition};
 use crate::render::noise::PictureNoise;
-use crate::render::replicas::{Missing, Replicas, has_replicas};
+use crate::render::noise::replicas::{Missing, Replicas, has_replicas};
 use crate::render::tile::Tile;
 
 /// The least samples at the end of a round in which blocks differ.

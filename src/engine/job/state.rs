@@ -7,7 +7,7 @@ use crate::engine::film::RenderFilm;
 use crate::engine::stop_condition::JudgedNoise;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::film::Film;
-use crate::render::replicas::Replicas;
+use crate::render::noise::replicas::Replicas;
 use crate::render::tile::Tile;
 
 impl Job {

@@ -13,8 +13,8 @@ use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::guide::Guide;
 use crate::render::light_layers::LightGroups;
 use crate::render::photon_rounds::PhotonRounds;
-use crate::render::sight::Sight;
 use crate::render::view::{Integrator, PathSettings, PhotonSettings, Shown, Strategy, View};
+use crate::render::visibility::sight::Sight;
 use crate::sampling::SequenceKind;
 use crate::scene::parameters::FOV;
 use crate::scene::{

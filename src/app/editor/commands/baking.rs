@@ -21,9 +21,9 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
 use crate::bake::files::OutputFolder;
 use crate::engine::{PackedScene, RenderControl, RenderStatus, WakeUp, fit};
-use crate::render::outer_walls::OuterWalls;
-use crate::render::sight::Sight;
 use crate::render::view::{Integrator, Shown, View};
+use crate::render::visibility::outer_walls::OuterWalls;
+use crate::render::visibility::sight::Sight;
 use crate::scene::{ActiveSensor, InMedium};
 
 /// Does what a command asks of the bake.

@@ -9,7 +9,7 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::color::Rgb;
 use crate::metrics::Errors;
 use crate::render::camera::Camera;
-use crate::render::sight::Sight;
+use crate::render::visibility::sight::Sight;
 
 /// A picture that was kept.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use bevy_egui::egui::{
 };
 
 use crate::app::editor::command::selection::Selection;
-use crate::render::silhouette::{EdgePoint, PixelGrid};
+use crate::render::visibility::silhouette::{EdgePoint, PixelGrid};
 
 /// The emphasis of a thing's outline. Where two meet, the later one is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

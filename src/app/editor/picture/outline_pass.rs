@@ -18,8 +18,8 @@ use super::outline::{Level, OutlineImage, SelectionOutline};
 use crate::accel::Tlas;
 use crate::engine::WakeUp;
 use crate::render::camera::Camera;
-use crate::render::sight::Sight;
-use crate::render::silhouette::{MarkedShapes, PixelGrid, edges};
+use crate::render::visibility::sight::Sight;
+use crate::render::visibility::silhouette::{MarkedShapes, PixelGrid, edges};
 
 /// The cells of the first outline after a change: few enough for a few milliseconds.
 const QUICK_CELLS: u32 = 30_000;

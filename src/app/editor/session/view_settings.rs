@@ -15,7 +15,7 @@ use crate::app::editor::command::timeline::Timeline;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::session::playback::Playback;
 use crate::engine::SightControl;
-use crate::render::sight::CutPlane;
+use crate::render::visibility::sight::CutPlane;
 
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]

@@ -1,11 +1,11 @@
-//! What a film knows of the errors of its pixels, see [`crate::render::mean_error`].
+//! What a film knows of the errors of its pixels, see [`crate::render::noise::mean_error`].
 
 use glam::UVec2;
 
 use super::Film;
 use crate::color::luminance;
-use crate::render::blocks::{BLOCK, BLOCKS, PerBlock, block_of, blocks_of, parts};
-use crate::render::mean_error::{BlockError, Efficiency, PATCH};
+use crate::render::noise::blocks::{BLOCK, BLOCKS, PerBlock, block_of, blocks_of, parts};
+use crate::render::noise::mean_error::{BlockError, Efficiency, PATCH};
 use crate::render::noise::{DARK, around, likely_luminance};
 use crate::render::tile::{PixelSum, TILE, Tile};
 
@@ -161,7 +161,7 @@ impl Film {
     }
 
     /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated:
-    /// `render/mean_error.rs`, and `render/replicas.rs` where there are replicas.
+    /// `render/noise/mean_error.rs`, and `render/noise/replicas.rs` where there are replicas.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let place = self.index(x, y);
         let own = self.own_variance(x, y)? * self.correction.unwrap_or(1.0);

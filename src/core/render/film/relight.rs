@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{Film, Moments};
 use crate::color::{Rgb, luminance};
 use crate::render::layers::{FilmLayers, Layer, LayerSums, Layers};
-use crate::render::mean_error::{BlockError, Efficiency};
+use crate::render::noise::mean_error::{BlockError, Efficiency};
 use crate::render::tile::{PixelSum, TILE, tiles};
 
 /// The pixels of a tile in the film.

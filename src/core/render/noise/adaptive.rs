@@ -15,18 +15,19 @@
 //! for blocks of their colour in tiles of the other kind. Where that would gain nothing, sampling stays uniform. So
 //! nothing is decided for blocks of one colour in tiles of one kind by what samples of any of these blocks have found.
 
+mod shares;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
-use super::adaptive_shares::{Candidate, LEAST, rounded, shares, stride};
 use super::blocks::{BLOCK, PerBlock, blocks_of};
-use super::bytes::{Damaged, Reader, Writer};
-use super::film::Film;
 use super::mean_error::BlockError;
-use super::noise::DARK;
-use super::tile::{TILE, Tile};
+use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::film::Film;
+use crate::render::noise::DARK;
+use crate::render::noise::adaptive::shares::{Candidate, LEAST, rounded, shares, stride};
+use crate::render::tile::{TILE, Tile};
 
 /// The number of samples of every pixel before which no block differs.
 pub const FIRST: u32 = 16;

@@ -1,24 +1,24 @@
 //! Blocks of pixels: the smallest parts of a picture that can have a number of samples of their own.
 
-use super::tile::{TILE, Tile};
+use crate::render::tile::{TILE, Tile};
 
 /// The edge of a block in pixels.
-pub(super) const BLOCK: u32 = 2;
+pub(in crate::render) const BLOCK: u32 = 2;
 /// The number of blocks in a row of a tile.
 const COLUMNS: u32 = TILE / BLOCK;
 /// The number of blocks in a tile.
-pub(super) const BLOCKS: usize = (COLUMNS * COLUMNS) as usize;
+pub(in crate::render) const BLOCKS: usize = (COLUMNS * COLUMNS) as usize;
 
 /// A value for each block of a tile, row by row.
 pub type PerBlock<T> = [T; BLOCKS];
 
 /// The block of the pixel at (x, y) among those of its tile.
-pub(super) fn block_of(x: u32, y: u32) -> usize {
+pub(in crate::render) fn block_of(x: u32, y: u32) -> usize {
     (y % TILE / BLOCK * COLUMNS + x % TILE / BLOCK) as usize
 }
 
 /// The parts of a rectangle with edges of `edge` pixels, row by row; those at the right and lower edge may be smaller.
-pub(super) fn parts(tile: Tile, edge: u32) -> impl Iterator<Item = Tile> {
+pub(in crate::render) fn parts(tile: Tile, edge: u32) -> impl Iterator<Item = Tile> {
     let starts = move |length: u32| (0..length).step_by(edge as usize);
     starts(tile.height).flat_map(move |y| {
         starts(tile.width).map(move |x| Tile {
@@ -31,7 +31,7 @@ pub(super) fn parts(tile: Tile, edge: u32) -> impl Iterator<Item = Tile> {
 }
 
 /// The blocks of a tile that are in the picture, with their places in [`PerBlock`].
-pub(super) fn blocks_of(tile: Tile) -> impl Iterator<Item = (usize, Tile)> {
+pub(in crate::render) fn blocks_of(tile: Tile) -> impl Iterator<Item = (usize, Tile)> {
     parts(tile, BLOCK).map(|block| (block_of(block.x, block.y), block))
 }
 

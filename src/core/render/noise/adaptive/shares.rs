@@ -1,4 +1,4 @@
-//! How the samples of a picture are shared out among its blocks, for [`super::adaptive`].
+//! How the samples of a picture are shared out among its blocks, for [`super`].
 
 /// The least and the most samples of a block, as shares of the mean number.
 pub(super) const LEAST: f64 = 0.25;

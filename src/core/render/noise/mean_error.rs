@@ -15,11 +15,11 @@
 //! enlarges the spread and the difference alike, once it is there; what no sample has found yet is in no estimate.
 
 use super::blocks::{BLOCK, PerBlock};
-use super::noise::DARK;
-use super::tile::TILE;
+use crate::render::noise::DARK;
+use crate::render::tile::TILE;
 
 /// The edge in pixels of the patches over which the differences of halves are summed.
-pub(super) const PATCH: u32 = 8;
+pub(in crate::render) const PATCH: u32 = 8;
 /// The number of patches in a tile.
 const PATCHES: usize = (TILE / PATCH * (TILE / PATCH)) as usize;
 
@@ -29,7 +29,7 @@ const SHARES: [f32; 2] = [0.125, 0.5];
 /// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of
 /// squares relative to the pixels' luminances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct BlockError {
+pub(in crate::render) struct BlockError {
     /// The power of two of samples at which the means were noted last; 0 before that.
     pub noted: u32,
     /// The power of two of samples whose halves were compared last; 0 before that.
@@ -46,7 +46,7 @@ pub(super) struct BlockError {
 
 /// What the differences of halves say of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Efficiency {
+pub(in crate::render) struct Efficiency {
     /// The share of a doubling in the one before it.
     share: f32,
     /// How many times the squared differences of each patch are those of independent samples, at level 1 by

@@ -11,11 +11,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
-use super::camera::Camera;
 use super::sight::Sight;
 use crate::accel::{Hit, RayLanes, SplitMethod, Tlas};
 use crate::math::Aabb;
 use crate::math::lanes::{LANES, Lanes, each_lane};
+use crate::render::camera::Camera;
 
 /// Some shapes of a scene, each with a mark above 0. Edges are found between shapes of different marks.
 #[derive(Clone, Debug)]

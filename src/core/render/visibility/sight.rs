@@ -91,7 +91,7 @@ impl Sight {
 
     /// [`Self::narrow`] for the rays of the lanes in `active`.
     #[inline(always)]
-    pub(super) fn narrow_lanes(&self, scene: &Tlas, rays: &mut RayLanes, active: u32) {
+    pub(in crate::render) fn narrow_lanes(&self, scene: &Tlas, rays: &mut RayLanes, active: u32) {
         if !self.is_whole() {
             self.narrow_each(scene, rays, active);
         }

@@ -2,7 +2,7 @@
 //! picture is.
 //!
 //! How the error of a well spread set of samples falls with their number is not to be seen in the set: over a straight
-//! edge it falls in jumps. What `render/mean_error.rs` foretells is therefore compared with what two independent
+//! edge it falls in jumps. What `render/noise/mean_error.rs` foretells is therefore compared with what two independent
 //! renders of the same pixels with equally many samples give. Half the square of their difference has the variance of
 //! either as its expectation, whatever the samples are, so that the sum over a random choice of pixels, each divided by
 //! the probability of being chosen, estimates the squared error of the picture without bias (Horvitz and Thompson, A
@@ -14,7 +14,7 @@
 //! over the choice is the sum over all pixels.
 //!
 //! Errors are relative to the luminance that a pixel is likely to have by the mean of both renders and the pixels
-//! around it ([`super::noise`]).
+//! around it ([`crate::render::noise`]).
 //!
 //! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is
 //! bright. What tells how far it is to be believed is the number of equal replicas that would be as uncertain, the
@@ -28,16 +28,16 @@ use std::sync::atomic::AtomicBool;
 
 use glam::UVec2;
 
-use super::bytes::{Damaged, Reader, Writer};
-use super::film::Film;
-use super::layers::Layers;
-use super::light_layers::LightGroups;
-use super::noise::{PictureNoise, around};
-use super::scene::RenderScene;
-use super::shutter::Shutter;
-use super::tile::{Tile, render_tile};
-use super::view::{Integrator, View};
 use crate::color::luminance;
+use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::film::Film;
+use crate::render::layers::Layers;
+use crate::render::light_layers::LightGroups;
+use crate::render::noise::{PictureNoise, around};
+use crate::render::scene::RenderScene;
+use crate::render::shutter::Shutter;
+use crate::render::tile::{Tile, render_tile};
+use crate::render::view::{Integrator, View};
 use crate::sampling::hash::pcg3d;
 
 /// One pixel in so many has a replica.
@@ -340,7 +340,7 @@ mod tests {
         let mut replicas = Replicas::default();
         let mut done = 0;
         while done < samples {
-            let end = super::super::passes::pass_end(done).min(samples);
+            let end = crate::render::passes::pass_end(done).min(samples);
             all.iter().for_each(|&tile| {
                 film.add(&sums(tile, done..end, seed));
             });
