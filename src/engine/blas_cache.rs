@@ -11,8 +11,8 @@ use crossbeam_channel::{Receiver, Sender, unbounded};
 use rayon::{ThreadPool, ThreadPoolBuildError};
 
 use super::control::WakeUp;
+use super::instances::solid_meshes::SolidMeshes;
 use super::run::text_of_panic;
-use super::solid_meshes::SolidMeshes;
 use crate::accel::{Blas, BvhStats, SplitMethod};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::primitives::{unit_cube, unit_triangle};

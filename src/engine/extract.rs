@@ -18,6 +18,9 @@ use super::blas_cache::{BlasCache, BuildPolicy};
 use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::detect::{Dirty, Touched};
+use super::instances::packing::Packing;
+use super::instances::rebuild::Rebuild;
+use super::instances::splice::{ListEdits, ShapeChanges};
 use super::light_groups::{Lamps, LightGroup, group_lights};
 use super::pack::environment::Environments;
 use super::pack::group::Layout;
@@ -27,11 +30,8 @@ use super::pack::medium::PackedMedia;
 use super::pack::surface::{SurfacePacker, SurfaceSource};
 use super::pack::texture::{TexturePacker, no_picture};
 use super::packed_scene::PackedScene;
-use super::packing::Packing;
-use super::rebuild::Rebuild;
 use super::renderer::Renderer;
 use super::sight::{SeenAlone, SeenThrough};
-use super::splice::{ListEdits, ShapeNews};
 use super::status::BvhStatus;
 use super::stop_condition::FilmLimits;
 use crate::accel::{SplitMethod, Tlas};
@@ -257,7 +257,7 @@ pub(super) fn extract_scene(
     let old = extracted.scene.clone();
     let old_view = extracted.view.clone();
     let guide_was_asked = extracted.guide_is_asked;
-    let mut news = Some(ShapeNews {
+    let mut changes = Some(ShapeChanges {
         moved: Vec::new(),
         edits: Some(ListEdits::default()),
     });
@@ -269,25 +269,25 @@ pub(super) fn extract_scene(
             wait: !control.interactive,
             wake_up: wake_up.clone(),
         };
-        news = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
+        changes = extracted.update_shapes(&mut dirty.instances, &authored, &mut cache, &policy);
     }
     // The camera of a scene that was just opened waits for its shapes.
     let is_new_scene = extracted.is_of_another(&authored.status);
-    if news.is_none() && (is_new_scene || !dirty.view) {
+    if changes.is_none() && (is_new_scene || !dirty.view) {
         return;
     }
-    if let Some(news) = &mut news {
-        extracted.update_bindings(&dirty.surfaces, &authored, news);
+    if let Some(changes) = &mut changes {
+        extracted.update_bindings(&dirty.surfaces, &authored, changes);
         if dirty.media {
             extracted.update_media(&authored);
-            news.edits = None;
+            changes.edits = None;
         }
         if has_shapes || dirty.surfaces.any() || dirty.materials || dirty.lights || dirty.media {
-            extracted.update_surfaces_and_lights(&authored, news);
+            extracted.update_surfaces_and_lights(&authored, changes);
         }
     }
     // The number of the camera's medium may have changed.
-    if dirty.view || dirty.media && news.is_some() {
+    if dirty.view || dirty.media && changes.is_some() {
         extracted.update_view(&authored, &control);
     }
     let keeps_groups = control.light_layers || authored.integrator.layers.contains(Layer::LightGroups);
@@ -329,7 +329,7 @@ pub(super) fn extract_scene(
         view: extracted.view.clone(),
     };
     deferred.drop_later((old, old_guide, std::mem::replace(&mut *packed, now)));
-    *dirty = match news {
+    *dirty = match changes {
         // Shapes that have changed while all were packed are left where that has to be done once more.
         Some(_) => Dirty {
             instances: std::mem::take(&mut dirty.instances),
@@ -361,7 +361,7 @@ impl Extracted {
         self.packed_media = packed;
     }
 
-    fn update_surfaces_and_lights(&mut self, authored: &Authored, news: &ShapeNews) {
+    fn update_surfaces_and_lights(&mut self, authored: &Authored, changes: &ShapeChanges) {
         self.errors.surfaces.clear();
         let model = if authored.integrator.schlick {
             DielectricModel::Schlick
@@ -387,7 +387,7 @@ impl Extracted {
                 light: found.and_then(|(_, _, _, light, _)| light),
             }
         };
-        let edits = news.edits.as_ref().filter(|_| *self.material_of_entity == ids);
+        let edits = changes.edits.as_ref().filter(|_| *self.material_of_entity == ids);
         let packed = SurfacePacker {
             layout: &self.layout,
             source,
@@ -426,7 +426,7 @@ impl Extracted {
         let (owners, sources) = sources.into_iter().unzip();
         let lamps = Lamps { owners, sources };
         (self.owners, self.layers) = group_lights(&lamps.owners);
-        self.update_lights(lamps, repainted, &news.moved);
+        self.update_lights(lamps, repainted, &changes.moved);
     }
 
     /// Updates the lights. `repainted` says that textures have changed.

@@ -3,7 +3,6 @@
 //! nothing and reads no input.
 
 mod adaptation;
-mod all_shapes;
 mod attributes;
 mod authored;
 mod auto;
@@ -20,15 +19,13 @@ mod dispatch;
 mod event_loop_waker;
 mod extract;
 pub mod film;
+mod instances;
 mod job;
 mod layers;
 mod light_groups;
-mod named_mesh;
 mod pack;
 pub mod packed_scene;
-mod packing;
 mod priority;
-mod rebuild;
 mod renderer;
 mod report;
 mod resolution;
@@ -36,11 +33,8 @@ mod run;
 mod saved;
 mod scene_change;
 mod schedule;
-mod shapes;
 pub mod shutter;
 mod sight;
-mod solid_meshes;
-mod splice;
 pub mod status;
 mod stop_condition;
 

@@ -10,17 +10,17 @@
 
 use super::build::SplitMethod;
 use super::bvh::Bvh;
-use super::graft::LeafEdit;
+use super::edited_part::{EditedPart, FEWEST_EDITED};
 use super::instances::ShapeEdits;
-use super::loose::{FEWEST_EDITED, Loose};
 use super::shape_block::ShapeBlock;
 use super::tlas::{LEAF_SIZE, Tlas};
+use super::tree_edit::LeafEdit;
 use crate::math::Aabb;
 
 /// With more shapes than these beside the hierarchy as it was built, a new one is worth its time.
 const WORN: usize = 1024;
 /// The most shapes beside the hierarchy as it was built. Each edit builds over all of them.
-const MOST_LOOSE: usize = 4096;
+const MOST_EDITED: usize = 4096;
 /// The share of the memory of all shapes that removed ones take, above which a new hierarchy is worth its time.
 const MUCH_WASTE: f32 = 0.25;
 /// The largest share of the memory of all shapes that removed ones may take.
@@ -35,8 +35,8 @@ impl Tlas {
 
     /// Whether so much has been edited that a hierarchy built anew would be quicker, and smaller.
     pub fn is_worn(&self) -> bool {
-        let loose = self.loose.as_ref().map_or(0, |loose| loose.shapes.len());
-        loose > WORN || self.instances.waste() > MUCH_WASTE
+        let edited = self.edited.as_ref().map_or(0, |edited| edited.shapes.len());
+        edited > WORN || self.instances.waste() > MUCH_WASTE
     }
 
     /// A hierarchy built anew over the same shapes, in memory of its own.
@@ -58,7 +58,7 @@ impl Tlas {
         if !self.is_edited_in_place() {
             return None;
         }
-        let was_loose = self.loose.as_ref().map_or(&[][..], |loose| &loose.shapes);
+        let before = self.edited.as_ref().map_or(&[][..], |edited| &edited.shapes);
         let touched = edits
             .removed
             .iter()
@@ -66,24 +66,24 @@ impl Tlas {
         let mut touched: Vec<u32> = touched.copied().collect();
         touched.sort_unstable();
         let is_removed = |number: &u32| edits.removed.binary_search(number).is_ok();
-        let mut loose: Vec<u32> = (was_loose.iter().chain(&touched))
+        let mut beside: Vec<u32> = (before.iter().chain(&touched))
             .filter(|number| !is_removed(number))
             .map(|&number| edits.renumbered(number))
             .chain(edits.inserted.iter().map(|&(number, _)| number))
             .collect();
-        loose.sort_unstable();
-        loose.dedup();
-        // Shapes that are loose already are not in the hierarchy as it was built.
-        touched.retain(|number| was_loose.binary_search(number).is_err());
+        beside.sort_unstable();
+        beside.dedup();
+        // Shapes that are edited already are not in the hierarchy as it was built.
+        touched.retain(|number| before.binary_search(number).is_err());
         let instances = self.instances.edited(edits);
-        if loose.len() > MOST_LOOSE.min(instances.len() / 2) || instances.waste() > MOST_WASTE {
+        if beside.len() > MOST_EDITED.min(instances.len() / 2) || instances.waste() > MOST_WASTE {
             return None;
         }
         let mut edited = Self {
-            bvh: match &self.loose {
-                Some(loose) => Bvh {
-                    depth: loose.depth,
-                    ..self.bvh.without_beside(loose.nodes, loose.leaves)
+            bvh: match &self.edited {
+                Some(edited) => Bvh {
+                    depth: edited.depth,
+                    ..self.bvh.without_beside(edited.nodes, edited.leaves)
                 },
                 None => self.bvh.under_root(),
             },
@@ -93,7 +93,7 @@ impl Tlas {
             placements: self.placements.clone(),
             blocks: self.blocks.clone(),
             small_scene: None,
-            loose: None,
+            edited: None,
             ..*self
         };
         let fitted = edited.leave_blocks(self, edits, &touched);
@@ -110,15 +110,15 @@ impl Tlas {
         if !touched.is_empty() || edited.instances.len() != count || edits.renumbers(count) {
             edited.bvh.edit_leaves(leaf);
         }
-        edited.put_beside(loose).then(|| edited.counted(self, edits))
+        edited.put_beside(beside).then(|| edited.counted(self, edits))
     }
 
     /// Takes the shapes `touched`, by their old numbers, out of their blocks, and gives the others their new numbers.
     /// Returns the places of the blocks that have changed, counted with the placements before them, and their
     /// bounds.
     fn leave_blocks(&mut self, old: &Self, edits: &ShapeEdits, touched: &[u32]) -> Vec<(u32, Aabb)> {
-        if let Some(loose) = &old.loose {
-            self.blocks.truncate(loose.blocks);
+        if let Some(edited) = &old.edited {
+            self.blocks.truncate(edited.blocks);
         }
         let is_touched = |member: &u32| touched.binary_search(member).is_ok();
         let mut fitted = Vec::new();
@@ -140,7 +140,7 @@ impl Tlas {
 
     /// Puts these shapes beside the hierarchy as it was built. False if the result would be too deep.
     fn put_beside(&mut self, shapes: Vec<u32>) -> bool {
-        let loose = Loose {
+        let edited = EditedPart {
             nodes: self.bvh.nodes.len(),
             leaves: self.bvh.order.len(),
             blocks: self.blocks.len(),
@@ -148,10 +148,10 @@ impl Tlas {
             shapes,
         };
         let is_for_block = |number: &&u32| ShapeBlock::takes(&self.instances[**number as usize]);
-        let (in_blocks, alone): (Vec<u32>, Vec<u32>) = loose.shapes.iter().partition(is_for_block);
+        let (in_blocks, alone): (Vec<u32>, Vec<u32>) = edited.shapes.iter().partition(is_for_block);
         self.blocks.extend(ShapeBlock::gather_all(&self.instances, &in_blocks));
-        let first_block = (self.instances.len() + self.placements.len() + loose.blocks) as u32;
-        let blocks = (loose.blocks..self.blocks.len()).map(|place| (place - loose.blocks) as u32 + first_block);
+        let first_block = (self.instances.len() + self.placements.len() + edited.blocks) as u32;
+        let blocks = (edited.blocks..self.blocks.len()).map(|place| (place - edited.blocks) as u32 + first_block);
         let items: Vec<u32> = alone.into_iter().chain(blocks).collect();
         let bounds = |place: usize| self.item_bounds(items[place], false);
         let mut beside = Bvh::over(items.len(), bounds, None, SplitMethod::Sah, LEAF_SIZE);
@@ -159,7 +159,7 @@ impl Tlas {
             .order
             .iter_mut()
             .for_each(|place| *place = items[*place as usize]);
-        self.loose = Some(loose);
+        self.edited = Some(edited);
         self.bvh.put_beside(&beside)
     }
 

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
+use super::edited_part::{EditedPart, FEWEST_EDITED};
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::instances::Instances;
-use super::loose::{FEWEST_EDITED, Loose};
 use super::memory::{CACHE, SHARED_CACHE};
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
@@ -45,7 +45,7 @@ pub struct Tlas {
     /// Whether any mesh has vertex normals that are used.
     pub(super) has_vertex_normals: bool,
     /// What has been edited since the hierarchy was built; None: nothing.
-    pub(super) loose: Option<Loose>,
+    pub(super) edited: Option<EditedPart>,
 }
 
 /// An item that a leaf of the hierarchy holds.
@@ -125,7 +125,7 @@ impl Tlas {
             is_large: false,
             waits_for_memory: false,
             has_vertex_normals,
-            loose: None,
+            edited: None,
         };
         let in_block = tlas.in_block();
         let bounds = |number: usize| tlas.item_bounds(number as u32, in_block.get(number) == Some(&true));

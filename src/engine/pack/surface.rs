@@ -15,7 +15,7 @@ use super::texture::TexturePacker;
 use super::{LAMP_ID, STAND_IN_ID};
 use crate::accel::Primitive;
 use crate::color::Rgb;
-use crate::engine::splice::{ListEdits, Piece, pieces};
+use crate::engine::instances::splice::{ListEdits, Piece, pieces};
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};
 use crate::material::{Material, MaterialId};

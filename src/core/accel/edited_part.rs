@@ -1,8 +1,8 @@
-//! What has been edited of a hierarchy since it was built.
+//! The part of a hierarchy that was edited since it was built.
 
 /// The part of a hierarchy that lies beside what was built.
 #[derive(Clone, Debug)]
-pub(super) struct Loose {
+pub(super) struct EditedPart {
     /// The numbers of its shapes, ascending.
     pub shapes: Vec<u32>,
     /// The number of nodes before it, and likewise of entries of the order, of blocks, and of levels.

@@ -10,24 +10,24 @@ use bevy::prelude::*;
 use crossbeam_channel::{Receiver, bounded};
 use rayon::ThreadPool;
 
-use super::authored::Authored;
-use super::blas_cache::{BlasCache, BuildPolicy};
-use super::control::WakeUp;
 use super::named_mesh::mesh_of;
-use super::pack::group::{Layout, PackedShapes, PlacedGroup};
-use super::pack::instance::{InstanceRecord, ShapeSource, pack_instance};
 use crate::accel::{Instance, SplitMethod, Tlas};
+use crate::engine::authored::Authored;
+use crate::engine::blas_cache::{BlasCache, BuildPolicy};
+use crate::engine::control::WakeUp;
+use crate::engine::pack::group::{Layout, PackedShapes, PlacedGroup};
+use crate::engine::pack::instance::{InstanceRecord, ShapeSource, pack_instance};
 use crate::scene::{DocumentOrder, InstanceOf, MemberOf};
 
 /// From this number of shapes on they are packed over several frames.
 const MANY: usize = 16_384;
 /// The part of a frame that goes into packing.
-pub(super) const LONGEST: Duration = Duration::from_millis(15);
+pub(in crate::engine) const LONGEST: Duration = Duration::from_millis(15);
 /// The shapes that are packed between two looks at the clock.
 const STEP: usize = 256;
 
 /// The packing of all shapes, under way.
-pub(super) enum Packing {
+pub(in crate::engine) enum Packing {
     Reading(Box<Reading>),
     Building {
         built: Receiver<std::thread::Result<Built>>,
@@ -36,7 +36,7 @@ pub(super) enum Packing {
 }
 
 /// The shapes that have been read so far.
-pub(super) struct Reading {
+pub(in crate::engine) struct Reading {
     rest: std::vec::IntoIter<(DocumentOrder, Entity)>,
     pub is_of_many: bool,
     groups: HashMap<Entity, usize>,
@@ -49,7 +49,7 @@ pub(super) struct Reading {
 }
 
 /// The shapes with the hierarchy over them.
-pub(super) struct Built {
+pub(in crate::engine) struct Built {
     pub layout: Layout,
     pub geometry: Tlas,
     pub entities: Vec<Entity>,

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use crossbeam_channel::{Receiver, bounded};
 
-use super::blas_cache::{BlasCache, BuildPolicy};
 use crate::accel::Tlas;
+use crate::engine::blas_cache::{BlasCache, BuildPolicy};
 
 /// A hierarchy that is being built anew.
-pub(super) struct Rebuild {
+pub(in crate::engine) struct Rebuild {
     old: Arc<Tlas>,
     anew: Receiver<std::thread::Result<Tlas>>,
 }

@@ -8,16 +8,16 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryEntityError;
 use bevy::prelude::*;
 
-use super::authored::Authored;
-use super::blas_cache::{BlasCache, BuildPolicy};
-use super::detect::Touched;
-use super::extract::Extracted;
 use super::named_mesh::mesh_of;
-use super::pack::instance::{InstanceRecord, pack_instance};
 use super::rebuild::Rebuild;
-use super::splice::{ListEdits, Piece, ShapeNews, pieces};
-use super::status::BvhStatus;
+use super::splice::{ListEdits, Piece, ShapeChanges, pieces};
 use crate::accel::{Blas, Instance, Primitive, ShapeEdits, Tlas};
+use crate::engine::authored::Authored;
+use crate::engine::blas_cache::{BlasCache, BuildPolicy};
+use crate::engine::detect::Touched;
+use crate::engine::extract::Extracted;
+use crate::engine::pack::instance::{InstanceRecord, pack_instance};
+use crate::engine::status::BvhStatus;
 use crate::scene::ShapeKind;
 
 /// A shape that has changed, as it is now.
@@ -30,13 +30,13 @@ impl Extracted {
     /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes,
     /// but for what the hierarchy looks like inside. None where all shapes have to be packed, which also replaces
     /// what was noted here.
-    pub(super) fn edit_shapes(
+    pub(in crate::engine) fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,
         authored: &Authored,
         cache: &mut BlasCache,
         policy: &BuildPolicy,
-    ) -> Option<ShapeNews> {
+    ) -> Option<ShapeChanges> {
         let is_settled = self.meshes_loading == 0 && cache.builds_running() == 0 && self.method == policy.method;
         if !is_settled || !self.scene.geometry.is_edited_in_place() {
             return None;
@@ -108,7 +108,7 @@ impl Extracted {
         if edits.is_empty() {
             let changed = replaced.iter().map(|(number, _)| *number).collect();
             self.layout.edit(&[], replaced, Vec::new());
-            return Some(ShapeNews {
+            return Some(ShapeChanges {
                 moved: vec![false; self.layout.shapes.len()],
                 edits: Some(ListEdits {
                     changed,
@@ -169,7 +169,7 @@ impl Extracted {
         self.rebuild_if_worn(cache, policy);
         self.update_figures(cache);
         let edits = Some(list);
-        Some(ShapeNews { moved, edits })
+        Some(ShapeChanges { moved, edits })
     }
 
     /// Has the hierarchy built anew if so much has been edited that it is worth it.
@@ -193,10 +193,15 @@ impl Extracted {
     }
 
     /// Looks up which materials, lights and media shapes have, and adds the shapes to what has changed.
-    pub(super) fn update_bindings(&mut self, touched: &Touched, authored: &Authored, news: &mut ShapeNews) {
+    pub(in crate::engine) fn update_bindings(
+        &mut self,
+        touched: &Touched,
+        authored: &Authored,
+        changes: &mut ShapeChanges,
+    ) {
         let touched: Vec<u32> = match touched {
             Touched::All => {
-                news.edits = None;
+                changes.edits = None;
                 (0..self.layout.shapes.len() as u32).collect()
             }
             Touched::These(shapes) if shapes.is_empty() => return,
@@ -217,7 +222,7 @@ impl Extracted {
                 record.media = media.entities();
             }
         }
-        if let Some(edits) = &mut news.edits {
+        if let Some(edits) = &mut changes.edits {
             edits.changed.extend(touched);
             edits.changed.sort_unstable();
             edits.changed.dedup();
@@ -227,7 +232,7 @@ impl Extracted {
         }
     }
 
-    pub(super) fn update_figures(&mut self, cache: &BlasCache) {
+    pub(in crate::engine) fn update_figures(&mut self, cache: &BlasCache) {
         let top = self.scene.geometry.stats();
         let largest = cache.in_use().max_by_key(|mesh| mesh.stats.nodes);
         let sum = |of: fn(&crate::accel::BvhStats) -> usize| -> u64 {

@@ -9,7 +9,7 @@ use crate::scene::{Solid, SolidValue};
 
 /// The meshes, each with a number that no other gets.
 #[derive(Default)]
-pub(super) struct SolidMeshes {
+pub(in crate::engine) struct SolidMeshes {
     known: HashMap<(&'static str, Vec<u32>), (u64, Arc<MeshData>)>,
     next: u64,
 }

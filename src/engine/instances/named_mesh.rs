@@ -1,7 +1,7 @@
 //! Finds the mesh that a shape names, built or being built.
 
-use super::authored::Authored;
-use super::blas_cache::{BlasCache, BuildPolicy, BuiltMesh, MeshKey};
+use crate::engine::authored::Authored;
+use crate::engine::blas_cache::{BlasCache, BuildPolicy, BuiltMesh, MeshKey};
 use crate::scene::{MeshHandle, Shape, ShapeKind};
 
 /// The mesh that a shape names.

@@ -5,30 +5,30 @@ use std::sync::Arc;
 
 use crossbeam_channel::TryRecvError;
 
-use super::authored::Authored;
-use super::blas_cache::{BlasCache, BuildError, BuildPolicy};
-use super::detect::Touched;
-use super::extract::Extracted;
-use super::pack::group::Layout;
 use super::packing::{Built, LONGEST, Packing, Reading};
-use super::splice::ShapeNews;
+use super::splice::ShapeChanges;
+use crate::engine::authored::Authored;
+use crate::engine::blas_cache::{BlasCache, BuildError, BuildPolicy};
+use crate::engine::detect::Touched;
+use crate::engine::extract::Extracted;
+use crate::engine::pack::group::Layout;
 
 impl Extracted {
     /// Brings the shapes up to date. Tells which instances are not where and what they were; None while all are being
     /// packed, which goes on in the next frame. What is left in `touched` is to be done in a later frame.
-    pub(super) fn update_shapes(
+    pub(in crate::engine) fn update_shapes(
         &mut self,
         touched: &mut Touched,
         authored: &Authored,
         cache: &mut BlasCache,
         policy: &BuildPolicy,
-    ) -> Option<ShapeNews> {
+    ) -> Option<ShapeChanges> {
         if self.packing.is_none()
             && let Touched::These(shapes) = &*touched
-            && let Some(news) = self.edit_shapes(shapes, authored, cache, policy)
+            && let Some(changes) = self.edit_shapes(shapes, authored, cache, policy)
         {
             *touched = Touched::default();
-            return Some(news);
+            return Some(changes);
         }
         if self.packing.is_none() {
             // What changes from now on is packed once more.
@@ -46,11 +46,11 @@ impl Extracted {
                 None => Touched::All,
             };
         }
-        Some(ShapeNews { moved, edits: None })
+        Some(ShapeChanges { moved, edits: None })
     }
 
     /// Packs all shapes, or goes on with it. Tells which instances are not where and what they were once that is done.
-    pub(super) fn pack_all(
+    pub(in crate::engine) fn pack_all(
         &mut self,
         authored: &Authored,
         cache: &mut BlasCache,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// The edits of the list of shapes since it was packed. All numbers ascend.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct ListEdits {
+pub(in crate::engine) struct ListEdits {
     /// The shapes that are gone, by their numbers before.
     pub removed: Vec<u32>,
     /// The shapes that are new.
@@ -15,7 +15,7 @@ pub(super) struct ListEdits {
 
 /// What has changed about the shapes.
 #[derive(Debug)]
-pub(super) struct ShapeNews {
+pub(in crate::engine) struct ShapeChanges {
     /// For each shape, whether it is not where and what it was.
     pub moved: Vec<bool>,
     /// None: all shapes were packed.
@@ -24,7 +24,7 @@ pub(super) struct ShapeNews {
 
 /// A piece of the edited list.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Piece {
+pub(in crate::engine) enum Piece {
     /// These places of the list as it was.
     Kept(Range<usize>),
     /// What is inserted, as an index into the list of places.
@@ -33,7 +33,7 @@ pub(super) enum Piece {
 
 /// The pieces of a list of this length without what is at the places `removed`, and with something new at the places
 /// `inserted`, which count in the edited list. Both ascend.
-pub(super) fn pieces(len: usize, removed: &[u32], inserted: &[u32]) -> Vec<Piece> {
+pub(in crate::engine) fn pieces(len: usize, removed: &[u32], inserted: &[u32]) -> Vec<Piece> {
     let mut removed = removed.iter().map(|place| *place as usize).peekable();
     let mut inserted = (0..).zip(inserted.iter().map(|place| *place as usize)).peekable();
     let mut pieces = Vec::new();
