@@ -95,6 +95,21 @@ impl Dirty {
         }
     }
 
+    /// The changes that are left after packing: `has_shapes` tells whether the shapes are packed. Shapes that have
+    /// changed while all were packed are noted already.
+    pub fn left(&mut self, has_shapes: bool) -> Self {
+        match has_shapes {
+            true => Self {
+                instances: std::mem::take(&mut self.instances),
+                ..Self::nothing()
+            },
+            false => Self {
+                view: false,
+                ..std::mem::take(self)
+            },
+        }
+    }
+
     /// All shapes have to be packed again.
     pub fn all_shapes(&mut self) {
         self.instances = Touched::All;

@@ -16,6 +16,7 @@ use super::saved::Resumed;
 use super::shutter::OpenShutter;
 use super::status::{Outdated, RenderStatus};
 use super::stop_condition::StopCondition;
+use crate::render::view::View;
 use crate::scene::{SceneState, SceneStatus};
 
 #[derive(bevy::ecs::system::SystemParam)]
@@ -28,6 +29,69 @@ pub(super) struct Demand<'w> {
     gate: Res<'w, Gate>,
     deferred: Res<'w, DeferredDrop>,
     resumed: ResMut<'w, Resumed>,
+}
+
+impl Demand<'_> {
+    /// Whether a part of the scene is still being read or built.
+    fn is_incomplete(&self) -> bool {
+        self.extracted.meshes_loading > 0
+            || self.scene_status.pictures_loading > 0
+            || self.scene_status.volumes_loading > 0
+            || self.cache.builds_running() > 0
+            || self.scene_status.state == SceneState::Loading
+    }
+
+    /// Makes the job of `view`, and drops the old one.
+    fn begin(
+        &mut self,
+        old: &mut Option<Job>,
+        view: View,
+        control: &RenderControl,
+        samples: u32,
+        film: &mut RenderFilm,
+    ) -> Job {
+        let extracted = &mut *self.extracted;
+        let since = extracted.since.take();
+        let begins = match (control.interactive, &*old) {
+            (false, _) => Beginning::Whole,
+            // The picture from there stays until there are pixels of the other size, if it is not carried over.
+            (true, Some(old)) if old.samples > 0 && !control.gbuffer && old.sees_the_same(&extracted.scene, &view) => {
+                Beginning::Whole
+            }
+            (true, _) => Beginning::preview(control.motion_scale),
+        };
+        // The old job goes first, so that its workers stop while the new one is being set up.
+        if let Some(mut old) = old.take() {
+            old.cancel();
+            old.forget_all_lamps();
+            self.deferred.drop_later(old);
+        }
+        let reserved = film.reserve(&view, control, samples);
+        let mut new = Job::new(
+            extracted.scene.clone(),
+            view,
+            self.shutter.shutter.clone(),
+            extracted.lamps.clone(),
+            extracted.light_groups.clone(),
+            begins,
+            control.motion_scale < 1.0,
+            since,
+        );
+        if control.gbuffer {
+            new = new.with_gbuffer();
+        }
+        if let Some(first) = control.share {
+            new = new.into_share(first);
+        }
+        new.failure = reserved.err().map(|shortage| shortage.to_string());
+        if let Some(saved) = self.resumed.0.take()
+            && saved.is_of(&extracted.scene, extracted.view.as_ref())
+            && let Err(error) = new.resume(&saved.job, saved.film, film)
+        {
+            new.failure = Some(error.to_string());
+        }
+        new
+    }
 }
 
 pub(super) fn dispatch_job(
@@ -46,14 +110,9 @@ pub(super) fn dispatch_job(
     };
     view.before = demand.shutter.before.clone();
     renderer.prepare_backend(control.threads.get(), control.interactive);
-    let incomplete = demand.extracted.meshes_loading > 0
-        || demand.scene_status.pictures_loading > 0
-        || demand.scene_status.volumes_loading > 0
-        || demand.cache.builds_running() > 0
-        || demand.scene_status.state == SceneState::Loading;
     // A picture of the scene before would be taken for one of the scene that is being opened.
     let is_of_another = demand.extracted.is_of_another(&demand.scene_status);
-    renderer.waiting = incomplete && !control.interactive || is_of_another;
+    renderer.waiting = demand.is_incomplete() && !control.interactive || is_of_another;
     if control.paused || renderer.waiting {
         if control.paused {
             let job = renderer.job();
@@ -101,50 +160,8 @@ pub(super) fn dispatch_job(
     let current = current || relit;
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
-        if control.restart_requested {
-            control.restart_requested = false;
-        }
-        let since = demand.extracted.since.take();
-        let begins = match (control.interactive, &*job) {
-            (false, _) => Beginning::Whole,
-            // The picture from there stays until there are pixels of the other size, if it is not carried over.
-            (true, Some(old))
-                if old.samples > 0 && !control.gbuffer && old.sees_the_same(&demand.extracted.scene, &view) =>
-            {
-                Beginning::Whole
-            }
-            (true, _) => Beginning::preview(control.motion_scale),
-        };
-        // The old job goes first, so that its workers stop while the new one is being set up.
-        if let Some(mut old) = job.take() {
-            old.cancel();
-            old.forget_all_lamps();
-            demand.deferred.drop_later(old);
-        }
-        let reserved = film.bypass_change_detection().reserve(&view, &control, stop.samples);
-        let mut new = Job::new(
-            demand.extracted.scene.clone(),
-            view,
-            demand.shutter.shutter.clone(),
-            demand.extracted.lamps.clone(),
-            demand.extracted.light_groups.clone(),
-            begins,
-            control.motion_scale < 1.0,
-            since,
-        );
-        if control.gbuffer {
-            new = new.with_gbuffer();
-        }
-        if let Some(first) = control.share {
-            new = new.into_share(first);
-        }
-        new.failure = reserved.err().map(|shortage| shortage.to_string());
-        if let Some(saved) = demand.resumed.0.take()
-            && saved.is_of(&demand.extracted.scene, demand.extracted.view.as_ref())
-            && let Err(error) = new.resume(&saved.job, saved.film, film.bypass_change_detection())
-        {
-            new.failure = Some(error.to_string());
-        }
+        control.restart_requested = false;
+        let new = demand.begin(job, view, &control, stop.samples, film.bypass_change_detection());
         status.last_restart = new.begun;
         *job = Some(new);
     }

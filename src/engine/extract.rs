@@ -321,28 +321,22 @@ pub(super) fn extract_scene(
     if !same_scene || old_view != extracted.view {
         extracted.since = extracted.since.or(dirty.since);
     }
-    let now = PackedScene {
-        scene: Some(extracted.scene.clone()),
-        entity_of_instance: extracted.entity_of_instance.clone(),
-        material_of_entity: extracted.material_of_entity.clone(),
-        medium_of_entity: extracted.packed_media.ids.clone(),
-        view: extracted.view.clone(),
-    };
-    deferred.drop_later((old, old_guide, std::mem::replace(&mut *packed, now)));
-    *dirty = match changes {
-        // Shapes that have changed while all were packed are left where that has to be done once more.
-        Some(_) => Dirty {
-            instances: std::mem::take(&mut dirty.instances),
-            ..Dirty::nothing()
-        },
-        None => Dirty {
-            view: false,
-            ..std::mem::take(&mut dirty)
-        },
-    };
+    deferred.drop_later((old, old_guide, std::mem::replace(&mut *packed, extracted.packed())));
+    *dirty = dirty.left(changes.is_some());
 }
 
 impl Extracted {
+    /// The scene for queries of the editor.
+    fn packed(&self) -> PackedScene {
+        PackedScene {
+            scene: Some(self.scene.clone()),
+            entity_of_instance: self.entity_of_instance.clone(),
+            material_of_entity: self.material_of_entity.clone(),
+            medium_of_entity: self.packed_media.ids.clone(),
+            view: self.view.clone(),
+        }
+    }
+
     fn update_media(&mut self, authored: &Authored) {
         self.errors.media.clear();
         let packed = authored.pack_media(&mut self.errors.media);

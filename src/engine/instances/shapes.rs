@@ -26,6 +26,19 @@ struct Edited {
     error: Option<String>,
 }
 
+/// The differences between changed shapes and their records.
+#[derive(Default)]
+struct RecordEdits {
+    /// The edits of the hierarchy.
+    shapes: ShapeEdits,
+    /// New records by the numbers of the old ones.
+    replaced: Vec<(u32, InstanceRecord)>,
+    /// Further records by the numbers that they get.
+    inserted: Vec<(u32, InstanceRecord)>,
+    /// Whether a mesh may be in use no more.
+    lost_meshes: bool,
+}
+
 impl Extracted {
     /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes,
     /// but for what the hierarchy looks like inside. None where all shapes have to be packed, which also replaces
@@ -49,62 +62,17 @@ impl Extracted {
         {
             return None;
         }
-        let mut now = Vec::with_capacity(changed.len());
+        let mut now = HashMap::with_capacity(changed.len());
         for &entity in changed {
-            now.push((entity, edited(entity, authored, cache, policy)?));
+            now.insert(entity, edited(entity, authored, cache, policy)?);
         }
-        let mut now: HashMap<Entity, Edited> = now.into_iter().collect();
-        let (mut edits, mut replaced) = (ShapeEdits::default(), Vec::new());
-        let errors = &mut self.errors.instances;
-        errors.retain(|(_, entity), _| !changed.contains(entity));
-        for (&entity, edited) in &mut now {
-            if let Some(error) = edited.error.take() {
-                let order = authored
-                    .surface_bindings
-                    .get(entity)
-                    .map_or_else(|_| default(), |(order, ..)| *order);
-                errors.insert((order, entity), error);
-            }
-        }
-        let mut lost_meshes = false;
-        // The list of entities is a fraction of the memory of the records.
-        let entities = (0u32..).zip(&self.entity_of_instance[..in_world]);
-        for (number, _) in entities.filter(|(_, entity)| changed.contains(*entity)) {
-            let record = &self.layout.shapes[number as usize];
-            let mesh_before = matches!(record.primitive, Primitive::Mesh(_));
-            match now.remove(&record.entity).and_then(|edited| edited.packed) {
-                Some((instance, new)) if new.key() == record.key() => {
-                    if !new.same_geometry(record) {
-                        lost_meshes |= mesh_before && !new.is_of_same_mesh(record);
-                        edits.replaced.push((number, instance));
-                    }
-                    replaced.push((number, new));
-                }
-                packed => {
-                    lost_meshes |= mesh_before;
-                    edits.removed.push(number);
-                    if let Some(packed) = packed {
-                        now.insert(
-                            record.entity,
-                            Edited {
-                                packed: Some(packed),
-                                error: None,
-                            },
-                        );
-                    }
-                }
-            }
-        }
-        let mut new: Vec<_> = now.into_values().filter_map(|edited| edited.packed).collect();
-        new.sort_by_key(|(_, record)| record.key());
-        let mut inserted = Vec::with_capacity(new.len());
-        for (instance, record) in new {
-            let before = self.layout.shapes[..in_world].partition_point(|old| old.key() < record.key()) as u32;
-            let gone = edits.removed.partition_point(|&removed| removed < before) as u32;
-            let number = before - gone + inserted.len() as u32;
-            edits.inserted.push((number, instance));
-            inserted.push((number, record));
-        }
+        self.note_errors(changed, authored, &mut now);
+        let RecordEdits {
+            shapes: edits,
+            replaced,
+            inserted,
+            lost_meshes,
+        } = self.record_edits(changed, now);
         if edits.is_empty() {
             let changed = replaced.iter().map(|(number, _)| *number).collect();
             self.layout.edit(&[], replaced, Vec::new());
@@ -118,36 +86,13 @@ impl Extracted {
         }
         let anew = self.take_rebuilt();
         let geometry = anew.as_ref().unwrap_or(&self.scene.geometry).edited(&edits)?;
-        let triangles = |shapes: &mut dyn Iterator<Item = &Primitive>| shapes.map(triangles_of).sum::<u64>();
-        let old = edits
-            .removed
-            .iter()
-            .chain(edits.replaced.iter().map(|(number, _)| number));
-        let before = triangles(&mut old.map(|&number| &self.layout.shapes[number as usize].primitive));
-        let added = edits.replaced.iter().chain(&edits.inserted);
-        let after = triangles(&mut added.map(|(_, instance)| &instance.primitive));
-        self.triangles = self.triangles - before + after;
+        self.count_triangles(&edits);
         let list = ListEdits {
             removed: edits.removed.clone(),
             inserted: inserted.iter().map(|(number, _)| *number).collect(),
             changed: replaced.iter().map(|(number, _)| edits.renumbered(*number)).collect(),
         };
-        if !list.removed.is_empty() || !list.inserted.is_empty() {
-            let old = &self.entity_of_instance;
-            let mut entities = Vec::with_capacity(old.len() + inserted.len());
-            for piece in pieces(old.len(), &list.removed, &list.inserted) {
-                match piece {
-                    Piece::Kept(range) => entities.extend_from_slice(&old[range]),
-                    Piece::New(index) => entities.push(inserted[index].1.entity),
-                }
-            }
-            self.entity_of_instance = entities.into();
-            self.special
-                .retain(|number| list.removed.binary_search(number).is_err());
-            self.special
-                .iter_mut()
-                .for_each(|number| *number = edits.renumbered(*number));
-        }
+        self.edit_entities(&edits, &list, &inserted);
         self.layout.edit(&edits.removed, replaced, inserted);
         let mut moved = vec![false; self.layout.shapes.len()];
         for &(number, _) in &edits.replaced {
@@ -158,18 +103,109 @@ impl Extracted {
             .iter()
             .for_each(|&(number, _)| moved[number as usize] = true);
         if lost_meshes {
-            let meshes = self.layout.shapes.iter().filter_map(|record| match &record.primitive {
-                Primitive::Mesh(mesh) => Some(Arc::as_ptr(mesh)),
-                _ => None,
-            });
-            let used: HashSet<*const Blas> = meshes.collect();
-            cache.retain(|mesh| used.contains(&Arc::as_ptr(mesh)));
+            self.drop_unused_meshes(cache);
         }
         self.scene.geometry = Arc::new(geometry);
         self.rebuild_if_worn(cache, policy);
         self.update_figures(cache);
         let edits = Some(list);
         Some(ShapeChanges { moved, edits })
+    }
+
+    /// Replaces the errors of the shapes that have changed.
+    fn note_errors(&mut self, changed: &EntityHashSet, authored: &Authored, now: &mut HashMap<Entity, Edited>) {
+        let errors = &mut self.errors.instances;
+        errors.retain(|(_, entity), _| !changed.contains(entity));
+        for (&entity, edited) in now {
+            if let Some(error) = edited.error.take() {
+                let order = authored
+                    .surface_bindings
+                    .get(entity)
+                    .map_or_else(|_| default(), |(order, ..)| *order);
+                errors.insert((order, entity), error);
+            }
+        }
+    }
+
+    /// Compares the changed shapes with their records: equal keys replace a record, other records leave, and new ones
+    /// are inserted in the order of keys.
+    fn record_edits(&self, changed: &EntityHashSet, mut now: HashMap<Entity, Edited>) -> RecordEdits {
+        let in_world = self.layout.in_world;
+        let mut found = RecordEdits::default();
+        let mut new = Vec::new();
+        // The list of entities is a fraction of the memory of the records.
+        let entities = (0u32..).zip(&self.entity_of_instance[..in_world]);
+        for (number, _) in entities.filter(|(_, entity)| changed.contains(*entity)) {
+            let record = &self.layout.shapes[number as usize];
+            let mesh_before = matches!(record.primitive, Primitive::Mesh(_));
+            match now.remove(&record.entity).and_then(|edited| edited.packed) {
+                Some((instance, new)) if new.key() == record.key() => {
+                    if !new.same_geometry(record) {
+                        found.lost_meshes |= mesh_before && !new.is_of_same_mesh(record);
+                        found.shapes.replaced.push((number, instance));
+                    }
+                    found.replaced.push((number, new));
+                }
+                packed => {
+                    found.lost_meshes |= mesh_before;
+                    found.shapes.removed.push(number);
+                    new.extend(packed);
+                }
+            }
+        }
+        new.extend(now.into_values().filter_map(|edited| edited.packed));
+        new.sort_by_key(|(_, record)| record.key());
+        for (instance, record) in new {
+            let before = self.layout.shapes[..in_world].partition_point(|old| old.key() < record.key()) as u32;
+            let gone = found.shapes.removed.partition_point(|&removed| removed < before) as u32;
+            let number = before - gone + found.inserted.len() as u32;
+            found.shapes.inserted.push((number, instance));
+            found.inserted.push((number, record));
+        }
+        found
+    }
+
+    /// Brings the number of triangles up to date. The layout is still the old one.
+    fn count_triangles(&mut self, edits: &ShapeEdits) {
+        let triangles = |shapes: &mut dyn Iterator<Item = &Primitive>| shapes.map(triangles_of).sum::<u64>();
+        let old = edits
+            .removed
+            .iter()
+            .chain(edits.replaced.iter().map(|(number, _)| number));
+        let before = triangles(&mut old.map(|&number| &self.layout.shapes[number as usize].primitive));
+        let added = edits.replaced.iter().chain(&edits.inserted);
+        let after = triangles(&mut added.map(|(_, instance)| &instance.primitive));
+        self.triangles = self.triangles - before + after;
+    }
+
+    /// Renumbers the lists of entities and of special shapes.
+    fn edit_entities(&mut self, edits: &ShapeEdits, list: &ListEdits, inserted: &[(u32, InstanceRecord)]) {
+        if list.removed.is_empty() && list.inserted.is_empty() {
+            return;
+        }
+        let old = &self.entity_of_instance;
+        let mut entities = Vec::with_capacity(old.len() + inserted.len());
+        for piece in pieces(old.len(), &list.removed, &list.inserted) {
+            match piece {
+                Piece::Kept(range) => entities.extend_from_slice(&old[range]),
+                Piece::New(index) => entities.push(inserted[index].1.entity),
+            }
+        }
+        self.entity_of_instance = entities.into();
+        self.special
+            .retain(|number| list.removed.binary_search(number).is_err());
+        self.special
+            .iter_mut()
+            .for_each(|number| *number = edits.renumbered(*number));
+    }
+
+    fn drop_unused_meshes(&self, cache: &mut BlasCache) {
+        let meshes = self.layout.shapes.iter().filter_map(|record| match &record.primitive {
+            Primitive::Mesh(mesh) => Some(Arc::as_ptr(mesh)),
+            _ => None,
+        });
+        let used: HashSet<*const Blas> = meshes.collect();
+        cache.retain(|mesh| used.contains(&Arc::as_ptr(mesh)));
     }
 
     /// Has the hierarchy built anew if so much has been edited that it is worth it.
