@@ -178,6 +178,7 @@ struct Window {
     question: UnsavedQuestion,
     edits: bool,
     dialog_open: bool,
+    saves_handled: u64,
     said: Vec<Command>,
 }
 
@@ -186,6 +187,7 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
         question: UnsavedQuestion::default(),
         edits: true,
         dialog_open: false,
+        saves_handled: 0,
         said: vec![said],
     };
     show(window, |egui, shown| {
@@ -197,6 +199,7 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
             saved: Some("Last saved at 14:32, 5 minutes ago."),
             edits: window.edits,
             dialog_open: window.dialog_open,
+            saves_handled: window.saves_handled,
         };
         window.question.hold(&mut commands, window.edits);
         window.question.show(egui, unsaved, &mut commands);
@@ -254,6 +257,7 @@ fn a_question_over_the_palette_has_the_keys() {
             saved: None,
             edits: true,
             dialog_open: false,
+            saves_handled: 0,
         };
         question.hold(said, true);
         question.show(egui, unsaved, said);
@@ -277,9 +281,24 @@ fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
     harness.run_steps(1);
     assert_eq!(harness.state().commands, [Command::Save, Command::Quit]);
 
+    // The dialog is closed without a name.
+    let mut harness = window(Command::Quit);
+    press(&mut harness, Key::Enter);
+    harness.state_mut().it.saves_handled = 1;
+    harness.state_mut().it.dialog_open = true;
+    harness.run_steps(2);
+    harness.state_mut().it.dialog_open = false;
+    harness.run_steps(2);
+    harness.state_mut().it.edits = false;
+    harness.run_steps(2);
+    assert_eq!(harness.state().commands, [Command::Save]);
+
     let mut harness = window(Command::Quit);
     click(&mut harness, "Save");
     harness.run_steps(30);
+    // The save has failed.
+    harness.state_mut().it.saves_handled = 1;
+    harness.run_steps(2);
     // Saved at another time, for another reason.
     harness.state_mut().it.edits = false;
     harness.run_steps(5);

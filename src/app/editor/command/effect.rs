@@ -182,6 +182,11 @@ impl Command {
         )
     }
 
+    /// Whether the command saves the scene to its file or to another one.
+    pub(crate) fn saves(&self) -> bool {
+        matches!(self, Self::Save | Self::SaveScene(_) | Self::SaveChanged(..))
+    }
+
     /// Whether edits that no file has are lost with the command.
     pub(crate) fn loses_edits(&self) -> bool {
         matches!(

@@ -104,11 +104,13 @@ pub(crate) fn apply_commands(world: &mut World) {
         motion.note_change();
     }
     for command in commands {
+        let saves = command.saves();
         let result = match (saving::begin(world, &command), command) {
             (Ok(false), Command::ExportScene(path)) => exporting::begin(world, path),
             (Ok(false), command) => apply(world, command),
             (begun, _) => begun.map(|_| ()),
         };
+        world.resource_mut::<Requests>().saves_handled += u64::from(saves);
         let Err(error) = result else { continue };
         let mut toasts = world.resource_mut::<Toasts>();
         match error {

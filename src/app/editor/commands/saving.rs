@@ -188,15 +188,11 @@ pub(crate) fn finish_at_exit(world: &mut World) {
 /// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves
 /// is done. A command that loses edits is not done either while there is a question how to save them.
 pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
-    let saves = matches!(
-        command,
-        Command::Save | Command::SaveScene(_) | Command::SaveChanged(..)
-    );
     let reads = matches!(
         command,
         Command::ReloadScene | Command::Shell(ShellCommand::AllowFiles(_))
     );
-    if saves {
+    if command.saves() {
         tell(world, finish);
     } else if reads || command.loses_edits() {
         finish(world)?;

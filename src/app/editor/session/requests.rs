@@ -34,6 +34,8 @@ pub struct Requests {
     pub clipboard: Option<String>,
     /// Whether the user wants to close the window.
     pub closes: bool,
+    /// Counts the commands to save that were applied, successful or not.
+    pub saves_handled: u64,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,
     /// Imported meshes whose size is told when they have been read.

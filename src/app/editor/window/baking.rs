@@ -6,12 +6,12 @@ use std::sync::Arc;
 use bevy_egui::egui::{self, Id, Modal, RichText, TextureHandle, TextureOptions, Ui};
 
 use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::model::baking::BakeModel;
 use crate::app::editor::panels::baking::{BakeForm, form, no_bake, progress};
-use crate::app::editor::panels::look;
 use crate::app::editor::session::layout::Layout;
 
 /// The width of the form, in points.
@@ -141,46 +141,33 @@ impl BakeQuestion {
         if !self.is_asking() {
             return;
         }
-        let modal = dialog::question(context, "bake", 440.0, "Stop the bake?", |ui| {
+        let mut answers = vec![
+            Answer::danger("Discard", Self::Leaving).does("nothing is written, and the window closes."),
+            Answer::cancel("Cancel", Self::None).does("the bake goes on."),
+        ];
+        if model.can_stop() {
+            let stop = Answer::primary("Stop", Self::Waiting)
+                .does("the lightmaps are written with the samples that they have, and then the window closes.")
+                .help("Enter")
+                .on_enter();
+            answers.insert(0, stop);
+        }
+        let question = Question {
+            id: "bake",
+            width: 440.0,
+            heading: "Stop the bake?".to_owned(),
+            answers,
+        };
+        let answer = question.ask(context, |ui| {
             ui.label("Lightmaps are still being baked.");
             ui.add_space(6.0);
-            let can_stop = model.can_stop();
-            if can_stop {
-                dialog::consequence(
-                    ui,
-                    "Stop",
-                    "the lightmaps are written with the samples that they have, and then the window closes.",
-                );
-            }
-            dialog::consequence(ui, "Discard", "nothing is written, and the window closes.");
-            dialog::consequence(ui, "Cancel", "the bake goes on.");
-            let (lose, stop) = (look::danger(ui, "Discard"), look::primary(ui, "Stop"));
-            let (mut loses, mut stops, mut cancels) = (false, can_stop && dialog::is_entered(ui), false);
-            dialog::answers(
-                ui,
-                |ui| loses = ui.add(lose).clicked(),
-                |ui| {
-                    stops |= can_stop && ui.add(stop).on_hover_text("Enter").clicked();
-                    cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
-                },
-            );
-            if cancels {
-                ui.close();
-            }
-            (loses, stops)
         });
-        match modal.inner {
-            (true, _) => {
-                // The next call of `hold` quits, ahead of the other questions.
-                commands.push(Command::Bake(BakeCommand::Discard));
-                *self = Self::Leaving;
-            }
-            (_, true) => {
-                commands.push(Command::Bake(BakeCommand::Stop));
-                *self = Self::Waiting;
-            }
-            _ if modal.should_close() => *self = Self::None,
-            _ => {}
+        *self = answer.unwrap_or(Self::Asking);
+        // When the bake has ended, `hold` quits, ahead of the other questions.
+        match self {
+            Self::Leaving => commands.push(Command::Bake(BakeCommand::Discard)),
+            Self::Waiting => commands.push(Command::Bake(BakeCommand::Stop)),
+            Self::None | Self::Asking => {}
         }
     }
 }

@@ -1,11 +1,7 @@
 //! What covers the window until it is closed: questions, forms and lists. Keys that were pressed before one could be
 //! read are not for it, and each key is for the uppermost alone.
-//!
-//! All questions look alike: a heading, sentences about what each answer does, and one row of buttons. An answer that
-//! loses something stands at the left, apart from the others; the usual answer stands at the right, in the colour of
-//! the primary button.
 
-use bevy_egui::egui::{self, Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
+use bevy_egui::egui::{Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
 
 /// What has come of a cover in a frame.
 pub struct Cover<R> {
@@ -59,15 +55,6 @@ pub fn consequence(ui: &mut Ui, answer: &str, what: &str) {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.strong(format!("{answer}:"));
         ui.label(what);
-    });
-}
-
-/// The row of buttons: first those at the left, then those from the right.
-pub fn answers(ui: &mut Ui, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
-    ui.add_space(10.0);
-    ui.horizontal(|ui| {
-        left(ui);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), right);
     });
 }
 
@@ -196,6 +183,7 @@ pub(super) fn is_typed(event: &Event) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use bevy_egui::egui;
     use egui_kittest::Harness;
 
     use super::*;

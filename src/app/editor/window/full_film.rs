@@ -2,51 +2,36 @@
 
 use bevy_egui::egui::{self, Align2, Area, Frame, Id, ProgressBar, Rect};
 
-use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::Command;
 use crate::app::editor::model::StatusModel;
-use crate::app::editor::panels::look;
 use crate::app::editor::panels::status::{clock, progress_of};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
-
-/// The answer that renders it.
-const RENDER: &str = "Render the full film";
 
 /// Shows the question if there is one.
 pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, commands: &mut Vec<Command>) {
     let Some(question) = asked else {
         return;
     };
-    let modal = dialog::question(context, "full film", 440.0, "Render a film of this size?", |ui| {
+    let dialog = Question {
+        id: "full film",
+        width: 440.0,
+        heading: "Render a film of this size?".to_owned(),
+        answers: vec![
+            Answer::primary("Render the full film", true)
+                .does("the picture has all pixels of the film until the scene or the view changes.")
+                .help("Enter")
+                .on_enter(),
+            Answer::cancel("Cancel", false).does("the picture keeps the pixels that the window shows."),
+        ],
+    };
+    let answer = dialog.ask(context, |ui| {
         ui.label(question.text());
         ui.add_space(6.0);
-        dialog::consequence(
-            ui,
-            RENDER,
-            "the picture has all pixels of the film until the scene or the view changes.",
-        );
-        dialog::consequence(ui, "Cancel", "the picture keeps the pixels that the window shows.");
-        let render = look::primary(ui, RENDER);
-        let mut answer = dialog::is_entered(ui).then_some(true);
-        dialog::answers(
-            ui,
-            |_| {},
-            |ui| {
-                if ui.add(render).on_hover_text("Enter").clicked() {
-                    answer = Some(true);
-                }
-                if ui.button("Cancel").on_hover_text("Esc").clicked() {
-                    answer = Some(false);
-                }
-            },
-        );
-        answer
     });
-    let closed = modal.should_close();
-    match modal.inner.or(closed.then_some(false)) {
-        None => {}
-        Some(false) => *asked = None,
-        Some(true) => commands.extend(asked.take().map(|question| Command::RenderFull(question.confirmed()))),
+    if let Some(renders) = answer {
+        let question = asked.take().filter(|_| renders);
+        commands.extend(question.map(|question| Command::RenderFull(question.confirmed())));
     }
 }
 

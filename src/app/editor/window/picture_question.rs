@@ -2,10 +2,9 @@
 
 use bevy_egui::egui;
 
-use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::kept_picture::KeptPicture;
-use crate::app::editor::panels::look;
 use crate::app::editor::panels::status::clock;
 
 /// Whether the question is open.
@@ -34,34 +33,29 @@ impl PictureQuestion {
         if !self.is_asking {
             return;
         }
-        let mut answer = None;
-        let modal = dialog::question(context, "unfinished picture", 440.0, "Keep the picture?", |ui| {
+        let question = Question {
+            id: "unfinished picture",
+            width: 440.0,
+            heading: "Keep the picture?".to_owned(),
+            answers: vec![
+                Answer::primary("Keep", Some(Command::KeptPicture(KeptPicture::KeepAndQuit)))
+                    .does(
+                        "it is written beside the scene, and resumed with all its samples when the scene is opened \
+                         again.",
+                    )
+                    .help("Keep it, then close (Enter)")
+                    .on_enter(),
+                Answer::danger("Don't keep", Some(Command::Quit))
+                    .does("the window closes, and the samples are lost.")
+                    .help("Close without keeping"),
+                Answer::cancel("Cancel", None).does("everything stays as it is."),
+            ],
+        };
+        let answer = question.ask(context, |ui| {
             ui.label(format!("It was rendered for {} and is not finished.", clock(seconds)));
             ui.add_space(6.0);
-            let kept =
-                "it is written beside the scene, and resumed with all its samples when the scene is opened again.";
-            dialog::consequence(ui, "Keep", kept);
-            dialog::consequence(ui, "Don't keep", "the window closes, and the samples are lost.");
-            dialog::consequence(ui, "Cancel", "everything stays as it is.");
-            let (lose, keep) = (look::danger(ui, "Don't keep"), look::primary(ui, "Keep"));
-            let (mut loses, mut keeps, mut cancels) = (false, dialog::is_entered(ui), false);
-            dialog::answers(
-                ui,
-                |ui| loses = ui.add(lose).on_hover_text("Close without keeping").clicked(),
-                |ui| {
-                    keeps |= ui.add(keep).on_hover_text("Keep it, then close (Enter)").clicked();
-                    cancels = ui.button("Cancel").on_hover_text("Esc").clicked();
-                },
-            );
-            if keeps {
-                answer = Some(Command::KeptPicture(KeptPicture::KeepAndQuit));
-            } else if loses {
-                answer = Some(Command::Quit);
-            } else if cancels {
-                ui.close();
-            }
         });
-        self.is_asking = answer.is_none() && !modal.should_close();
-        commands.extend(answer);
+        self.is_asking = answer.is_none();
+        commands.extend(answer.flatten());
     }
 }

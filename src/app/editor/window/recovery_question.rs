@@ -3,6 +3,7 @@
 use bevy_egui::egui::{self, Button, Id, Modal, RichText, ScrollArea, Ui};
 
 use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::ShellCommand;
@@ -16,9 +17,25 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
     let Some(asked) = offer else {
         return false;
     };
-    let clock = time_of(&asked.note);
-    let mut answer = None;
-    let modal = dialog::question(context, "recovery", 460.0, "Recover unsaved edits?", |ui| {
+    let question = Question {
+        id: "recovery",
+        width: 460.0,
+        heading: "Recover unsaved edits?".to_owned(),
+        answers: vec![
+            Answer::primary(
+                recover_text(time_of(&asked.note).as_deref()),
+                Some(ShellCommand::Recover(asked.clone())),
+            )
+            .named("Recover")
+            .does("the scene opens with those edits. No file is changed until you save.")
+            .help("Enter")
+            .on_enter(),
+            Answer::cancel("Later", None).does("the copy stays: File > Recover has it, and the next start names it."),
+            Answer::danger("Discard", Some(ShellCommand::DiscardRecovery(asked.clone())))
+                .does("the copy is deleted, and the edits are lost."),
+        ],
+    };
+    let answer = question.ask(context, |ui| {
         ui.label(format!(
             "The program ended without saving the last edits of {}. A copy of them was written {}.",
             scene_of(asked),
@@ -29,41 +46,13 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
             ui.label(file);
         }
         ui.add_space(6.0);
-        dialog::consequence(
-            ui,
-            "Recover",
-            "the scene opens with those edits. No file is changed until you save.",
-        );
-        dialog::consequence(
-            ui,
-            "Later",
-            "the copy stays: File > Recover has it, and the next start names it.",
-        );
-        dialog::consequence(ui, "Discard", "the copy is deleted, and the edits are lost.");
-        let discard = look::danger(ui, "Discard");
-        let recover = look::primary(ui, &recover_text(clock.as_deref()));
-        let (mut discards, mut recovers) = (false, dialog::is_entered(ui));
-        dialog::answers(
-            ui,
-            |ui| discards = ui.add(discard).clicked(),
-            |ui| {
-                recovers |= ui.add(recover).on_hover_text("Enter").clicked();
-                if ui.button("Later").on_hover_text("Esc").clicked() {
-                    ui.close();
-                }
-            },
-        );
-        if recovers {
-            answer = Some(ShellCommand::Recover(asked.clone()));
-        } else if discards {
-            answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
-        }
     });
-    let is_put_off = answer.is_none() && modal.should_close();
-    if answer.is_some() || is_put_off {
-        commands.extend(answer.map(Command::Shell));
-        *offer = None;
-    }
+    let Some(answer) = answer else {
+        return false;
+    };
+    *offer = None;
+    let is_put_off = answer.is_none();
+    commands.extend(answer.map(Command::Shell));
     is_put_off
 }
 

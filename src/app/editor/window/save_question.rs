@@ -1,15 +1,13 @@
 //! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of
 //! either side; and whether to save one of which there are other edits to recover.
 
-use bevy_egui::egui::{self, Ui};
+use bevy_egui::egui;
 
-use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, FileDialogKind};
-use crate::app::editor::panels::look;
 use crate::app::editor::session::requests::Requests;
-use crate::app::editor::session::save_question::SaveQuestion;
 use crate::scene::write::OnChange;
 
 /// Shows the question if there is one.
@@ -24,112 +22,85 @@ pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec
         }
         return;
     }
-    let answer = match question.copy.clone() {
-        Some(copy) => ask_about_copy(context, question, copy),
-        None => ask(context, question),
+    let dialog = match question.copy.clone() {
+        Some(copy) => about_copy(copy),
+        None => about_change(question.can_merge),
     };
+    let is_about_copy = question.copy.is_some();
+    let answer = dialog.ask(context, |ui| {
+        ui.label(match is_about_copy {
+            true => format!("{}. The scene that is open does not have them.", question.reason),
+            false => format!("{}.", question.reason),
+        });
+        ui.add_space(6.0);
+    });
     match answer {
-        None => {}
-        Some(Answer::Recover(copy)) => {
-            commands.push(Command::Shell(ShellCommand::Recover(copy)));
-            requests.save_question = None;
-        }
-        Some(Answer::Save(on_change)) => {
-            commands.push(Command::SaveChanged(question.path.clone(), on_change));
-            requests.save_question = None;
-        }
-        Some(Answer::SaveAs) => {
+        None => return,
+        Some(Choice::Recover(copy)) => commands.push(Command::Shell(ShellCommand::Recover(copy))),
+        Some(Choice::Save(on_change)) => commands.push(Command::SaveChanged(question.path.clone(), on_change)),
+        Some(Choice::SaveAs) => {
             question.is_naming = true;
             requests.dialog = Some(FileDialogKind::SaveScene);
+            return;
         }
-        Some(Answer::Cancel) => requests.save_question = None,
+        Some(Choice::Cancel) => {}
     }
+    requests.save_question = None;
 }
 
-enum Answer {
+enum Choice {
     Save(OnChange),
     Recover(Offer),
     SaveAs,
     Cancel,
 }
 
-fn ask(context: &egui::Context, question: &SaveQuestion) -> Option<Answer> {
-    let modal = dialog::question(context, "file changed", 480.0, "The file was changed elsewhere", |ui| {
-        ui.label(format!("{}.", question.reason));
-        ui.add_space(6.0);
-        consequences(ui, question.can_merge);
-        let (mut merges, mut overwrites, mut renames, mut cancels) = (false, false, false, false);
-        let (merge, overwrite) = (look::primary(ui, MERGE), look::danger(ui, OVERWRITE));
-        dialog::answers(
-            ui,
-            |ui| overwrites = ui.add(overwrite).clicked(),
-            |ui| {
-                merges = question.can_merge && ui.add(merge).clicked();
-                renames = ui.button("Save as...").clicked();
-                cancels = ui.button("Cancel").on_hover_text("Save nothing (Esc)").clicked();
-            },
-        );
-        match (merges, overwrites, renames, cancels) {
-            (true, ..) => Some(Answer::Save(OnChange::TakeIn)),
-            (_, true, ..) => Some(Answer::Save(OnChange::Overwrite)),
-            (_, _, true, _) => Some(Answer::SaveAs),
-            (.., true) => Some(Answer::Cancel),
-            _ => None,
-        }
-    });
-    let closed = modal.should_close();
-    modal.inner.or(closed.then_some(Answer::Cancel))
-}
-
-fn ask_about_copy(context: &egui::Context, question: &SaveQuestion, copy: Offer) -> Option<Answer> {
-    // Those of the window may be newer still.
-    let heading = "There are other edits of this scene";
-    let modal = dialog::question(context, "newer copy", 480.0, heading, |ui| {
-        ui.label(format!(
-            "{}. The scene that is open does not have them.",
-            question.reason
-        ));
-        ui.add_space(6.0);
-        let recover = "the copy opens in place of this scene, after a question about the edits here; the file stays as it is until you save.";
-        dialog::consequence(ui, "Recover", recover);
-        dialog::consequence(ui, SAVE_ANYWAY, "the scene is saved as it is here. The copy stays.");
-        let save_as = "the scene is saved under another name; the file and the copy stay.";
-        dialog::consequence(ui, "Save as", save_as);
-        let (mut saves, mut renames, mut cancels) = (false, false, false);
-        let mut recovers = dialog::is_entered(ui);
-        let (primary, save) = (look::primary(ui, "Recover"), look::danger(ui, SAVE_ANYWAY));
-        dialog::answers(
-            ui,
-            |ui| saves = ui.add(save).clicked(),
-            |ui| {
-                recovers |= ui.add(primary).on_hover_text("Enter").clicked();
-                renames = ui.button("Save as...").clicked();
-                cancels = ui.button("Cancel").on_hover_text("Save nothing (Esc)").clicked();
-            },
-        );
-        match (recovers, saves, renames, cancels) {
-            (true, ..) => Some(Answer::Recover(copy)),
-            (_, true, ..) => Some(Answer::Save(OnChange::Refuse)),
-            (_, _, true, _) => Some(Answer::SaveAs),
-            (.., true) => Some(Answer::Cancel),
-            _ => None,
-        }
-    });
-    let closed = modal.should_close();
-    modal.inner.or(closed.then_some(Answer::Cancel))
-}
-
-const SAVE_ANYWAY: &str = "Save anyway";
-const MERGE: &str = "Merge and save";
-const OVERWRITE: &str = "Overwrite";
-
-fn consequences(ui: &mut Ui, can_merge: bool) {
+fn about_change(can_merge: bool) -> Question<Choice> {
+    let merge = Answer::primary("Merge and save", Choice::Save(OnChange::TakeIn)).does(
+        "what the file changed is taken in, and the rest of your edits is saved. Where both changed the same, the \
+         file's edit counts.",
+    );
+    let mut answers = vec![
+        Answer::danger("Overwrite", Choice::Save(OnChange::Overwrite))
+            .does("the scene is saved as it is here, and what others changed in the file is lost."),
+        Answer::other("Save as...", Choice::SaveAs)
+            .does("the scene is saved under another name, and the file stays as it is."),
+        cancel(),
+    ];
     if can_merge {
-        let merge = "what the file changed is taken in, and the rest of your edits is saved. Where both changed the same, the file's edit counts.";
-        dialog::consequence(ui, MERGE, merge);
+        answers.insert(0, merge);
     }
-    let overwrite = "the scene is saved as it is here, and what others changed in the file is lost.";
-    dialog::consequence(ui, OVERWRITE, overwrite);
-    let save_as = "the scene is saved under another name, and the file stays as it is.";
-    dialog::consequence(ui, "Save as", save_as);
+    Question {
+        id: "file changed",
+        width: 480.0,
+        heading: "The file was changed elsewhere".to_owned(),
+        answers,
+    }
+}
+
+/// The edits of the window may be newer than the copy.
+fn about_copy(copy: Offer) -> Question<Choice> {
+    Question {
+        id: "newer copy",
+        width: 480.0,
+        heading: "There are other edits of this scene".to_owned(),
+        answers: vec![
+            Answer::primary("Recover", Choice::Recover(copy))
+                .does(
+                    "the copy opens in place of this scene, after a question about the edits here; the file stays as \
+                     it is until you save.",
+                )
+                .help("Enter")
+                .on_enter(),
+            Answer::danger("Save anyway", Choice::Save(OnChange::Refuse))
+                .does("the scene is saved as it is here. The copy stays."),
+            Answer::other("Save as...", Choice::SaveAs)
+                .does("the scene is saved under another name; the file and the copy stay."),
+            cancel(),
+        ],
+    }
+}
+
+fn cancel() -> Answer<Choice> {
+    Answer::cancel("Cancel", Choice::Cancel).help("Save nothing (Esc)")
 }

@@ -5,15 +5,12 @@ use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
-use super::baking::BakeQuestion;
 use super::dialogs::{DialogModel, Dialogs};
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::field_keys::{FieldKeys, Keyboard};
-use super::late_quit::LateQuit;
-use super::picture_question::PictureQuestion;
+use super::guards::Guards;
 use super::sheet::{self, SheetModel};
-use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
 use super::{dialog, full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
 use crate::app::editor::command::Command;
@@ -46,7 +43,6 @@ use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
-use crate::app::editor::words::times::last_saved;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::scene::{ActiveSensor, SceneState, SceneStatus};
 
@@ -84,10 +80,7 @@ pub struct Shell<'w, 's> {
     dropped: ResMut<'w, DroppedFiles>,
     clipboard: ResMut<'w, EguiClipboard>,
     mouse: Res<'w, AccumulatedMouseMotion>,
-    unsaved_question: Local<'s, UnsavedQuestion>,
-    late_quit: Local<'s, LateQuit>,
-    picture_question: Local<'s, PictureQuestion>,
-    bake_question: Local<'s, BakeQuestion>,
+    guards: Local<'s, Guards>,
     kept_pictures: Res<'w, KeptPictures>,
     ended_image: Option<Res<'w, EndedImage>>,
 }
@@ -146,9 +139,7 @@ pub fn show_window(
         || requests.scene_question.is_some()
         || shell.recovery.offer.is_some()
         || shell.trusted.question.is_some()
-        || shell.unsaved_question.is_asking()
-        || shell.picture_question.is_asking()
-        || shell.bake_question.is_asking();
+        || shell.guards.is_asking();
     let is_free = requests.dialog.is_none() && requests.sheet.is_none() && !has_question;
     // A field that is left and a list that closes in this frame still had its keys.
     let bound = &shell.preferences.keys;
@@ -322,31 +313,9 @@ pub fn show_window(
         requests.closes = false;
         commands.push(Command::Quit);
     }
-    let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
-    let image = model.status.awaited_image.as_ref();
     let ended = shell.ended_image.as_deref();
-    let edits = model.status.unsaved && !model.status.being_saved;
-    shell.bake_question.hold(commands, &model.bake);
-    shell.late_quit.hold(commands, image, ended, &mut said.toasts);
-    shell.unsaved_question.hold(commands, edits);
-    let asks = shell.unsaved_question.is_asking();
-    let path = model.status.scene.as_deref().filter(|_| asks);
-    let saved = path.and_then(last_saved);
-    let unsaved = UnsavedState {
-        saved: saved.as_deref(),
-        name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
-        path: model.status.scene.as_deref(),
-        edits,
-        dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
-    };
-    if shell.unsaved_question.show(&context, unsaved, commands) {
-        // How to save them is no question any more.
-        requests.save_question = None;
-    }
-    shell.picture_question.hold(commands, shell.kept_pictures.is_offered);
-    let seconds = model.status.status.seconds;
-    shell.picture_question.show(&context, seconds, commands);
-    shell.bake_question.show(&context, &model.bake, commands);
+    let (kept, toasts) = (&shell.kept_pictures, &mut said.toasts);
+    (shell.guards).apply(&context, model, kept, ended, requests, toasts, commands);
     let hidden = match requests.sheet {
         // The answer may solve the errors.
         _ if shell.trusted.question.is_some() => Some(Tone::Error),

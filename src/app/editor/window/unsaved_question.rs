@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use bevy_egui::egui::{self, Ui};
+use bevy_egui::egui;
 
-use super::dialog;
+use super::question::{Answer, Question};
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, Effect};
-use crate::app::editor::panels::look;
 use crate::app::editor::session::recovery::is_copy_of;
 use crate::scene::write::OnChange;
 
@@ -28,8 +27,13 @@ struct Waiting {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Asking,
-    /// The scene is being saved. The number counts the frames since then without a dialog.
-    Saving(u32),
+    /// The scene is being saved.
+    Saving {
+        /// The number of commands to save that were applied before.
+        handled: u64,
+        /// Whether a dialog was open since the last command to save.
+        chose_file: bool,
+    },
 }
 
 /// The state that the question depends on.
@@ -45,11 +49,9 @@ pub struct UnsavedState<'a> {
     pub edits: bool,
     /// Whether the user is choosing a file.
     pub dialog_open: bool,
+    /// The number of commands to save that were applied.
+    pub saves_handled: u64,
 }
-
-/// The number of frames after which edits that are still there mean that the save failed or was cancelled. A save of a
-/// small scene takes one frame, and the panels know one later. One that goes on beside the frames counts as saved here.
-const FRAMES_UNTIL_SAVED: u32 = 3;
 
 impl UnsavedQuestion {
     /// Whether the question is open and takes keys and mouse.
@@ -89,24 +91,39 @@ impl UnsavedQuestion {
             return false;
         }
         match &mut waiting.step {
-            Step::Saving(frames) => {
-                *frames = if unsaved.dialog_open { 0 } else { *frames + 1 };
-                if *frames > FRAMES_UNTIL_SAVED {
+            Step::Saving { handled, chose_file } => {
+                if unsaved.dialog_open {
+                    *chose_file = true;
+                } else if commands.iter().any(Command::saves) {
+                    (*handled, *chose_file) = (unsaved.saves_handled, false);
+                } else if *chose_file || *handled != unsaved.saves_handled {
+                    // The save has failed or was cancelled.
                     self.waiting = None;
                 }
             }
-            Step::Asking => match question(context, unsaved.name, unsaved.saved, &waiting.command) {
-                Some(Answer::Save) => {
-                    waiting.step = Step::Saving(0);
-                    commands.push(save_before(&waiting.command, unsaved.path));
+            Step::Asking => {
+                let answer = question(unsaved.name, &waiting.command).ask(context, |ui| {
+                    if let Some(saved) = unsaved.saved {
+                        ui.label(saved);
+                        ui.add_space(6.0);
+                    }
+                });
+                match answer {
+                    Some(Choice::Save) => {
+                        waiting.step = Step::Saving {
+                            handled: unsaved.saves_handled,
+                            chose_file: false,
+                        };
+                        commands.push(save_before(&waiting.command, unsaved.path));
+                    }
+                    Some(Choice::Lose) => {
+                        commands.extend(self.waiting.take().map(|waiting| waiting.command));
+                        return true;
+                    }
+                    Some(Choice::Cancel) => self.waiting = None,
+                    None => {}
                 }
-                Some(Answer::Lose) => {
-                    commands.extend(self.waiting.take().map(|waiting| waiting.command));
-                    return true;
-                }
-                Some(Answer::Cancel) => self.waiting = None,
-                None => {}
-            },
+            }
         }
         false
     }
@@ -123,69 +140,44 @@ fn save_before(command: &Command, scene: Option<&Path>) -> Command {
     }
 }
 
-enum Answer {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Choice {
     Save,
     Lose,
     Cancel,
 }
 
-fn question(context: &egui::Context, name: &str, saved: Option<&str>, command: &Command) -> Option<Answer> {
-    let reverts = *command == Command::RevertScene;
-    let heading = match reverts {
-        true => format!("Lose the changes of {name}?"),
-        false => format!("Save the changes of {name}?"),
+fn question(name: &str, command: &Command) -> Question<Choice> {
+    let cancel = Answer::cancel("Cancel", Choice::Cancel)
+        .does("everything stays as it is.")
+        .help("Stay here (Esc)");
+    let (heading, answers) = if *command == Command::RevertScene {
+        let revert = Answer::danger("Revert", Choice::Lose)
+            .does("the file is read anew. What was changed since it was saved is lost and cannot be brought back.")
+            .help("Read the file anew");
+        (format!("Lose the changes of {name}?"), vec![revert, cancel])
+    } else {
+        let what = match command {
+            Command::Quit => "the window closes",
+            Command::NewScene => "a new scene begins",
+            Command::Shell(ShellCommand::Recover(_)) => "the copy opens",
+            _ => "the other scene opens",
+        };
+        let save = Answer::primary("Save", Choice::Save)
+            .does(format!("the scene is saved, and then {what}."))
+            .help("Save, then continue (Enter)")
+            .on_enter();
+        let lose = Answer::danger("Don't save", Choice::Lose)
+            .does(format!(
+                "{what}, and what was changed since the scene was saved is lost."
+            ))
+            .help("Continue without saving");
+        (format!("Save the changes of {name}?"), vec![save, lose, cancel])
     };
-    let modal = dialog::question(context, "unsaved edits", 420.0, &heading, |ui| {
-        if let Some(saved) = saved {
-            ui.label(saved);
-            ui.add_space(6.0);
-        }
-        if reverts {
-            let text = "the file is read anew. What was changed since it was saved is lost and cannot be brought back.";
-            dialog::consequence(ui, "Revert", text);
-        } else {
-            let what = match command {
-                Command::Quit => "the window closes",
-                Command::NewScene => "a new scene begins",
-                Command::Shell(ShellCommand::Recover(_)) => "the copy opens",
-                _ => "the other scene opens",
-            };
-            dialog::consequence(ui, "Save", &format!("the scene is saved, and then {what}."));
-            let lost = "and what was changed since the scene was saved is lost.";
-            dialog::consequence(ui, "Don't save", &format!("{what}, {lost}"));
-        }
-        dialog::consequence(ui, "Cancel", "everything stays as it is.");
-        answers(ui, reverts)
-    });
-    let closed = modal.should_close();
-    modal.inner.or(closed.then_some(Answer::Cancel))
-}
-
-/// The buttons. The command to revert has none to save.
-fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
-    let (mut lost, mut saved, mut cancelled) = (false, false, false);
-    let (lose, help) = match reverts {
-        true => ("Revert", "Read the file anew"),
-        false => ("Don't save", "Continue without saving"),
-    };
-    let (lose, save) = (look::danger(ui, lose), look::primary(ui, "Save"));
-    if !reverts {
-        saved = dialog::is_entered(ui);
-    }
-    dialog::answers(
-        ui,
-        |ui| lost = ui.add(lose).on_hover_text(help).clicked(),
-        |ui| {
-            if !reverts {
-                saved |= ui.add(save).on_hover_text("Save, then continue (Enter)").clicked();
-            }
-            cancelled = ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked();
-        },
-    );
-    match (saved, lost, cancelled) {
-        (true, ..) => Some(Answer::Save),
-        (_, true, _) => Some(Answer::Lose),
-        (_, _, true) => Some(Answer::Cancel),
-        _ => None,
+    Question {
+        id: "unsaved edits",
+        width: 420.0,
+        heading,
+        answers,
     }
 }

@@ -297,6 +297,7 @@ fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
             saved: None,
             edits: true,
             dialog_open: false,
+            saves_handled: 0,
         };
         window.question.show(&context, unsaved, &mut commands);
         window.said.append(&mut commands);
