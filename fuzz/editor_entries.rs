@@ -18,7 +18,9 @@ use sunroom::app::editor::command::panel::Panel;
 use sunroom::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, SPEED_RANGE, UI_SCALES,
 };
-use sunroom::app::editor::command::{Command, Effect};
+use sunroom::app::editor::command::traits::Effect;
+use sunroom::app::editor::command::{Command, EditCommand, HistoryCommand};
+use sunroom::app::editor::command::{SceneEdit, SelectionCommand, ViewCommand};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
@@ -97,7 +99,7 @@ pub fn scripts(bytes: &[u8]) {
     let (steps, _) = world.resource::<History>().len();
     let is_whole = world.resource::<History>().is_whole();
     for (to, expected) in [(0, &before), (steps, &after)] {
-        apply(&mut world, Command::GoTo(to)).expect("steps that are known");
+        apply(&mut world, HistoryCommand::GoTo(to)).expect("steps that are known");
         if is_whole || to == steps {
             assert_eq!(
                 Snapshot::of(&mut world).difference(expected),
@@ -118,8 +120,12 @@ pub fn scripts(bytes: &[u8]) {
 }
 
 fn is_of_the_scene(command: &Command) -> bool {
-    let selects = matches!(command, Command::Select(..) | Command::SelectAll | Command::Copy);
-    (selects || command.effect() != Effect::None) && !matches!(command, Command::Import(_))
+    let selects = matches!(
+        command,
+        Command::Selection(SelectionCommand::Select(..) | SelectionCommand::SelectAll | SelectionCommand::Copy)
+    );
+    (selects || command.traits().effect != Effect::None)
+        && !matches!(command, Command::Edit(EditCommand::Scene(SceneEdit::Import(_))))
 }
 
 /// A scene file that is opened, written aside as for recovery, saved over itself, edited and saved again: what is read
@@ -353,11 +359,11 @@ pub fn views(bytes: &[u8]) {
     }
     let stored = views_after(folder.path(), |world| {
         for number in 1..=9 {
-            let _ = apply(world, Command::RecallView(number));
+            let _ = apply(world, ViewCommand::RecallView(number));
             assert!(world.resource::<FreeView>().pose.is_none_or(|pose| pose.is_finite()));
         }
         world.insert_resource(FreeView::default());
-        apply(world, Command::StoreView(9)).expect("there is a camera");
+        apply(world, ViewCommand::StoreView(9)).expect("there is a camera");
     });
     assert_eq!(stored[..8], known[..8]);
     assert_eq!(views_after(folder.path(), |_| {}), stored);

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use sunroom::app::editor::automation::script::baking::{BakeWait, has_come, is_lit_level_seen};
 use sunroom::app::editor::automation::script::parse::{Step, line};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{Command, DisplayCommand, FileCommand};
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::commands::scene_watch::follow_scene;
 use sunroom::app::editor::commands::{apply, baking};
@@ -405,14 +405,14 @@ fn a_bad_folder_and_a_bad_scene_are_told() {
     window.begin(fine, "failed");
     window.end();
     assert!(window.notice().is_some());
-    apply(window.app.world_mut(), Command::OpenScene(scene)).expect("a scene");
+    apply(window.app.world_mut(), FileCommand::OpenScene(scene)).expect("a scene");
     assert_eq!(window.notice(), None);
 }
 
 #[test]
 fn a_bake_that_fails_takes_its_preview_away() {
     let mut window = Window::new();
-    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    let compare = Command::from(DisplayCommand::SetCompareView(CompareView::Baked(0.5)));
     let coarse = BakeChoices {
         texels_per_unit: Some(1e9),
         ..QUICK
@@ -447,7 +447,7 @@ fn a_bake_that_waits_is_of_no_other_scene() {
     let other = window.path("other.xml");
     std::fs::write(&other, SCENE).expect("a writable folder");
     window.begin(QUICK, "new/level");
-    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    apply(window.app.world_mut(), FileCommand::OpenScene(other)).expect("a scene");
     assert!(!window.app.world().resource::<Baking>().is_busy());
     let reason = window.failure().expect("it is given up");
     assert!(reason.contains("another scene was opened"), "{reason}");
@@ -466,7 +466,7 @@ fn a_failure_is_no_matter_of_a_scene_that_was_opened_meanwhile() {
     };
     window.begin(fine, "failed");
     window.until("the bake", |world| world.resource::<Baking>().thread().is_some());
-    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    apply(window.app.world_mut(), FileCommand::OpenScene(other)).expect("a scene");
     window.end();
     let reason = window.failure().expect("it fails");
     assert!(window.told().contains(reason), "{reason}");
@@ -481,7 +481,7 @@ fn an_edit_leaves_the_level_of_the_bake_as_it_was() {
         ..QUICK
     };
     window.begin(endless, "level");
-    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    let compare = Command::from(DisplayCommand::SetCompareView(CompareView::Baked(0.5)));
     apply(window.app.world_mut(), compare).expect("it is allowed");
     let lit = |world: &World| {
         let camera = world.resource::<PackedScene>().view.as_ref().map(|view| view.camera)?;
@@ -532,7 +532,7 @@ fn the_level_by_its_lightmaps_is_as_bright_as_the_true_picture() {
     let mut window = Window::new();
     window.app.world_mut().resource_mut::<RenderControl>().target_samples = Some(64);
     window.begin(QUICK, "level");
-    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    let compare = Command::from(DisplayCommand::SetCompareView(CompareView::Baked(0.5)));
     apply(window.app.world_mut(), compare).expect("it is allowed");
     window.app.update();
     // A script that saves the picture now waits for it, and then for the finished lightmaps.
@@ -603,7 +603,11 @@ fn glass_and_mirrors_show_lightmaps_behind_them_and_in_them() {
     let mut window = Window::with(&SCENE.replace("</scene>", more));
     window.app.world_mut().resource_mut::<RenderControl>().target_samples = Some(64);
     window.begin(QUICK, "level");
-    apply(window.app.world_mut(), Command::SetCompareView(CompareView::Baked(0.5))).expect("it is allowed");
+    apply(
+        window.app.world_mut(),
+        DisplayCommand::SetCompareView(CompareView::Baked(0.5)),
+    )
+    .expect("it is allowed");
     window.end();
     window.until("the finished lightmaps", |world| {
         let status = world.resource::<RenderStatus>();
@@ -733,11 +737,11 @@ fn the_lightmaps_of_another_scene_are_not_shown_beside_the_picture() {
     let mut window = Window::new();
     let other = window.path("other.xml");
     std::fs::write(&other, SCENE).expect("a writable folder");
-    let compare = Command::SetCompareView(CompareView::Baked(0.5));
+    let compare = Command::from(DisplayCommand::SetCompareView(CompareView::Baked(0.5)));
     window.begin(QUICK, "level");
     apply(window.app.world_mut(), compare.clone()).expect("it is of this scene");
     window.end();
-    apply(window.app.world_mut(), Command::OpenScene(other)).expect("a scene");
+    apply(window.app.world_mut(), FileCommand::OpenScene(other)).expect("a scene");
     let refusal = apply(window.app.world_mut(), compare).expect_err("it is of another scene");
     assert!(refusal.to_string().contains("was open when it began"), "{refusal}");
 }

@@ -10,10 +10,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::camera::screen::Screen;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::blocking::block::{Block, corners};
 use sunroom::app::editor::command::blocking::{BlockKind, OpeningKind, Reshaping};
 use sunroom::app::editor::command::tool::Tool;
+use sunroom::app::editor::command::{Command, EditCommand, SceneEdit, ToolCommand, ViewCommand};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::viewport::axes_widget;
@@ -179,7 +179,7 @@ fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
 
 fn built(harness: &Harness<Window>) -> Vec<Block> {
     let block = |command: &Command| match command {
-        Command::Build(block) => Some((**block).clone()),
+        Command::Edit(EditCommand::Scene(SceneEdit::Build(block))) => Some((**block).clone()),
         _ => None,
     };
     harness.state().commands.iter().filter_map(block).collect()
@@ -187,7 +187,9 @@ fn built(harness: &Harness<Window>) -> Vec<Block> {
 
 fn reshaped(harness: &Harness<Window>, why: Reshaping) -> Vec<(ShapeKind, Affine3A)> {
     let change = |command: &Command| match command {
-        Command::Reshape(entity, shape, pose, reshaping) if *reshaping == why && *entity == cube() => {
+        Command::Edit(EditCommand::Scene(SceneEdit::Reshape(entity, shape, pose, reshaping)))
+            if *reshaping == why && *entity == cube() =>
+        {
             Some((shape.kind.clone(), *pose))
         }
         _ => None,
@@ -221,7 +223,7 @@ fn a_box_is_dragged_on_the_ground_and_raised_to_a_click() {
             .state()
             .commands
             .iter()
-            .all(|command| matches!(command, Command::Build(_))),
+            .all(|command| matches!(command, Command::Edit(EditCommand::Scene(SceneEdit::Build(_))))),
         "nothing else happens: {:?}",
         harness.state().commands
     );
@@ -381,7 +383,7 @@ fn a_wall_from_corner_to_corner_has_the_size_that_was_typed() {
         let [block] = &built(&harness)[..] else {
             panic!("{length}: {:?}", harness.state().commands)
         };
-        apply(&mut scene.world, Command::Build(Box::new(block.clone()))).expect("it can be built");
+        apply(&mut scene.world, SceneEdit::Build(Box::new(block.clone()))).expect("it can be built");
         let saved = scene.saved();
         let told = format!("<float name=\"length\" value=\"{length}\"/>");
         assert!(saved.contains(&told), "{length}: {saved}");
@@ -437,7 +439,10 @@ fn escape_gives_up_what_is_drawn_and_then_the_tool() {
     assert_eq!(harness.state().commands, []);
     click(&mut harness, Vec3::new(3.0, 0.0, 3.0));
     keys(&mut harness, &[Key::Escape, Key::Escape]);
-    assert_eq!(harness.state().commands, [Command::SetTool(Tool::Select)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(ToolCommand::SetTool(Tool::Select))]
+    );
 }
 
 #[test]
@@ -558,7 +563,7 @@ fn other_buttons_and_clicks_beside_shapes_are_as_without_the_tool() {
             .state()
             .commands
             .iter()
-            .any(|command| matches!(command, Command::MoveView(_)))
+            .any(|command| matches!(command, Command::View(ViewCommand::MoveView(_))))
     );
 }
 

@@ -8,8 +8,8 @@ use sunroom::app::editor::automation::monkey::Snapshot;
 use sunroom::app::editor::automation::monkey::edits::{PART, names, random_edit};
 use sunroom::app::editor::automation::monkey::random::Random;
 use sunroom::app::editor::automation::script::parse::{self, Step};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{Command, FileCommand, MaterialEdit, OutlineEdit, SelectionCommand, ValueEdit};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
@@ -220,7 +220,7 @@ fn lines_that_cannot_be_done_say_why() {
         ("show albdo", "did you mean"),
     ];
     for (line, part) in cases {
-        let _ = apply(&mut world, Command::Select(Vec::new(), Default::default()));
+        let _ = apply(&mut world, SelectionCommand::Select(Vec::new(), Default::default()));
         let error = parse::line(&mut world, line).expect_err(line).to_string();
         assert!(error.contains(part), "{line}: {error}");
     }
@@ -346,11 +346,11 @@ fn what_was_deleted_does_not_come_back_by_a_late_command() {
     say(&mut world, "delete");
     let before = state(&mut world);
     let late = [
-        Command::SetShape(ball, Shape::default()),
-        Command::Transform(vec![(ball, Default::default())]),
-        Command::GiveMaterial { shape: ball },
-        Command::Rename(ball, "ghost".to_owned()),
-        Command::Hide(vec![ball], true),
+        Command::from(ValueEdit::SetShape(ball, Shape::default())),
+        Command::from(ValueEdit::Transform(vec![(ball, Default::default())])),
+        Command::from(MaterialEdit::GiveMaterial { shape: ball }),
+        Command::from(OutlineEdit::Rename(ball, "ghost".to_owned())),
+        Command::from(OutlineEdit::Hide(vec![ball], true)),
     ];
     for command in late {
         let _ = apply(&mut world, command);
@@ -498,7 +498,7 @@ fn is_asked(world: &World) -> bool {
 }
 
 pub(crate) fn save(world: &mut World) {
-    apply(world, Command::Save).expect("saved or asked");
+    apply(world, FileCommand::Save).expect("saved or asked");
 }
 
 const TWO: &str = "<scene version='3.0.0'>\n  <!-- two balls -->\n  <sensor type='perspective' id='eye'/>\n  \
@@ -573,7 +573,7 @@ fn windows_that_save_at_the_same_moment_lose_nothing() {
                 for place in 1..=SAVES {
                     assert!(say(&mut world, &format!("set ball-{ball} position {place},{ball},0")));
                     // An error is that the others have been saving for too long, as may be on a busy machine.
-                    while let Err(error) = apply(&mut world, Command::Save) {
+                    while let Err(error) = apply(&mut world, FileCommand::Save) {
                         assert!(error.to_string().contains("try again"), "{error}");
                     }
                     assert!(!is_asked(&world), "ball {ball}, save {place}");

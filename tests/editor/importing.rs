@@ -1,7 +1,7 @@
 //! What of a file joins a scene, and what stays with the file.
 
 use bevy::prelude::*;
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::SceneEdit;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::scene::{Emitter, Shape};
@@ -29,7 +29,7 @@ fn what_stands_in_for_light_is_not_imported() {
         std::fs::write(&path, CARD.replace("LIGHT", light)).expect("a file");
         let mut world = bare_world();
         for times in 1..=2 {
-            apply(&mut world, Command::Import(path.clone())).expect("it can be imported");
+            apply(&mut world, SceneEdit::Import(path.clone())).expect("it can be imported");
             assert_eq!(count::<Shape>(&mut world), times, "{name}");
             // A light of the file comes along, whatever it is called.
             assert_eq!(count::<Emitter>(&mut world), times * expected, "{name}");
@@ -46,7 +46,7 @@ fn a_later_import_leaves_the_files_of_an_earlier_one() {
     let import = |window: &mut Window, name: &str, text: &str| {
         let path = folder.join(name);
         std::fs::write(&path, text).expect("a file");
-        apply(&mut window.world, Command::Import(path)).expect("it can be imported");
+        apply(&mut window.world, SceneEdit::Import(path)).expect("it can be imported");
         window.saved()
     };
     let card = CARD.replace("LIGHT", "{}");

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use sunroom::app::editor::automation::script::parse::{self, Step};
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::SettingsEdit;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
@@ -472,7 +472,7 @@ fn an_edit_of_a_keyed_setting_of_the_integrator_sets_a_key() {
         let mut settings = *world.resource::<IntegratorSettings>();
         edit(&mut settings);
         world.resource_mut::<Requests>().interaction += 1;
-        apply(world, Command::SetIntegrator(settings)).expect("applied");
+        apply(world, SettingsEdit::SetIntegrator(settings)).expect("applied");
     };
     assert_eq!(depths(&mut world), [2, 4, 6, 10]);
     assert_eq!(animated_span(&mut world), Some((0.0, 4.0)));

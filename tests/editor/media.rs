@@ -8,9 +8,9 @@ use bevy::prelude::*;
 use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::automation::monkey::Snapshot;
 use sunroom::app::editor::automation::script::parse::{self, Step};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::media::MediumSide;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{Command, FileCommand, MediumEdit, ValueEdit};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
@@ -352,7 +352,7 @@ fn what_is_saved_is_read_again_and_the_rest_of_the_file_stays() {
         ],
     );
     let edited = Snapshot::of(&mut world).contents();
-    apply(&mut world, Command::Save).expect("saved");
+    apply(&mut world, FileCommand::Save).expect("saved");
     let saved = std::fs::read_to_string(&path).expect("a file");
     assert!(
         saved.contains("<!-- a room -->") && saved.contains("volpath"),
@@ -404,11 +404,11 @@ fn what_was_in_fog_that_is_deleted_is_in_what_was_around_it() {
     assert_eq!(Snapshot::of(&mut world).contents(), text);
     let smoke = named(&mut world, "smoke");
     let fog = named(&mut world, "fog");
-    let with_smoke = Command::UseMedium {
+    let with_smoke = Command::from(MediumEdit::UseMedium {
         things: vec![fog],
         side: MediumSide::Interior,
         medium: Some(smoke),
-    };
+    });
     apply(&mut world, with_smoke).expect("filled anew");
     assert_eq!(around(&world), (Some(smoke), Some(smoke)));
 }
@@ -472,7 +472,7 @@ fn cameras_and_lights_that_move_through_borders_are_in_other_media() {
     // With the ball goes what is in it.
     let far = |z: f32| Affine3A::from_translation(Vec3::Z * z);
     let both = vec![(ball, far(9.0)), (things[0], far(9.5))];
-    apply(&mut world, Command::Transform(both)).expect("moved");
+    apply(&mut world, ValueEdit::Transform(both)).expect("moved");
     assert_eq!(media(&world), [Some(fog), None]);
 }
 
@@ -500,7 +500,7 @@ fn an_edit_of_a_medium_and_a_change_in_the_file_come_together() {
         ),
     )
     .expect("a file");
-    apply(&mut world, Command::Save).expect("saved");
+    apply(&mut world, FileCommand::Save).expect("saved");
     let saved = std::fs::read_to_string(&path).expect("a file");
     assert!(saved.contains("'0.25'") && saved.contains("name=\"scale\""), "{saved}");
     let albedo = medium(&mut world, "milk").coefficients.sigma_t_and_albedo().1;

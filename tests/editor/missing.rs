@@ -8,10 +8,10 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::light_mix::{FilmLights, LightMix};
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::{ShellCommand, SoughtFile};
+use sunroom::app::editor::command::{Command, HistoryCommand, SceneEdit, ValueEdit};
 use sunroom::app::editor::commands::{apply, scene_watch};
 use sunroom::app::editor::model::MissingItem;
 use sunroom::app::editor::panels::missing_files::{MissingForm, missing_files};
@@ -146,11 +146,11 @@ impl Window {
     }
 
     fn find(&mut self, missing: &str, found: &str, others: bool) -> Result<(), String> {
-        let command = Command::FindFile {
+        let command = Command::from(SceneEdit::FindFile {
             missing: self.path(missing),
             found: self.path(found),
             others,
-        };
+        });
         apply(self.app.world_mut(), command).map_err(|error| error.to_string())
     }
 
@@ -256,7 +256,7 @@ fn a_box_is_moved_like_its_mesh() {
     let world = window.app.world_mut();
     let lamp = find_by_id(world, "lamp");
     let pose = bevy::math::Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0));
-    apply(world, Command::Transform(vec![(lamp, pose)])).expect("it can be moved");
+    apply(world, ValueEdit::Transform(vec![(lamp, pose)])).expect("it can be moved");
     window.settle();
     assert_eq!(window.stand_ins().len(), 3);
     let text = window.saved("level/scene.xml");
@@ -342,7 +342,7 @@ fn a_file_is_found_with_those_beside_it_and_that_can_be_undone() {
         assert!(text.contains(name), "{text}");
     }
     // All of it is one step.
-    apply(window.app.world_mut(), Command::Undo).expect("it is undone");
+    apply(window.app.world_mut(), HistoryCommand::Undo).expect("it is undone");
     window.settle();
     assert_eq!(window.missing().len(), 4);
     assert_eq!(window.saved("level/scene.xml"), SCENE);

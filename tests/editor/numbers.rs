@@ -9,9 +9,9 @@ use bevy_egui::egui::{self, Key, Modifiers, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::automation::script::parse::{self, Step};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{Command, FileCommand};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::model::{Inspected, Model};
@@ -66,7 +66,7 @@ impl Window {
 
     /// The text of the file after saving.
     pub fn saved(&mut self) -> String {
-        apply(&mut self.world, Command::Save).expect("saved");
+        apply(&mut self.world, FileCommand::Save).expect("saved");
         std::fs::read_to_string(&self.path).expect("a file")
     }
 
@@ -350,7 +350,7 @@ fn inspect_ball(ui: &mut Ui, typing: &mut Typing) {
     let pressed = presses(ui);
     for press in typing.keys.take(&context, pressed, typing.keyboard, &NO_BINDINGS) {
         let is_of_saving = press.key == Key::S && press.modifiers.command;
-        commands.extend(is_of_saving.then_some(Command::Save));
+        commands.extend(is_of_saving.then_some(Command::from(FileCommand::Save)));
     }
     let ball = typing.window.named("ball");
     let (shape, pose) = typing.window.shape("ball");

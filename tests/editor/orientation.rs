@@ -4,9 +4,9 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Rect};
 use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::grid_settings::GridSettings;
+use sunroom::app::editor::command::{Command, SelectionCommand, ToolCommand, ViewCommand};
 use sunroom::app::editor::picture::depths::Depths;
 use sunroom::app::editor::viewport::axes_widget;
 use sunroom::app::editor::viewport::grid;
@@ -147,7 +147,11 @@ fn a_click_on_an_axis_looks_along_it() {
         let at = end_of(axis);
         drag(&mut harness, PointerButton::Primary, at, at, Modifiers::NONE, true);
         harness.run_steps(1);
-        assert_eq!(harness.state().commands, [Command::LookAlong(view)], "{axis}");
+        assert_eq!(
+            harness.state().commands,
+            [Command::from(ViewCommand::LookAlong(view))],
+            "{axis}"
+        );
     }
 }
 
@@ -159,13 +163,16 @@ fn a_drag_of_the_axes_orbits() {
     drag(&mut harness, PointerButton::Primary, from, to, Modifiers::NONE, true);
     let views: Vec<Affine3A> = (harness.state().commands.iter())
         .filter_map(|command| match command {
-            Command::MoveView(pose) => Some(*pose),
+            Command::View(ViewCommand::MoveView(pose)) => Some(*pose),
             _ => None,
         })
         .collect();
     assert!(!views.is_empty() && views.len() + 1 == harness.state().commands.len());
     // About the selected cube, which is at the origin.
-    assert_eq!(harness.state().commands[0], Command::TurnAbout(Vec3::ZERO));
+    assert_eq!(
+        harness.state().commands[0],
+        Command::from(ViewCommand::TurnAbout(Vec3::ZERO))
+    );
     assert!(views.iter().all(|view| (view.translation.length() - 10.0).abs() < 1e-3));
 }
 
@@ -192,11 +199,16 @@ fn two_clicks_measure_a_distance_on_the_ground() {
     }
     harness.run_steps(1);
     let measured = harness.state().commands.iter().find_map(|command| match command {
-        Command::AddRuler(ruler) => Some(*ruler),
+        Command::Tool(ToolCommand::AddRuler(ruler)) => Some(*ruler),
         _ => None,
     });
     let ruler = measured.expect("a distance");
     assert!((ruler.length() - 5.0).abs() < 1e-2, "{ruler:?}");
-    let selects = |command: &Command| matches!(command, Command::Pick(..) | Command::Select(..));
+    let selects = |command: &Command| {
+        matches!(
+            command,
+            Command::Selection(SelectionCommand::Pick(..) | SelectionCommand::Select(..))
+        )
+    };
     assert!(!harness.state().commands.iter().any(selects));
 }

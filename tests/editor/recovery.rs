@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, TaskPool};
 use sunroom::app::editor::command::recovery_offer::{Note, Offer};
 use sunroom::app::editor::command::shell::{Sheet, ShellCommand};
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{Command, FileCommand, FileDialogKind};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::recovery::{self, Recovery};
@@ -260,19 +260,26 @@ fn saving_over_a_scene_with_newer_edits_asks_first() {
     let mut window = home.begin(Some("ball.xml"));
     window.world.resource_mut::<Recovery>().offer = None;
     assert!(say(&mut window.world, "move ball 0,3,0"));
-    for command in [Command::Save, Command::SaveScene(path.clone())] {
+    for command in [
+        Command::from(FileCommand::Save),
+        Command::from(FileCommand::SaveScene(path.clone())),
+    ] {
         apply(&mut window.world, command).expect("asked");
         assert!(window.asked().is_some());
         assert_eq!(text_of(&path), BALL);
         window.world.resource_mut::<Requests>().save_question = None;
     }
     // The user says that it is meant; the copy stays, and is older now.
-    apply(&mut window.world, Command::SaveChanged(path.clone(), OnChange::Refuse)).expect("saved");
+    apply(
+        &mut window.world,
+        FileCommand::SaveChanged(path.clone(), OnChange::Refuse),
+    )
+    .expect("saved");
     let saved = text_of(&path);
     assert_ne!(saved, BALL);
     assert_eq!(home.copies().len(), 1);
     assert!(say(&mut window.world, "move ball 0,3,0"));
-    apply(&mut window.world, Command::Save).expect("saved");
+    apply(&mut window.world, FileCommand::Save).expect("saved");
     assert_eq!(window.asked(), None);
     assert_ne!(text_of(&path), saved);
     assert!(window.shell(ShellCommand::ShowRecovery));
@@ -291,7 +298,7 @@ fn where_files_cannot_be_locked_own_copies_are_not_offered() {
     unlock();
     assert!(window.shell(ShellCommand::ShowRecovery));
     assert_eq!((window.left().len(), window.offer()), (0, None));
-    apply(&mut window.world, Command::Save).expect("saved");
+    apply(&mut window.world, FileCommand::Save).expect("saved");
     assert_eq!(window.asked(), None);
     assert_ne!(text_of(&home.path("ball.xml")), BALL);
     // Nor is a copy that this window is opening.
@@ -309,21 +316,21 @@ fn saving_elsewhere_asks_only_about_what_is_there() {
     let home = Home::new();
     home.crash("other.xml");
     let mut window = home.begin(Some("ball.xml"));
-    apply(&mut window.world, Command::Save).expect("saved");
-    apply(&mut window.world, Command::SaveScene(home.path("new.xml"))).expect("saved");
+    apply(&mut window.world, FileCommand::Save).expect("saved");
+    apply(&mut window.world, FileCommand::SaveScene(home.path("new.xml"))).expect("saved");
     assert_eq!(window.asked(), None);
-    apply(&mut window.world, Command::SaveScene(home.path("other.xml"))).expect("asked");
+    apply(&mut window.world, FileCommand::SaveScene(home.path("other.xml"))).expect("asked");
     assert!(window.asked().is_some());
     // What this window has written aside itself is no reason to ask.
     let mut own = home.edit_aside("ball.xml");
-    apply(&mut own.world, Command::Save).expect("saved");
+    apply(&mut own.world, FileCommand::Save).expect("saved");
     assert_eq!(own.asked(), None);
     assert_ne!(text_of(&home.path("ball.xml")), BALL);
     // A scene without a file is not asked about, but for a name.
     home.leave("unnamed", None, u64::MAX);
     let mut window = home.begin(Some("ball.xml"));
     window.world.resource_mut::<SceneStatus>().path = None;
-    apply(&mut window.world, Command::Save).expect("asked for a name");
+    apply(&mut window.world, FileCommand::Save).expect("asked for a name");
     assert_eq!(
         (window.asked(), window.world.resource::<Requests>().dialog),
         (None, Some(FileDialogKind::SaveScene))

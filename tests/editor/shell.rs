@@ -19,7 +19,9 @@ use sunroom::app::editor::command::recovery_offer::Offer;
 use sunroom::app::editor::command::resolution::FullFilm;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::shell::ShellCommand;
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{
+    Command, FileCommand, FileDialogKind, HistoryCommand, RenderCommand, SelectionCommand,
+};
 use sunroom::app::editor::input::actions::{ACTIONS, Group};
 use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;
@@ -111,9 +113,15 @@ fn type_text<T>(harness: &mut Harness<T>, text: &str) {
 #[test]
 fn the_palette_runs_what_a_few_letters_find() {
     for (text, expected) in [
-        ("undo", Command::Undo),
-        ("cornell", Command::OpenScene("/there/cornell-box.xml".into())),
-        ("bunny", Command::Select(vec![bunny()], Extend::Replace)),
+        ("undo", Command::from(HistoryCommand::Undo)),
+        (
+            "cornell",
+            Command::from(FileCommand::OpenScene("/there/cornell-box.xml".into())),
+        ),
+        (
+            "bunny",
+            Command::from(SelectionCommand::Select(vec![bunny()], Extend::Replace)),
+        ),
     ] {
         let mut harness = palette();
         type_text(&mut harness, text);
@@ -182,13 +190,13 @@ struct Window {
     said: Vec<Command>,
 }
 
-fn window(said: Command) -> Harness<'static, Shown<Window>> {
+fn window(said: impl Into<Command>) -> Harness<'static, Shown<Window>> {
     let window = Window {
         question: UnsavedQuestion::default(),
         edits: true,
         dialog_open: false,
         saves_handled: 0,
-        said: vec![said],
+        said: vec![said.into()],
     };
     show(window, |egui, shown| {
         let window = &mut shown.it;
@@ -210,9 +218,9 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
 #[test]
 fn unsaved_edits_are_asked_about() {
     let losing = [
-        Command::Quit,
-        Command::NewScene,
-        Command::OpenScene(PathBuf::from("/a.xml")),
+        Command::from(FileCommand::Quit),
+        Command::from(FileCommand::NewScene),
+        Command::from(FileCommand::OpenScene(PathBuf::from("/a.xml"))),
     ];
     for command in losing {
         let mut harness = window(command.clone());
@@ -232,19 +240,22 @@ fn unsaved_edits_are_asked_about() {
 
         let mut harness = window(command.clone());
         click(&mut harness, "Save");
-        assert_eq!(harness.state().commands, [Command::Save]);
+        assert_eq!(harness.state().commands, [Command::from(FileCommand::Save)]);
         harness.state_mut().it.edits = false;
         harness.run_steps(2);
-        assert_eq!(harness.state().commands, [Command::Save, command]);
+        assert_eq!(harness.state().commands, [Command::from(FileCommand::Save), command]);
     }
-    assert_eq!(window(Command::Undo).state().commands, [Command::Undo]);
+    assert_eq!(
+        window(HistoryCommand::Undo).state().commands,
+        [Command::from(HistoryCommand::Undo)]
+    );
 }
 
 /// The window may be closed while the palette is open, whose field takes the keyboard.
 #[test]
 fn a_question_over_the_palette_has_the_keys() {
     let question = UnsavedQuestion::default();
-    let it = (Palette::default(), question, vec![Command::Quit]);
+    let it = (Palette::default(), question, vec![Command::from(FileCommand::Quit)]);
     let mut harness = show(it, |egui, shown| {
         let (palette, question, said) = &mut shown.it;
         let (selection, model) = (Selection::default(), Model::default());
@@ -266,23 +277,26 @@ fn a_question_over_the_palette_has_the_keys() {
     // Until it can be seen.
     harness.run_steps(20);
     press(&mut harness, Key::Enter);
-    assert_eq!(harness.state().commands, [Command::Save]);
+    assert_eq!(harness.state().commands, [Command::from(FileCommand::Save)]);
     assert!(harness.state().is_open);
 }
 
 #[test]
 fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
-    let mut harness = window(Command::Quit);
+    let mut harness = window(FileCommand::Quit);
     press(&mut harness, Key::Enter);
     harness.state_mut().it.dialog_open = true;
     harness.run_steps(30);
     harness.state_mut().it.dialog_open = false;
     harness.state_mut().it.edits = false;
     harness.run_steps(1);
-    assert_eq!(harness.state().commands, [Command::Save, Command::Quit]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(FileCommand::Save), Command::from(FileCommand::Quit)]
+    );
 
     // The dialog is closed without a name.
-    let mut harness = window(Command::Quit);
+    let mut harness = window(FileCommand::Quit);
     press(&mut harness, Key::Enter);
     harness.state_mut().it.saves_handled = 1;
     harness.state_mut().it.dialog_open = true;
@@ -291,9 +305,9 @@ fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
     harness.run_steps(2);
     harness.state_mut().it.edits = false;
     harness.run_steps(2);
-    assert_eq!(harness.state().commands, [Command::Save]);
+    assert_eq!(harness.state().commands, [Command::from(FileCommand::Save)]);
 
-    let mut harness = window(Command::Quit);
+    let mut harness = window(FileCommand::Quit);
     click(&mut harness, "Save");
     harness.run_steps(30);
     // The save has failed.
@@ -302,7 +316,7 @@ fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
     // Saved at another time, for another reason.
     harness.state_mut().it.edits = false;
     harness.run_steps(5);
-    assert_eq!(harness.state().commands, [Command::Save]);
+    assert_eq!(harness.state().commands, [Command::from(FileCommand::Save)]);
 }
 
 fn offer() -> Offer {
@@ -319,8 +333,8 @@ fn a_save_before_a_copy_of_the_scene_is_recovered_asks_nothing_about_that_copy()
     let recover = |copy| Command::Shell(ShellCommand::Recover(copy));
     let mut other = offer();
     other.note.scene = Some("/there/hut.xml".into());
-    let anyway = Command::SaveChanged("/there/box.xml".into(), OnChange::Refuse);
-    for (copy, save) in [(offer(), anyway), (other, Command::Save)] {
+    let anyway = Command::from(FileCommand::SaveChanged("/there/box.xml".into(), OnChange::Refuse));
+    for (copy, save) in [(offer(), anyway), (other, Command::from(FileCommand::Save))] {
         let mut harness = window(recover(copy.clone()));
         assert!(harness.query_by_label_contains("then the copy opens").is_some());
         click(&mut harness, "Save");
@@ -420,7 +434,7 @@ fn a_key_that_is_held_since_before_the_list_was_open_does_not_close_it() {
 #[test]
 fn newer_edits_are_asked_about_before_a_save() {
     let path = PathBuf::from("/there/box.xml");
-    let save = Command::SaveChanged(path.clone(), OnChange::Refuse);
+    let save = Command::from(FileCommand::SaveChanged(path.clone(), OnChange::Refuse));
     let recover = Command::Shell(ShellCommand::Recover(offer()));
     let ask = || {
         let requests = Requests {
@@ -519,11 +533,11 @@ fn a_large_film_is_rendered_when_the_user_says_so() {
         assert!(harness.query_by_label(text).is_some());
         click(&mut harness, button);
         assert_eq!(harness.state().it, None);
-        let confirmed = Command::RenderFull(question.clone().confirmed());
+        let confirmed = Command::from(RenderCommand::RenderFull(question.clone().confirmed()));
         let commands = if expected { vec![confirmed] } else { Vec::new() };
         assert_eq!(harness.state().commands, commands);
     }
-    let confirmed = Command::RenderFull(question.clone().confirmed());
+    let confirmed = Command::from(RenderCommand::RenderFull(question.clone().confirmed()));
     for (key, expected) in [(Key::Escape, vec![]), (Key::Enter, vec![confirmed])] {
         let mut harness = show(Some(question.clone()), |egui, shown| {
             full_film::question(egui, &mut shown.it, &mut shown.commands);
@@ -562,7 +576,7 @@ fn the_full_film_of_an_image_can_be_given_up() {
             .is_some()
     );
     click(&mut harness, "Cancel");
-    assert_eq!(harness.state().commands, [Command::StopFull]);
+    assert_eq!(harness.state().commands, [Command::from(RenderCommand::StopFull)]);
     // All samples are there, and the filter is at work.
     let status = &mut harness.state_mut().it;
     status.status.state = RenderState::Done;
@@ -581,7 +595,7 @@ fn the_full_film_of_an_image_can_be_given_up() {
 #[test]
 fn an_unfinished_picture_is_asked_about() {
     let close = |is_worth_it: bool| {
-        let said = vec![Command::Undo, Command::Quit];
+        let said = vec![Command::from(HistoryCommand::Undo), Command::from(FileCommand::Quit)];
         show((PictureQuestion::default(), said, is_worth_it), |egui, shown| {
             let (question, said, is_worth_it) = &mut shown.it;
             let mut commands = std::mem::take(said);
@@ -590,25 +604,30 @@ fn an_unfinished_picture_is_asked_about() {
             shown.commands.append(&mut commands);
         })
     };
-    assert_eq!(close(false).state().commands, [Command::Undo, Command::Quit]);
+    assert_eq!(
+        close(false).state().commands,
+        [Command::from(HistoryCommand::Undo), Command::from(FileCommand::Quit)]
+    );
     let keep = Command::KeptPicture(KeptPicture::KeepAndQuit);
     for (answer, expected) in [
         ("Keep", Some(keep.clone())),
-        ("Don't keep", Some(Command::Quit)),
+        ("Don't keep", Some(FileCommand::Quit.into())),
         ("Cancel", None),
     ] {
         let mut harness = close(true);
-        assert_eq!(harness.state().commands, [Command::Undo]);
+        assert_eq!(harness.state().commands, [Command::from(HistoryCommand::Undo)]);
         assert!(harness.state().it.0.is_asking());
         assert!(harness.query_by_label_contains("1:02:03").is_some());
         click(&mut harness, answer);
-        let said: Vec<Command> = std::iter::once(Command::Undo).chain(expected).collect();
+        let said: Vec<Command> = std::iter::once(Command::from(HistoryCommand::Undo))
+            .chain(expected)
+            .collect();
         assert_eq!(harness.state().commands, said, "{answer}");
         assert!(!harness.state().it.0.is_asking(), "{answer}");
     }
     let mut harness = close(true);
     press(&mut harness, Key::Enter);
-    assert_eq!(harness.state().commands, [Command::Undo, keep]);
+    assert_eq!(harness.state().commands, [Command::from(HistoryCommand::Undo), keep]);
 }
 
 /// `docs/scripts.md` has the tables of the program.
@@ -693,10 +712,7 @@ fn preferences_are_said_when_they_change_and_only_then() {
     harness.drop_at(start + egui::vec2(40.0, 0.0));
     harness.run_steps(2);
     click(&mut harness, "Reset layout");
-    assert_eq!(
-        harness.state().commands.last(),
-        Some(&Command::Shell(ShellCommand::ResetLayout))
-    );
+    assert_eq!(harness.state().commands.last(), Some(&ShellCommand::ResetLayout.into()));
 }
 
 /// A window with nothing but a picture.
@@ -791,7 +807,7 @@ fn changed_file(edited_twice: Option<usize>) -> Harness<'static, Shown<Requests>
 
 #[test]
 fn a_file_that_others_changed_is_asked_about_once() {
-    let save = |on_change| Command::SaveChanged("/there/box.xml".into(), on_change);
+    let save = |on_change| Command::from(FileCommand::SaveChanged("/there/box.xml".into(), on_change));
     for (button, expected) in [
         ("Merge and save", vec![save(OnChange::TakeIn)]),
         ("Overwrite", vec![save(OnChange::Overwrite)]),

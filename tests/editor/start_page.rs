@@ -10,7 +10,7 @@ use sunroom::app::editor::command::recovery_offer::{Note, Offer};
 use sunroom::app::editor::command::samples::SAMPLES;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{Command, FileCommand, FileDialogKind, ViewCommand};
 use sunroom::app::editor::session::tutorial::{LESSONS, Tutorial};
 use sunroom::app::editor::window::{start_page, tutorial};
 use sunroom::document;
@@ -71,7 +71,7 @@ fn a_file_is_opened_and_the_page_is_gone() {
     let mut harness = page(egui::vec2(1280.0, 720.0));
     harness.get_by_label_contains("attic.xml").click();
     harness.run_steps(3);
-    let expected = Command::OpenScene("/scenes/attic.xml".into());
+    let expected = Command::from(FileCommand::OpenScene("/scenes/attic.xml".into()));
     assert_eq!(
         (&harness.state().commands[..], harness.state().is_open),
         (&[expected][..], false)
@@ -85,7 +85,10 @@ fn recent_files_of_one_name_are_told_apart() {
     assert!(harness.query_by_label_contains("a/rooms").is_some());
     harness.get_by_label_contains("b/rooms").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().commands, [Command::OpenScene(recent[1].into())]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(FileCommand::OpenScene(recent[1].into()))]
+    );
 }
 
 #[test]
@@ -118,8 +121,11 @@ fn the_page_names_the_scenes_that_can_be_recovered() {
 #[test]
 fn keys_of_what_the_page_offers_count_on_it() {
     for (key, command) in [
-        (egui::Key::N, Command::NewScene),
-        (egui::Key::O, Command::ShowDialog(FileDialogKind::OpenScene)),
+        (egui::Key::N, Command::from(FileCommand::NewScene)),
+        (
+            egui::Key::O,
+            Command::from(FileCommand::ShowDialog(FileDialogKind::OpenScene)),
+        ),
     ] {
         let mut harness = page(egui::vec2(1000.0, 700.0));
         harness.key_press(key);
@@ -138,7 +144,7 @@ fn keys_of_what_the_page_offers_count_on_it() {
 fn the_page_begins_the_tutorial_and_a_new_scene_and_can_be_left_out() {
     for (name, command) in [
         ("Tutorial", Command::Shell(ShellCommand::ShowTutorial(Some(0)))),
-        ("New scene", Command::NewScene),
+        ("New scene", Command::from(FileCommand::NewScene)),
     ] {
         let mut harness = page(egui::vec2(1000.0, 700.0));
         click(&mut harness, name);
@@ -194,7 +200,7 @@ fn a_step_can_be_skipped_done_and_left() {
     assert_eq!(step(&harness), Some(1));
     click(&mut harness, "Back");
     assert_eq!(step(&harness), Some(0));
-    harness.state_mut().0.note(&Command::FrameAll, true);
+    harness.state_mut().0.note(&Command::from(ViewCommand::FrameAll), true);
     harness.run_steps(2);
     for _ in 1..LESSONS.len() {
         let name = if harness.state().0.done[step(&harness).unwrap_or(0)] {

@@ -9,10 +9,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::accel::{Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::camera::screen::Screen;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Extend;
 use sunroom::app::editor::command::texture_placing::{Placing, TextureGroup};
 use sunroom::app::editor::command::tool::Tool;
+use sunroom::app::editor::command::{Command, EditCommand, SelectionCommand, TextureEdit};
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
@@ -109,7 +109,11 @@ fn window(groups: &[Affine2]) -> Harness<'static, Window> {
                 .state
                 .follow(ui, &response, &screen, &model, &presses, &mut commands);
             for command in &commands {
-                if let (Command::PlaceTextures { before, after, .. }, Some(target)) = (command, &mut window.target) {
+                if let (
+                    Command::Edit(EditCommand::Texture(TextureEdit::PlaceTextures { before, after, .. })),
+                    Some(target),
+                ) = (command, &mut window.target)
+                {
                     for group in target.groups.iter_mut().filter(|group| group.to_uv == *before) {
                         group.to_uv = *after;
                     }
@@ -287,7 +291,10 @@ fn a_click_on_another_shape_selects_it() {
     button(&mut harness, beside, false, Modifiers::NONE);
     assert_eq!(
         harness.state().commands,
-        [Command::Select(vec![entity(2)], Extend::Replace)]
+        [Command::from(SelectionCommand::Select(
+            vec![entity(2)],
+            Extend::Replace
+        ))]
     );
 }
 
@@ -356,11 +363,11 @@ fn textures_of_locked_shapes_stay() {
     assert!(!shows(&free, "locked"));
     free.get_by_label("Reset").click();
     free.run_steps(2);
-    let placed = Command::PlaceTextures {
+    let placed = Command::from(TextureEdit::PlaceTextures {
         owner: entity(1),
         before: Affine2::from_scale(Vec2::new(4.0, 2.0)),
         after: Affine2::IDENTITY,
-    };
+    });
     assert!(free.state().contains(&placed), "{:?}", free.state());
     let locked = whole_viewport(true);
     assert!(locked.query_by_label("Reset").is_none());

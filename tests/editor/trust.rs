@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::file_access::Question;
 use sunroom::app::editor::command::light_mix::{FilmLights, LightMix};
 use sunroom::app::editor::command::recovery_offer::{Note, Offer};
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
+use sunroom::app::editor::command::{Command, FileCommand, SceneEdit};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::scene_watch;
 use sunroom::app::editor::picture::paths::PathInspector;
@@ -148,11 +148,10 @@ impl Window {
     fn allow(&mut self) {
         let question = self.question();
         self.app.world_mut().resource_mut::<TrustedFolders>().question = None;
-        self.apply(Command::Shell(ShellCommand::AllowFiles(question)))
-            .expect("it can be done");
+        self.apply(ShellCommand::AllowFiles(question)).expect("it can be done");
     }
 
-    fn apply(&mut self, command: Command) -> Result<(), CommandError> {
+    fn apply(&mut self, command: impl Into<Command>) -> Result<(), CommandError> {
         apply(self.app.world_mut(), command)
     }
 
@@ -479,7 +478,7 @@ fn chosen_files_are_not_asked_about_when_the_scene_is_read_again() {
     };
     for name in ["models/mesh.obj"].iter().chain(pictures) {
         let path = window.path(name);
-        window.apply(Command::Import(path)).expect("it can be imported");
+        window.apply(SceneEdit::Import(path)).expect("it can be imported");
     }
     let path = window.path("scene/a.xml");
     write::save(window.app.world_mut(), &path).expect("it can be saved");
@@ -517,7 +516,7 @@ fn saving_and_pasting_read_nothing_outside() {
         spectrum.display()
     );
     let said = window
-        .apply(Command::Paste(spectrum))
+        .apply(SceneEdit::Paste(spectrum))
         .expect_err("it is refused")
         .to_string();
     assert!(said.contains("outside the scene's folder"), "{said}");
@@ -539,7 +538,7 @@ fn saving_and_pasting_read_nothing_outside() {
 fn a_scene_without_a_file_has_no_folder_of_its_own() {
     let mut window = Window::new(&[("scene/a.xml", &mesh("mesh.obj")), ("scene/mesh.obj", MESH)]);
     window.open("scene/a.xml", false);
-    window.apply(Command::NewScene).expect("it can be done");
+    window.apply(FileCommand::NewScene).expect("it can be done");
     let access = window.app.world().resource::<SceneAccess>().get();
     assert!(!access.covers(&window.path("scene/mesh.obj")));
 }

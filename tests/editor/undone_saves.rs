@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy::prelude::{Entity, Name, World};
 use sunroom::app::editor::automation::monkey::edits::{PART, random_edit};
 use sunroom::app::editor::automation::monkey::random::Random;
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::{Command, FileCommand, HistoryCommand, TimeCommand};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::session::history::History;
 use sunroom::app::editor::session::requests::Requests;
@@ -81,7 +81,7 @@ impl Room {
     }
 
     fn undo_all(&mut self) {
-        while apply(&mut self.world, Command::Undo).is_ok() {}
+        while apply(&mut self.world, HistoryCommand::Undo).is_ok() {}
     }
 }
 
@@ -130,7 +130,7 @@ fn what_is_done_again_is_written_again() {
         for _ in 0..2 {
             room.undo_all();
             assert_eq!(room.save(), original(), "{edit:?}");
-            while apply(&mut room.world, Command::Redo).is_ok() {}
+            while apply(&mut room.world, HistoryCommand::Redo).is_ok() {}
             assert_eq!(room.save(), edited, "{edit:?}");
         }
     }
@@ -153,7 +153,7 @@ fn each_of_several_saves_has_its_text_back() {
         texts.push((steps, room.save()));
     }
     for (steps, expected) in texts.iter().rev().chain(&texts) {
-        apply(&mut room.world, Command::GoTo(*steps)).expect("there is such a step");
+        apply(&mut room.world, HistoryCommand::GoTo(*steps)).expect("there is such a step");
         assert_eq!(&room.save(), expected, "after {steps} steps");
     }
 }
@@ -204,7 +204,7 @@ fn things_keep_their_ids_when_a_save_fails() {
     let more = room.path("more.xml");
     std::fs::remove_file(&more).expect("it is there");
     std::fs::create_dir(&more).expect("a folder");
-    let command = Command::SaveChanged(room.path("room.xml"), OnChange::Overwrite);
+    let command = Command::from(FileCommand::SaveChanged(room.path("room.xml"), OnChange::Overwrite));
     assert!(apply(&mut room.world, command).is_err());
     assert_eq!(text_of(&room.path("room.xml")), shared[0]);
     assert_eq!(ids(&mut room.world), before);
@@ -239,7 +239,7 @@ fn a_scene_that_is_saved_elsewhere_has_nothing_of_the_old_file() {
     room.say("undo");
     std::fs::create_dir(room.path("other")).expect("a folder");
     let other = room.path("other/room.xml");
-    apply(&mut room.world, Command::SaveScene(other.clone())).expect("saved");
+    apply(&mut room.world, FileCommand::SaveScene(other.clone())).expect("saved");
     assert!(text_of(&other).contains("the first"));
     assert_eq!(room.texts()[0], ROOM.replace("0.250", "2"));
     room.say("set first radius 3");
@@ -261,11 +261,11 @@ fn keys_that_are_undone_after_a_save_leave_no_trace() {
     std::fs::write(&path, text).expect("a file");
     let mut world = window_on(&path);
     for time in [0.0, 0.5, 1.0] {
-        apply(&mut world, Command::SetTime(time)).expect("a time");
+        apply(&mut world, TimeCommand::SetTime(time)).expect("a time");
         assert!(say(&mut world, "move ball 0,1,0"));
         save(&mut world);
         assert_ne!(text_of(&path), text);
-        apply(&mut world, Command::SetTime(0.25)).expect("a time");
+        apply(&mut world, TimeCommand::SetTime(0.25)).expect("a time");
         assert!(say(&mut world, "undo"));
         save(&mut world);
         assert_eq!(text_of(&path), text, "at {time}");

@@ -6,12 +6,16 @@ use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::camera::screen::Screen;
+use sunroom::app::editor::command::arrange::Direction;
 use sunroom::app::editor::command::axis_view::AxisView;
 use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use sunroom::app::editor::command::navigation_preset::NavigationPreset;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::tool::Tool;
-use sunroom::app::editor::command::{Command, Direction};
+use sunroom::app::editor::command::{
+    ArrangeEdit, Command, DisplayCommand, EditCommand, RenderCommand, SelectionCommand, ToolCommand, ValueEdit,
+    ViewCommand,
+};
 use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
 use sunroom::app::editor::model::freedom::Freedom;
@@ -123,9 +127,11 @@ pub fn window() -> Harness<'static, Window> {
             viewport(&mut whole, &model, &mut window.state, &mut commands);
             for command in &commands {
                 match command {
-                    Command::SetGizmo(settings) => window.gizmo = *settings,
-                    Command::SetTool(tool) => window.tool = *tool,
-                    Command::Transform(poses) => window.target.to_world = poses[0].1,
+                    Command::Tool(ToolCommand::SetGizmo(settings)) => window.gizmo = *settings,
+                    Command::Tool(ToolCommand::SetTool(tool)) => window.tool = *tool,
+                    Command::Edit(EditCommand::Value(ValueEdit::Transform(poses))) => {
+                        window.target.to_world = poses[0].1
+                    }
                     _ => {}
                 }
             }
@@ -193,7 +199,7 @@ pub fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
 
 fn views(harness: &Harness<Window>) -> Vec<Affine3A> {
     let view = |command: &Command| match command {
-        Command::MoveView(pose) => Some(*pose),
+        Command::View(ViewCommand::MoveView(pose)) => Some(*pose),
         _ => None,
     };
     harness.state().commands.iter().filter_map(view).collect()
@@ -212,7 +218,9 @@ fn a_handle_is_dragged_and_nothing_else_happens() {
     );
     let commands = &harness.state().commands;
     assert!(
-        commands.iter().all(|command| matches!(command, Command::Transform(_))),
+        commands
+            .iter()
+            .all(|command| matches!(command, Command::Edit(EditCommand::Value(ValueEdit::Transform(_))))),
         "{commands:?}"
     );
     assert!(commands.len() >= 4, "it follows the pointer");
@@ -274,7 +282,9 @@ fn control_rounds_and_escape_puts_back() {
     harness.run_steps(3);
     let commands = &harness.state().commands;
     assert!(
-        commands.iter().all(|command| matches!(command, Command::Transform(_))),
+        commands
+            .iter()
+            .all(|command| matches!(command, Command::Edit(EditCommand::Value(ValueEdit::Transform(_))))),
         "{commands:?}"
     );
 }
@@ -328,7 +338,10 @@ fn a_click_on_the_bar_of_a_paused_picture_goes_on() {
     harness.run_steps(2);
     harness.get_by_label("Resume").click();
     harness.run_steps(2);
-    assert_eq!(harness.state().commands, [Command::SetPaused(false)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(RenderCommand::SetPaused(false))]
+    );
     harness.state_mut().is_paused = false;
     harness.run_steps(2);
     assert!(harness.query_by_label("Resume").is_none());
@@ -422,7 +435,12 @@ fn the_same_key_again_follows_the_mouse_until_a_click() {
     harness.hover_at(from);
     harness.run_steps(3);
     assert!(moved_to(&harness).abs_diff_eq(0.5 * Vec3::Y, 1e-3));
-    let picks = |command: &Command| matches!(command, Command::Pick(..) | Command::Select(..));
+    let picks = |command: &Command| {
+        matches!(
+            command,
+            Command::Selection(SelectionCommand::Pick(..) | SelectionCommand::Select(..))
+        )
+    };
     assert!(!harness.state().commands.iter().any(picks), "the click ended the drag");
 }
 
@@ -439,10 +457,10 @@ fn other_keys_after_a_mode_are_what_they_always_are() {
         ..gizmo
     };
     let expected = [
-        Command::SetGizmo(gizmo),
-        Command::SetDenoising(true),
-        Command::SetGizmo(local),
-        Command::RecallView(1),
+        Command::from(ToolCommand::SetGizmo(gizmo)),
+        Command::from(DisplayCommand::SetDenoising(true)),
+        Command::from(ToolCommand::SetGizmo(local)),
+        Command::from(ViewCommand::RecallView(1)),
     ];
     assert_eq!(harness.state().commands, expected);
 }
@@ -453,13 +471,13 @@ fn arrows_nudge_and_end_drops() {
     keys(&mut harness, &[Key::ArrowLeft, Key::ArrowUp, Key::PageDown, Key::End]);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
     harness.run_steps(1);
-    let nudge = Command::Nudge;
+    let nudge = |it| ArrangeEdit::Nudge(it).into();
     let expected = [
         nudge(Direction::Left),
         nudge(Direction::Ahead),
         nudge(Direction::Down),
-        Command::Drop,
-        Command::StoreView(3),
+        Command::from(ArrangeEdit::Drop),
+        Command::from(ViewCommand::StoreView(3)),
     ];
     assert_eq!(harness.state().commands, expected);
 }
@@ -473,7 +491,7 @@ fn digits_of_the_numpad_are_views_along_axes() {
     };
     let selection = Selection::default();
     let commands = sunroom::app::editor::input::keys::shortcuts(&[press], &context(&selection));
-    assert_eq!(commands, [Command::LookAlong(AxisView::Top)]);
+    assert_eq!(commands, [Command::from(ViewCommand::LookAlong(AxisView::Top))]);
 }
 
 #[test]
@@ -557,7 +575,7 @@ fn a_box_without_keys_replaces_the_selection() {
         Modifiers::NONE,
         true,
     );
-    let selects = |entities| Command::Select(entities, Extend::Replace);
+    let selects = |entities| Command::from(SelectionCommand::Select(entities, Extend::Replace));
     assert_eq!(
         harness.state().commands,
         [selects(vec![entity(7)]), selects(Vec::new())]
@@ -660,13 +678,16 @@ fn a_box_and_a_click_select_lamps() {
     drag(&mut harness, PointerButton::Primary, from, to, Modifiers::SHIFT, true);
     assert_eq!(
         harness.state().commands,
-        [Command::Select(vec![entity(7)], Extend::Add)]
+        [Command::from(SelectionCommand::Select(vec![entity(7)], Extend::Add))]
     );
     harness.state_mut().commands.clear();
     drag(&mut harness, PointerButton::Primary, lamp, lamp, Modifiers::NONE, true);
     assert_eq!(
         harness.state().commands,
-        [Command::Select(vec![entity(7)], Extend::Replace)]
+        [Command::from(SelectionCommand::Select(
+            vec![entity(7)],
+            Extend::Replace
+        ))]
     );
     harness.state_mut().commands.clear();
     let beside = Pos2::new(40.0, 500.0);
@@ -679,7 +700,10 @@ fn a_box_and_a_click_select_lamps() {
         true,
     );
     let film = Vec2::new(beside.x / SIZE.x, beside.y / SIZE.y);
-    assert_eq!(harness.state().commands, [Command::Pick(film, Extend::Toggle)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(SelectionCommand::Pick(film, Extend::Toggle))]
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Mat3A, Vec3};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::{Command, EditCommand, ValueEdit};
 use sunroom::app::editor::model::{Inspected, Model};
 use sunroom::scene::{EulerAngles, Shape, ShapeKind, Solid};
 
@@ -50,7 +50,9 @@ fn a_rotation_shows_the_angles_that_were_typed() {
     // What is typed goes on its way as it is.
     let mut harness = inspect(turned(ShapeKind::Cube, Vec3::Y * 90.0, Vec3::ZERO));
     type_into(&mut harness, "Rotation Y", "180");
-    let Some(Command::Turn(thing, pose, EulerAngles(angles))) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Turn(thing, pose, EulerAngles(angles))))) =
+        harness.state().commands.last()
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!((*thing, *angles), (entity(9), Vec3::Y * 180.0));
@@ -65,7 +67,9 @@ fn a_wall_stands_upright_at_rotation_0() {
         assert_eq!(number(&harness, row), 0.0, "{row}");
     }
     type_into(&mut harness, "Rotation Y", "90");
-    let Some(Command::Turn(_, pose, EulerAngles(angles))) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Turn(_, pose, EulerAngles(angles))))) =
+        harness.state().commands.last()
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(*angles, Vec3::new(-90.0, 90.0, 0.0));

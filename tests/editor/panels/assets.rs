@@ -9,7 +9,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::asset_kind::{AssetKind, FileUse};
 use sunroom::app::editor::command::shell::ShellCommand;
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{Command, EditCommand, FileCommand, FileDialogKind, SceneEdit};
 use sunroom::app::editor::model::Model;
 use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, AssetsModel, Listing};
 use sunroom::app::editor::panels::assets::{AssetsState, assets};
@@ -125,7 +125,7 @@ fn a_drag_into_the_picture_takes_the_file_with_its_bounds() {
     let (mut harness, _) = shown();
     let from = harness.get_by_label("bunny.ply").rect().center();
     drag_between(&mut harness, from, Pos2::new(440.0, 250.0));
-    let [Command::UseFile(file)] = &harness.state().commands[..] else {
+    let [Command::Edit(EditCommand::Scene(SceneEdit::UseFile(file)))] = &harness.state().commands[..] else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(
@@ -145,12 +145,12 @@ fn a_double_click_does_what_suits_the_file() {
         double_click(&mut harness, name);
         let path = PathBuf::from("/assets").join(name);
         let expected = match opens {
-            true => Command::OpenScene(path),
-            false => Command::UseFile(Box::new(FileUse {
+            true => Command::from(FileCommand::OpenScene(path)),
+            false => Command::from(SceneEdit::UseFile(Box::new(FileUse {
                 path,
                 at: None,
                 bounds: None,
-            })),
+            }))),
         };
         assert_eq!(harness.state().commands, [expected]);
     }
@@ -170,7 +170,10 @@ fn of_a_scene_in_the_picture_it_is_asked_whether_it_is_added_or_opened() {
     let (mut harness, _) = shown();
     let from = harness.get_by_label("red.xml").rect().center();
     drag_between(&mut harness, from, Pos2::new(440.0, 250.0));
-    assert!(matches!(harness.state().commands[..], [Command::UseFile(_)]));
+    assert!(matches!(
+        harness.state().commands[..],
+        [Command::Edit(EditCommand::Scene(SceneEdit::UseFile(_)))]
+    ));
 }
 
 #[test]
@@ -180,8 +183,8 @@ fn the_answer_adds_the_scene_or_opens_it() {
         at: None,
         bounds: None,
     };
-    let open = Command::OpenScene(file.path.clone());
-    let add = Command::UseFile(Box::new(file.clone()));
+    let open = Command::from(FileCommand::OpenScene(file.path.clone()));
+    let add = Command::from(SceneEdit::UseFile(Box::new(file.clone())));
     for (answer, expected) in [("Add", vec![add]), ("Open", vec![open]), ("Cancel", vec![])] {
         let shown = (Some(file.clone()), Vec::new());
         let mut harness = Harness::builder().with_size(egui::vec2(640.0, 480.0)).build_ui_state(
@@ -201,7 +204,7 @@ fn the_answer_adds_the_scene_or_opens_it() {
 fn a_folder_is_chosen_by_the_dialog() {
     let (mut harness, _) = shown();
     click(&mut harness, "Add…");
-    let expected = Command::ShowDialog(FileDialogKind::AssetFolder);
+    let expected = Command::from(FileCommand::ShowDialog(FileDialogKind::AssetFolder));
     assert_eq!(harness.state().commands, [expected]);
 }
 

@@ -4,9 +4,9 @@ use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::{ShellCommand, SoughtFile};
+use sunroom::app::editor::command::{Command, EditCommand, ValueEdit, ViewCommand};
 use sunroom::app::editor::model::mixed::Mixed;
 use sunroom::app::editor::model::{Inspected, InspectedMesh, MissingItem, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
@@ -132,10 +132,10 @@ fn an_edit_goes_to_all_that_is_selected() {
     harness.run_steps(2);
     harness.get_by_label_contains("and 1 more");
     click(&mut harness, "Emits light");
-    let [Command::OnSelection(edit)] = &harness.state().commands[..] else {
+    let [Command::Edit(EditCommand::OnSelection(edit))] = &harness.state().commands[..] else {
         panic!("{:?}", harness.state().commands)
     };
-    assert!(matches!(**edit, Command::SetAreaLight(entity_5, Some(_)) if entity_5 == entity(5)));
+    assert!(matches!(**edit, ValueEdit::SetAreaLight(entity_5, Some(_)) if entity_5 == entity(5)));
 }
 
 /// Controls and texts with the places they are drawn at.
@@ -212,7 +212,7 @@ fn position_is_dragged_and_the_rest_of_the_matrix_stays() {
         ..Inspected::new(entity(5), "box")
     });
     drag(&mut harness, "Position Y", 30.0);
-    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(poses)))) = harness.state().commands.last() else {
         panic!("not moved")
     };
     let [(target, moved)] = poses[..] else {
@@ -233,7 +233,10 @@ fn a_sheared_shape_has_no_rotation_to_edit() {
     );
     assert!(harness.query_by_label("Rotation X").is_none());
     drag(&mut harness, "Position X", 20.0);
-    assert!(matches!(harness.state().commands.last(), Some(Command::Transform(_))));
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(_))))
+    ));
 }
 
 #[test]
@@ -243,7 +246,8 @@ fn camera_sliders_set_the_sensor() {
         ..Inspected::new(entity(3), "camera")
     });
     slide(&mut harness, "Field of view", 0.9);
-    let Some(Command::SetSensor(_, sensor)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::SetSensor(_, sensor)))) = harness.state().commands.last()
+    else {
         panic!("not set")
     };
     assert!(sensor.fov > 100.0);
@@ -253,17 +257,20 @@ fn camera_sliders_set_the_sensor() {
     harness.run_steps(3);
     assert!(matches!(
         harness.state().commands[..],
-        [Command::SetSensor(
+        [Command::Edit(EditCommand::Value(ValueEdit::SetSensor(
             _,
             Sensor {
                 lens: Lens::Thin { .. },
                 ..
             }
-        )]
+        )))]
     ));
     harness.state_mut().commands.clear();
     click(&mut harness, "Look through this camera");
-    assert_eq!(harness.state().commands, [Command::LookThrough(entity(3))]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(ViewCommand::LookThrough(entity(3)))]
+    );
 }
 
 #[test]
@@ -289,7 +296,7 @@ fn a_sphere_has_one_place() {
     let before = ball(Vec3::Y * 3.0).to_world.expect("a place").transform_point3(Vec3::X);
     // Poses are about the place of a thing.
     let middle = |pose: &Affine3A| Vec3::from(pose.translation);
-    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(poses)))) = harness.state().commands.last() else {
         panic!("{:?}", harness.state().commands)
     };
     let moved = middle(&poses[0].1) - before;
@@ -297,7 +304,7 @@ fn a_sphere_has_one_place() {
     // Turned and scaled it stays where it is.
     let mut harness = inspect(ball(Vec3::Y * 3.0));
     drag(&mut harness, "Scale X", 20.0);
-    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(poses)))) = harness.state().commands.last() else {
         panic!("{:?}", harness.state().commands)
     };
     assert!(middle(&poses[0].1).abs_diff_eq(before, 1e-5));

@@ -4,9 +4,9 @@ use bevy_egui::egui::accesskit::Role;
 use bevy_egui::egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::key_bindings::KeyBindings;
 use sunroom::app::editor::command::shortcut::Shortcut;
+use sunroom::app::editor::command::{Command, FileCommand, HistoryCommand};
 use sunroom::app::editor::input::actions::{self, ActionContext};
 use sunroom::app::editor::input::keys::shortcuts;
 use sunroom::app::editor::input::press::Press;
@@ -70,7 +70,10 @@ fn a_press_becomes_the_key_of_an_action() {
     let mut harness = list();
     choose(&mut harness, "Undo", Modifiers::COMMAND, Key::U);
     assert_eq!(key_of(&harness, "undo"), "Ctrl+U");
-    assert_eq!(pressed(&harness, Modifiers::COMMAND, Key::U), [Command::Undo]);
+    assert_eq!(
+        pressed(&harness, Modifiers::COMMAND, Key::U),
+        [Command::from(HistoryCommand::Undo)]
+    );
     assert_eq!(pressed(&harness, Modifiers::COMMAND, Key::Z), []);
     click(&mut harness, "Reset");
     assert_eq!(key_of(&harness, "undo"), "Ctrl+Z");
@@ -90,7 +93,10 @@ fn a_key_of_another_action_is_said_and_exchanged_if_wanted() {
         (key_of(&harness, "undo"), key_of(&harness, "save")),
         ("Ctrl+S".into(), "Ctrl+Z".into())
     );
-    assert_eq!(pressed(&harness, Modifiers::COMMAND, Key::Z), [Command::Save]);
+    assert_eq!(
+        pressed(&harness, Modifiers::COMMAND, Key::Z),
+        [Command::from(FileCommand::Save)]
+    );
     click(&mut harness, "Reset all");
     assert!(harness.state().bound.is_empty());
 }

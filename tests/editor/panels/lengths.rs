@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Key};
 use egui_kittest::Harness;
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::{Command, EditCommand, TextureEdit, ValueEdit};
 use sunroom::app::editor::model::{Inspected, Model};
 use sunroom::app::editor::panels::lengths;
 use sunroom::app::editor::panels::projection::{ProjectionForm, projection};
@@ -35,7 +35,7 @@ fn cube() -> Inspected {
 
 fn pose(harness: &Harness<Shown<Model>>) -> Affine3A {
     match harness.state().commands.last() {
-        Some(Command::Transform(poses)) => poses[0].1,
+        Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(poses)))) => poses[0].1,
         other => panic!("{other:?}"),
     }
 }
@@ -54,7 +54,11 @@ fn the_tile_of_a_projection_is_a_length() {
         });
     });
     let tile = |command: Option<&Command>| match command {
-        Some(Command::ProjectTextures { shapes, projection }) if *shapes == [entity(4)] => projection.tile,
+        Some(Command::Edit(EditCommand::Texture(TextureEdit::ProjectTextures { shapes, projection })))
+            if *shapes == [entity(4)] =>
+        {
+            projection.tile
+        }
         other => panic!("{other:?}"),
     };
     click(&mut harness, "Project");
@@ -86,7 +90,8 @@ fn lengths_are_typed_in_any_unit() {
         harness.state_mut().given.unit = unit;
         harness.run_steps(1);
         type_into(&mut harness, "Radius", text);
-        let Some(Command::SetShape(_, shape)) = harness.state().commands.last() else {
+        let Some(Command::Edit(EditCommand::Value(ValueEdit::SetShape(_, shape)))) = harness.state().commands.last()
+        else {
             panic!("{text}: {:?}", harness.state().commands)
         };
         let ShapeKind::Sphere { radius, .. } = shape.kind else {
@@ -101,7 +106,7 @@ fn lengths_are_typed_in_any_unit() {
     // A scale is no length.
     let mut harness = inspect(cube());
     type_into(&mut harness, "Scale X", "2m");
-    let is_same = |command: &Command| matches!(command, Command::Transform(poses) if poses[0].1.abs_diff_eq(Affine3A::IDENTITY, 1e-5));
+    let is_same = |command: &Command| matches!(command, Command::Edit(EditCommand::Value(ValueEdit::Transform(poses))) if poses[0].1.abs_diff_eq(Affine3A::IDENTITY, 1e-5));
     assert!(harness.state().commands.iter().all(is_same));
 }
 
@@ -149,7 +154,8 @@ fn a_focal_length_is_a_field_of_view() {
         ..Inspected::new(entity(3), "camera")
     });
     type_into(&mut harness, "Focal length", "50");
-    let Some(Command::SetSensor(_, sensor)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::SetSensor(_, sensor)))) = harness.state().commands.last()
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert!((sensor.fov - 46.79).abs() < 0.02, "{}", sensor.fov);

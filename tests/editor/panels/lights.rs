@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Vec3};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{Command, EditCommand, FileCommand, FileDialogKind, ValueEdit};
 use sunroom::app::editor::model::{Inspected, Model};
 use sunroom::color::Rgb;
 use sunroom::scene::{AreaLight, Emitter, EmitterKind, Shape, SquarePath};
@@ -26,7 +26,8 @@ fn a_narrower_cone_takes_its_beam_along() {
     }
     let mut harness = lamp(spot);
     slide(&mut harness, "Cutoff", 0.2);
-    let Some(Command::SetEmitter(_, spot)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::SetEmitter(_, spot)))) = harness.state().commands.last()
+    else {
         panic!("no light was set")
     };
     assert!(
@@ -47,11 +48,11 @@ fn pictures_of_lights_are_chosen() {
         for name in clicks {
             click(&mut harness, name);
         }
-        let dialog = Command::ShowDialog(FileDialogKind::OpenPicture {
+        let dialog = Command::from(FileCommand::ShowDialog(FileDialogKind::OpenPicture {
             owner: entity(8),
             parameter,
             place: SquarePath::WHOLE,
-        });
+        }));
         assert_eq!(harness.state().commands, [dialog]);
     }
 }
@@ -76,7 +77,10 @@ fn a_light_of_another_kind_keeps_its_colour() {
     click(&mut harness, "Type");
     click(&mut harness, "directional");
     let sun = Emitter::from(EmitterKind::Directional { irradiance: warm });
-    assert_eq!(harness.state().commands, [Command::SetEmitter(entity(8), sun)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(ValueEdit::SetEmitter(entity(8), sun))]
+    );
 }
 
 #[test]
@@ -87,7 +91,7 @@ fn an_environment_turns_about_its_upward_axis() {
         ..Inspected::new(entity(8), "sky")
     });
     slide(&mut harness, "Azimuth", 0.75);
-    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::Transform(poses)))) = harness.state().commands.last() else {
         panic!("{:?}", harness.state().commands)
     };
     let up = poses[0].1.transform_vector3(Vec3::Y);
@@ -107,7 +111,10 @@ fn what_is_infinitely_far_away_is_only_turned() {
     let mut harness = inspect(sky);
     assert!(harness.query_by_label("Position X").is_none());
     drag(&mut harness, "Rotation Y", 20.0);
-    assert!(matches!(harness.state().commands.last(), Some(Command::Turn(..))));
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::Edit(EditCommand::Value(ValueEdit::Turn(..))))
+    ));
 }
 
 #[test]
@@ -120,7 +127,7 @@ fn a_shape_can_be_made_to_emit() {
     let light = AreaLight::default();
     assert_eq!(
         harness.state().commands,
-        [Command::SetAreaLight(entity(5), Some(light))]
+        [Command::from(ValueEdit::SetAreaLight(entity(5), Some(light)))]
     );
 }
 
@@ -133,7 +140,9 @@ fn strength_keeps_the_hue() {
         ..Inspected::new(entity(5), "lamp")
     });
     slide(&mut harness, "Radiance", 0.9);
-    let Some(Command::SetAreaLight(_, Some(light))) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Value(ValueEdit::SetAreaLight(_, Some(light))))) =
+        harness.state().commands.last()
+    else {
         panic!("no light was set")
     };
     let stronger = light.radiance.constant().unwrap();

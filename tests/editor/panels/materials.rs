@@ -7,6 +7,7 @@ use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::material_tree::MaterialTree;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::{Command, FileDialogKind, presets};
+use sunroom::app::editor::command::{EditCommand, FileCommand, MaterialEdit, ValueEdit};
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
 use sunroom::app::editor::panels::library::{self, LibraryState};
 use sunroom::color::Rgb;
@@ -18,7 +19,9 @@ use super::{click, drag, drag_between, entity, item, press_and_move_in_one_frame
 
 fn only_material(commands: &[Command]) -> &Material {
     match commands.last() {
-        Some(Command::SetMaterial(target, material)) if *target == entity(7) => material,
+        Some(Command::Edit(EditCommand::Value(ValueEdit::SetMaterial(target, material)))) if *target == entity(7) => {
+            material
+        }
         other => panic!("no material was set: {other:?}"),
     }
 }
@@ -69,11 +72,11 @@ fn a_texture_opens_and_is_edited_in_place() {
     harness.state_mut().commands.clear();
     click(&mut harness, "Colour 1 source");
     click(&mut harness, "picture\u{2026}");
-    let dialog = Command::ShowDialog(FileDialogKind::OpenPicture {
+    let dialog = Command::from(FileCommand::ShowDialog(FileDialogKind::OpenPicture {
         owner: entity(7),
         parameter: "reflectance",
         place: SquarePath::WHOLE.within(0),
-    });
+    }));
     assert_eq!(harness.state().commands, [dialog]);
 }
 
@@ -99,7 +102,7 @@ fn colours_are_typed_as_srgb_too() {
 
 fn shown_tree(commands: &[Command]) -> (&[Entity], &MaterialTree) {
     match commands {
-        [Command::BuildMaterial { targets, tree }] => (targets, tree),
+        [Command::Edit(EditCommand::Material(MaterialEdit::BuildMaterial { targets, tree }))] => (targets, tree),
         other => panic!("{other:?}"),
     }
 }
@@ -141,11 +144,13 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
     // The light among what is selected has no material.
     assert!(matches!(
         &harness.state().commands[..],
-        [Command::UsePreset { preset, shapes }] if preset.path() == "Metal/silver" && *shapes == [entity(5)]
+        [Command::Edit(EditCommand::Material(MaterialEdit::UsePreset { preset, shapes }))] if preset.path() == "Metal/silver" && *shapes == [entity(5)]
     ));
     let gold = harness.get_by_label("gold").rect().center();
     drag_between(&mut harness, gold, Pos2::new(410.0, 200.0));
-    let Some(Command::DropPreset { preset, at }) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Material(MaterialEdit::DropPreset { preset, at }))) =
+        harness.state().commands.last()
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(preset.path(), "Metal/gold");
@@ -159,7 +164,9 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
     harness.run_steps(2);
     let commands = &harness.state().commands;
     assert_eq!(commands.len(), 3, "{commands:?}");
-    assert!(matches!(&commands[2], Command::DropPreset { preset, .. } if preset.path() == "Metal/gold"));
+    assert!(
+        matches!(&commands[2], Command::Edit(EditCommand::Material(MaterialEdit::DropPreset { preset, .. })) if preset.path() == "Metal/gold")
+    );
 }
 
 #[test]
@@ -201,7 +208,7 @@ fn the_parts_of_a_nested_material_are_chosen_in_a_tree() {
     click(&mut harness, "diffuse");
     click(&mut harness, "Reflectance source");
     click(&mut harness, "checkerboard");
-    let [Command::SetMaterial(target, _)] = &harness.state().commands[..] else {
+    let [Command::Edit(EditCommand::Value(ValueEdit::SetMaterial(target, _)))] = &harness.state().commands[..] else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(*target, entity(9));
@@ -318,12 +325,15 @@ fn a_shape_takes_another_material_or_a_new_one() {
     let mut harness = inspect(shape.clone());
     click(&mut harness, "Uses");
     click(&mut harness, "glass");
-    let used = Command::UseMaterial {
+    let used = Command::from(MaterialEdit::UseMaterial {
         shapes: vec![entity(5)],
         material: Some(entity(31)),
-    };
+    });
     assert_eq!(harness.state().commands, [used]);
     let mut harness = inspect(shape);
     click(&mut harness, "New material for this shape");
-    assert_eq!(harness.state().commands, [Command::GiveMaterial { shape: entity(5) }]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(MaterialEdit::GiveMaterial { shape: entity(5) })]
+    );
 }

@@ -2,8 +2,8 @@
 
 use bevy::math::Affine3A;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::media::{Filling, MediumSide};
+use sunroom::app::editor::command::{Command, EditCommand, MediumEdit, SettingsEdit, ValueEdit};
 use sunroom::app::editor::model::Inspected;
 use sunroom::color::Rgb;
 use sunroom::scene::{Coefficients, GridFile, Medium, PathPlugin, PhaseFunction, Sensor, Shape, VolumeParameter};
@@ -26,7 +26,9 @@ fn fog() -> Medium {
 /// The medium that the last command sets.
 fn set(commands: &[Command]) -> Medium {
     match commands.last() {
-        Some(Command::SetMedium(target, medium)) if *target == entity(9) => (**medium).clone(),
+        Some(Command::Edit(EditCommand::Value(ValueEdit::SetMedium(target, medium)))) if *target == entity(9) => {
+            (**medium).clone()
+        }
         other => panic!("{other:?}"),
     }
 }
@@ -83,15 +85,15 @@ fn a_medium_is_chosen_made_and_taken_away() {
     let side = MediumSide::Exterior;
     assert_eq!(
         choose("Exterior", "haze"),
-        [Command::UseMedium {
+        [Command::from(MediumEdit::UseMedium {
             things: vec![entity(5)],
             side,
             medium: Some(entity(40)),
-        }]
+        })]
     );
     assert_eq!(
         choose("Exterior", "new medium"),
-        [Command::GiveMedium { thing: entity(5), side }]
+        [Command::from(MediumEdit::GiveMedium { thing: entity(5), side })]
     );
     let mut harness = inspect(with_medium(fog()));
     click(&mut harness, "Interior");
@@ -99,11 +101,11 @@ fn a_medium_is_chosen_made_and_taken_away() {
     harness.run_steps(3);
     assert_eq!(
         harness.state().commands,
-        [Command::UseMedium {
+        [Command::from(MediumEdit::UseMedium {
             things: vec![entity(5)],
             side: MediumSide::Interior,
             medium: None,
-        }]
+        })]
     );
 }
 
@@ -117,10 +119,10 @@ fn an_empty_shape_can_be_filled_and_a_camera_is_in_a_medium() {
     click(&mut harness, "Smoke");
     assert_eq!(
         harness.state().commands,
-        [Command::Fill {
+        [Command::from(MediumEdit::Fill {
             shapes: vec![entity(5)],
             with: Filling::Smoke,
-        }]
+        })]
     );
     let camera = inspect(Inspected {
         sensor: Some(Sensor::default()),
@@ -136,7 +138,9 @@ fn what_keeps_a_medium_from_being_seen_is_told() {
     harness.get_by_label_contains("Not closed: 12345 edges");
     harness.get_by_label_contains("The integrator is `path`");
     click(&mut harness, "Use volpath");
-    let Some(Command::SetIntegrator(settings)) = harness.state().commands.last() else {
+    let Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(settings)))) =
+        harness.state().commands.last()
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(settings.plugin, PathPlugin::VolPath);

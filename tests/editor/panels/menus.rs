@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use bevy_egui::egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
@@ -13,6 +12,7 @@ use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::panel;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
+use sunroom::app::editor::command::{Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand, ViewCommand};
 use sunroom::app::editor::input::actions::{ActionContext, find};
 use sunroom::app::editor::model::{HistoryModel, Model, Notice, Outline, StatusModel};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
@@ -95,12 +95,12 @@ fn menus_say_commands() {
         ..BvhOverlay::default()
     };
     let expected = [
-        Command::ReloadScene,
-        Command::SetOverlay(boxes),
-        Command::LookThrough(entity(9)),
+        Command::from(FileCommand::ReloadScene),
+        Command::from(DisplayCommand::SetOverlay(boxes)),
+        Command::from(ViewCommand::LookThrough(entity(9))),
         Command::Shell(ShellCommand::ClosePanel(panel::Panel::History)),
-        Command::SetPaused(true),
-        Command::SetDenoising(true),
+        Command::from(RenderCommand::SetPaused(true)),
+        Command::from(DisplayCommand::SetDenoising(true)),
     ];
     assert_eq!(harness.state().commands, expected);
 }
@@ -219,7 +219,13 @@ fn a_click_in_the_history_goes_there() {
     click(&mut harness, "Move: ball");
     click(&mut harness, "Hide: ball");
     click(&mut harness, "As opened");
-    assert_eq!(harness.state().commands, [Command::GoTo(3), Command::GoTo(0)]);
+    assert_eq!(
+        harness.state().commands,
+        [
+            Command::from(HistoryCommand::GoTo(3)),
+            Command::from(HistoryCommand::GoTo(0))
+        ]
+    );
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use bevy_egui::egui::{self, Key, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::{Extend, Selection};
+use sunroom::app::editor::command::{Command, OutlineEdit, SelectionCommand};
 use sunroom::app::editor::model::{Model, Outline};
 use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
@@ -34,7 +34,10 @@ fn the_outliner_selects_and_finds() {
     click(&mut harness, "bunny");
     assert_eq!(
         harness.state().commands,
-        [Command::Select(vec![entity(2)], Extend::Replace)]
+        [Command::from(SelectionCommand::Select(
+            vec![entity(2)],
+            Extend::Replace
+        ))]
     );
     harness.get_by_role(egui::accesskit::Role::TextInput).focus();
     harness.run_steps(2);
@@ -72,7 +75,7 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     press_at(&mut harness, eyes[0]);
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::Hide(vec![entity(1)], true))
+        Some(&OutlineEdit::Hide(vec![entity(1)], true).into())
     );
 
     let bunny = harness.get_by_label("bunny").rect().center();
@@ -82,14 +85,14 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     let before = Some(entity(1));
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::Reorder { moved, before })
+        Some(&OutlineEdit::Reorder { moved, before }.into())
     );
     let folder = harness.get_by_label("table  (1)").rect().center();
     drag_between(&mut harness, bunny, folder);
     let (things, folder) = (vec![entity(2)], Some("table".to_owned()));
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::PutInto { things, folder })
+        Some(&OutlineEdit::PutInto { things, folder }.into())
     );
 
     harness.key_press(Key::F2);
@@ -105,7 +108,7 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     harness.run_steps(3);
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::Rename(entity(3), "ground".to_owned()))
+        Some(&OutlineEdit::Rename(entity(3), "ground".to_owned()).into())
     );
 }
 
@@ -173,5 +176,8 @@ fn a_folder_has_an_eye_and_a_shape_names_its_material() {
     let eye = harness.get_by_label("Hide everything in the folder").rect().center();
     press_at(&mut harness, eye);
     let members = vec![entity(1), entity(2)];
-    assert_eq!(harness.state().commands, [Command::Hide(members, true)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(OutlineEdit::Hide(members, true))]
+    );
 }

@@ -8,7 +8,10 @@ use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::command::selection::{Extend, Selection};
-use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::command::{
+    Command, DisplayCommand, EditCommand, FileCommand, FileDialogKind, HistoryCommand, MaterialEdit, OutlineEdit,
+    RenderCommand, SelectionCommand, ViewCommand,
+};
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
@@ -65,7 +68,7 @@ pub fn picture() -> Harness<'static, Picture> {
 
 fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
     harness.state().commands.iter().rev().find_map(|command| match command {
-        Command::MoveView(pose) => Some(*pose),
+        Command::View(ViewCommand::MoveView(pose)) => Some(*pose),
         _ => None,
     })
 }
@@ -95,7 +98,9 @@ fn a_material_is_dragged_from_the_list_onto_the_picture() {
     }
     harness.drop_at(target);
     harness.run_steps(2);
-    let [Command::DropMaterial { material, at }] = harness.state().commands[..] else {
+    let [Command::Edit(EditCommand::Material(MaterialEdit::DropMaterial { material, at }))] =
+        harness.state().commands[..]
+    else {
         panic!("{:?}", harness.state().commands)
     };
     assert_eq!(material, entity(31));
@@ -107,7 +112,7 @@ fn a_click_picks_and_a_drag_looks() {
     let mut harness = picture();
     assert_eq!(harness.state().commands, []);
     press_at(&mut harness, MIDDLE);
-    let [Command::Pick(film, Extend::Replace)] = harness.state().commands[..] else {
+    let [Command::Selection(SelectionCommand::Pick(film, Extend::Replace))] = harness.state().commands[..] else {
         panic!("{:?}", harness.state().commands)
     };
     assert!(film.abs_diff_eq(Vec2::splat(0.5), 0.1), "{film}");
@@ -130,7 +135,7 @@ fn a_click_picks_and_a_drag_looks() {
             .state()
             .commands
             .iter()
-            .any(|command| matches!(command, Command::Pick(..)))
+            .any(|command| matches!(command, Command::Selection(SelectionCommand::Pick(..))))
     );
 }
 
@@ -162,7 +167,10 @@ fn keys_work_again_right_after_a_number_was_dragged() {
     harness.state_mut().commands.clear();
     harness.key_press(Key::N);
     harness.run_steps(2);
-    assert_eq!(harness.state().commands, [Command::SetDenoising(true)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(DisplayCommand::SetDenoising(true))]
+    );
 }
 
 #[test]
@@ -183,55 +191,71 @@ fn a_number_is_typed_without_side_effects() {
 fn keys_are_commands() {
     let display = DisplaySettings::default();
     let table = [
-        (Key::Space, Modifiers::NONE, Command::SetPaused(true)),
-        (Key::R, Modifiers::SHIFT, Command::Restart),
+        (
+            Key::Space,
+            Modifiers::NONE,
+            Command::from(RenderCommand::SetPaused(true)),
+        ),
+        (Key::R, Modifiers::SHIFT, Command::from(RenderCommand::Restart)),
         (
             Key::Tab,
             Modifiers::NONE,
-            Command::SetDisplay(DisplaySettings {
+            Command::from(DisplayCommand::SetDisplay(DisplaySettings {
                 mode: DisplayMode::Albedo,
                 ..display
-            }),
+            })),
         ),
         (
             Key::CloseBracket,
             Modifiers::NONE,
-            Command::SetDisplay(DisplaySettings {
+            Command::from(DisplayCommand::SetDisplay(DisplaySettings {
                 exposure: 0.25,
                 ..display
-            }),
+            })),
         ),
         (
             Key::B,
             Modifiers::NONE,
-            Command::SetOverlay(BvhOverlay {
+            Command::from(DisplayCommand::SetOverlay(BvhOverlay {
                 shown: true,
                 ..BvhOverlay::default()
-            }),
+            })),
         ),
-        (Key::F, Modifiers::NONE, Command::FrameSelection),
-        (Key::Home, Modifiers::NONE, Command::FrameAll),
-        (Key::N, Modifiers::NONE, Command::SetDenoising(true)),
+        (Key::F, Modifiers::NONE, Command::from(ViewCommand::FrameSelection)),
+        (Key::Home, Modifiers::NONE, Command::from(ViewCommand::FrameAll)),
+        (
+            Key::N,
+            Modifiers::NONE,
+            Command::from(DisplayCommand::SetDenoising(true)),
+        ),
         (
             Key::Escape,
             Modifiers::NONE,
-            Command::Select(Vec::new(), Extend::Replace),
+            Command::from(SelectionCommand::Select(Vec::new(), Extend::Replace)),
         ),
         (
             Key::O,
             Modifiers::COMMAND,
-            Command::ShowDialog(FileDialogKind::OpenScene),
+            Command::from(FileCommand::ShowDialog(FileDialogKind::OpenScene)),
         ),
-        (Key::S, Modifiers::COMMAND, Command::Save),
+        (Key::S, Modifiers::COMMAND, Command::from(FileCommand::Save)),
         (
             Key::S,
             Modifiers::COMMAND | Modifiers::SHIFT,
-            Command::ShowDialog(FileDialogKind::SaveScene),
+            Command::from(FileCommand::ShowDialog(FileDialogKind::SaveScene)),
         ),
-        (Key::Z, Modifiers::COMMAND, Command::Undo),
-        (Key::Z, Modifiers::COMMAND | Modifiers::SHIFT, Command::Redo),
-        (Key::H, Modifiers::NONE, Command::Hide(vec![entity(1)], true)),
-        (Key::H, Modifiers::ALT, Command::ShowAll),
+        (Key::Z, Modifiers::COMMAND, Command::from(HistoryCommand::Undo)),
+        (
+            Key::Z,
+            Modifiers::COMMAND | Modifiers::SHIFT,
+            Command::from(HistoryCommand::Redo),
+        ),
+        (
+            Key::H,
+            Modifiers::NONE,
+            Command::from(OutlineEdit::Hide(vec![entity(1)], true)),
+        ),
+        (Key::H, Modifiers::ALT, Command::from(OutlineEdit::ShowAll)),
     ];
     let mut harness = picture();
     for (key, modifiers, expected) in table {
@@ -265,5 +289,5 @@ fn the_wheel_dollies_and_with_the_right_button_sets_the_speed() {
     });
     harness.event(wheel());
     harness.run_steps(1);
-    assert!(matches!(harness.state().commands[..], [Command::SetSpeed(speed)] if speed > 1.0));
+    assert!(matches!(harness.state().commands[..], [Command::View(ViewCommand::SetSpeed(speed))] if speed > 1.0));
 }

@@ -2,12 +2,12 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::command::light_mix::{Channel, LightMix};
 use sunroom::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
+use sunroom::app::editor::command::{CameraEdit, Command, DisplayCommand, EditCommand, RenderCommand, SettingsEdit};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::{layers, render};
 use sunroom::engine::AutoStatus;
@@ -39,60 +39,77 @@ fn the_render_panel_sets_what_it_shows() {
     slide(&mut harness, "Samples", 0.3);
     assert!(matches!(
         harness.state().commands.last(),
-        Some(Command::SetTargetSamples(2..=200))
+        Some(Command::Render(RenderCommand::SetTargetSamples(2..=200)))
     ));
     slide(&mut harness, "Resolution", 0.5);
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetResolutionScale(s)) if (0.4..0.7).contains(s)));
+    assert!(
+        matches!(harness.state().commands.last(), Some(Command::Render(RenderCommand::SetResolutionScale(s))) if (0.4..0.7).contains(s))
+    );
     slide(&mut harness, "Exposure", 0.6);
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.exposure > 0.0));
+    assert!(
+        matches!(harness.state().commands.last(), Some(Command::Display(DisplayCommand::SetDisplay(d))) if d.exposure > 0.0)
+    );
     slide(&mut harness, "Depth limit", 0.1);
     assert!(matches!(
         harness.state().commands.last(),
-        Some(Command::SetIntegrator(IntegratorSettings {
-            max_depth: Some(1..20),
-            ..
-        }))
+        Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(
+            IntegratorSettings {
+                max_depth: Some(1..20),
+                ..
+            }
+        ))))
     ));
     click(&mut harness, "Sampling");
     click(&mut harness, "lights only");
     assert!(matches!(
         harness.state().commands.last(),
-        Some(Command::SetIntegrator(IntegratorSettings {
-            strategy: Strategy::Light,
-            ..
-        }))
+        Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(
+            IntegratorSettings {
+                strategy: Strategy::Light,
+                ..
+            }
+        ))))
     ));
     click(&mut harness, "Clamp fireflies");
     assert!(matches!(
         harness.state().commands.last(),
-        Some(Command::SetIntegrator(IntegratorSettings {
-            clamp_percentile: Some(_),
-            ..
-        }))
+        Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(
+            IntegratorSettings {
+                clamp_percentile: Some(_),
+                ..
+            }
+        ))))
     ));
     click(&mut harness, "Guided paths");
     assert!(matches!(
         harness.state().commands.last(),
-        Some(Command::SetIntegrator(IntegratorSettings { guided: true, .. }))
+        Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(
+            IntegratorSettings { guided: true, .. }
+        ))))
     ));
     click(&mut harness, "Show");
     click(&mut harness, "Normal");
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));
+    assert!(
+        matches!(harness.state().commands.last(), Some(Command::Display(DisplayCommand::SetDisplay(d))) if d.mode == DisplayMode::Normal)
+    );
     click(&mut harness, "Pixels");
     click(&mut harness, "as shown, then full");
-    let chosen = Command::SetResolution(Resolution::AfterRest);
+    let chosen = Command::from(RenderCommand::SetResolution(Resolution::AfterRest));
     assert_eq!(harness.state().commands.last(), Some(&chosen));
     click(&mut harness, "Enlarged");
     click(&mut harness, "sharp");
-    let chosen = Command::SetEnlarging(Enlarging::Sharp);
+    let chosen = Command::from(DisplayCommand::SetEnlarging(Enlarging::Sharp));
     assert_eq!(harness.state().commands.last(), Some(&chosen));
     click(&mut harness, "Denoise");
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetDenoising(true)));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&DisplayCommand::SetDenoising(true).into())
+    );
     click(&mut harness, "Render full film");
-    let asked = Command::RenderFull(FullFilm::default());
+    let asked = Command::from(RenderCommand::RenderFull(FullFilm::default()));
     assert_eq!(harness.state().commands.last(), Some(&asked));
     click(&mut harness, "Start again");
-    assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
+    assert_eq!(harness.state().commands.last(), Some(&RenderCommand::Restart.into()));
 }
 
 #[test]
@@ -101,10 +118,10 @@ fn layers_are_chosen_one_by_one() {
         layers::layer_rows(ui, model.integrator, commands);
     });
     click(&mut harness, "Texture coordinates");
-    let chosen = Command::SetIntegrator(IntegratorSettings {
+    let chosen = Command::from(SettingsEdit::SetIntegrator(IntegratorSettings {
         layers: Layers::of(&[Layer::Uv]),
         ..IntegratorSettings::default()
-    });
+    }));
     assert_eq!(harness.state().commands.last(), Some(&chosen));
 }
 
@@ -115,13 +132,13 @@ fn limits_have_a_switch_and_a_number() {
     click(&mut harness, "Limit noise");
     click(&mut harness, "Adaptive");
     let expected = [
-        Command::SetTimeLimit(Some(60.0)),
-        Command::SetNoiseTarget(Some(0.02)),
-        Command::SetAdaptive(true),
+        Command::from(RenderCommand::SetTimeLimit(Some(60.0))),
+        Command::from(RenderCommand::SetNoiseTarget(Some(0.02))),
+        Command::from(RenderCommand::SetAdaptive(true)),
     ];
     assert_eq!(harness.state().commands, expected);
     click(&mut harness, "Keep limits with the camera");
-    assert_eq!(harness.state().commands.last(), Some(&Command::KeepLimits));
+    assert_eq!(harness.state().commands.last(), Some(&CameraEdit::KeepLimits.into()));
     let mut harness = render_panel(RenderModel {
         time_limit: Some(5.0),
         noise_target: Some(0.1),
@@ -129,17 +146,25 @@ fn limits_have_a_switch_and_a_number() {
         ..RenderModel::default()
     });
     slide(&mut harness, "Noise", 0.9);
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetNoiseTarget(Some(n))) if *n > 0.1));
+    assert!(
+        matches!(harness.state().commands.last(), Some(Command::Render(RenderCommand::SetNoiseTarget(Some(n)))) if *n > 0.1)
+    );
     click(&mut harness, "Limit time");
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetTimeLimit(None)));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&RenderCommand::SetTimeLimit(None).into())
+    );
     slide(&mut harness, "Right", 0.9);
     let last = harness.state().commands.last().cloned();
     assert!(
-        matches!(last, Some(Command::SetRegion(Some(part))) if part.max.x > 0.6 && part.min.x == 0.0),
+        matches!(last, Some(Command::Render(RenderCommand::SetRegion(Some(part)))) if part.max.x > 0.6 && part.min.x == 0.0),
         "{last:?}"
     );
     click(&mut harness, "Only a part");
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetRegion(None)));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&RenderCommand::SetRegion(None).into())
+    );
 }
 
 #[test]
@@ -192,14 +217,20 @@ fn the_panel_says_what_auto_stands_for() {
     harness.run_steps(3);
     harness.get_by_label("guided path: bdpt has 3.3 times the variance of path for the cost");
     click(&mut harness, "By scene");
-    assert_eq!(harness.state().commands, [Command::SetPathIsAuto(false)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(RenderCommand::SetPathIsAuto(false))]
+    );
 }
 
 #[test]
 fn every_light_has_its_channel() {
     let mut harness = render_panel(RenderModel::default());
     click(&mut harness, "Mix lights");
-    assert_eq!(harness.state().commands, [Command::SetLightLayers(true)]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::from(RenderCommand::SetLightLayers(true))]
+    );
     let mut mix = LightMix::default();
     let loud = Channel {
         strength: 3.0,
@@ -222,17 +253,23 @@ fn every_light_has_its_channel() {
     };
     let mut expected = mix.clone();
     expected.set(entity(1), muted);
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetLightMix(expected)));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&DisplayCommand::SetLightMix(expected).into())
+    );
     click(&mut harness, "lamp S");
     let mut expected = mix;
     expected.set(entity(2), Channel { solo: true, ..loud });
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetLightMix(expected)));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&DisplayCommand::SetLightMix(expected).into())
+    );
     click(&mut harness, "Bake");
-    assert_eq!(harness.state().commands.last(), Some(&Command::BakeLights));
+    assert_eq!(harness.state().commands.last(), Some(&SettingsEdit::BakeLights.into()));
     click(&mut harness, "Reset");
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::SetLightMix(LightMix::default()))
+        Some(&DisplayCommand::SetLightMix(LightMix::default()).into())
     );
 }
 
@@ -240,7 +277,7 @@ fn every_light_has_its_channel() {
 fn pictures_are_compared_with_a_snapshot() {
     let mut harness = render_panel(RenderModel::default());
     click(&mut harness, "Take snapshot");
-    assert_eq!(harness.state().commands, [Command::TakeSnapshot]);
+    assert_eq!(harness.state().commands, [Command::from(DisplayCommand::TakeSnapshot)]);
     let mut harness = render_panel(RenderModel {
         comparison: ComparisonModel {
             denoising: false,
@@ -252,12 +289,12 @@ fn pictures_are_compared_with_a_snapshot() {
     });
     slide(&mut harness, "Border", 0.75);
     let last = harness.state().commands.last().cloned();
-    assert!(matches!(last, Some(Command::SetCompareView(CompareView::Wipe(at))) if at > 0.5));
+    assert!(matches!(last, Some(Command::Display(DisplayCommand::SetCompareView(CompareView::Wipe(at)))) if at > 0.5));
     click(&mut harness, "difference");
-    let difference = Command::SetCompareView(CompareView::Difference);
+    let difference = Command::from(DisplayCommand::SetCompareView(CompareView::Difference));
     assert_eq!(harness.state().commands.last(), Some(&difference));
     click(&mut harness, "Measure");
-    assert_eq!(harness.state().commands.last(), Some(&Command::Measure));
+    assert_eq!(harness.state().commands.last(), Some(&DisplayCommand::Measure.into()));
 }
 
 #[test]
@@ -270,6 +307,6 @@ fn a_denoised_picture_is_compared_with_the_noisy_one_without_a_snapshot() {
         ..RenderModel::default()
     });
     click(&mut harness, "noisy");
-    let noisy = Command::SetCompareView(CompareView::Noisy(0.5));
+    let noisy = Command::from(DisplayCommand::SetCompareView(CompareView::Noisy(0.5)));
     assert_eq!(harness.state().commands.last(), Some(&noisy));
 }

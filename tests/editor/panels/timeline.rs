@@ -7,9 +7,9 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::timeline::{TimeStep, Timeline};
+use sunroom::app::editor::command::{Command, EditCommand, TimeCommand, TimeEdit};
 use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel};
 use sunroom::app::editor::panels::timeline::{TimelineState, timeline};
 use sunroom::document::{Interpolation, Key, Track, Value};
@@ -92,7 +92,7 @@ fn the_time_is_dragged_from_frame_to_frame() {
     harness.run_steps(2);
     let (from, to) = (at(&harness, 0.3), at(&harness, 0.72));
     drag(&mut harness, from, to);
-    assert_eq!(harness.state().commands.last(), Some(&Command::SetTime(0.7)));
+    assert_eq!(harness.state().commands.last(), Some(&TimeCommand::SetTime(0.7).into()));
 }
 
 #[test]
@@ -101,7 +101,9 @@ fn a_key_is_dragged_to_another_time() {
     harness.run_steps(2);
     let (from, to) = (at(&harness, 1.0), at(&harness, 1.5));
     drag(&mut harness, from, to);
-    let [Command::Key(values, KeyEdit::Move { from, to })] = &harness.state().commands[..] else {
+    let [Command::Edit(EditCommand::Time(TimeEdit::Key(values, KeyEdit::Move { from, to })))] =
+        &harness.state().commands[..]
+    else {
         panic!("{:?}", harness.state().commands);
     };
     assert_eq!((values.len(), *from, *to), (1, 1.0, 1.5));
@@ -117,8 +119,8 @@ fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
         let (from, to) = (at_height(&harness, 1.0, height), at(&harness, 1.5));
         drag(&mut harness, from, to);
         let commands = &harness.state().commands;
-        assert_eq!(commands.last(), Some(&Command::SetTime(1.5)), "{height}");
-        let is_time = |command: &Command| matches!(command, Command::SetTime(_));
+        assert_eq!(commands.last(), Some(&TimeCommand::SetTime(1.5).into()), "{height}");
+        let is_time = |command: &Command| matches!(command, Command::Time(TimeCommand::SetTime(_)));
         assert!(commands.iter().all(is_time), "{height}: {commands:?}");
     }
     // The mark of the key, and the ends of the track above and below it.
@@ -130,7 +132,13 @@ fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
         drag(&mut harness, from, to);
         let commands = &harness.state().commands;
         assert!(
-            matches!(commands[..], [Command::Key(_, KeyEdit::Move { from: 1.0, to: 0.5 })]),
+            matches!(
+                commands[..],
+                [Command::Edit(EditCommand::Time(TimeEdit::Key(
+                    _,
+                    KeyEdit::Move { from: 1.0, to: 0.5 }
+                )))]
+            ),
             "{height}: {commands:?}"
         );
     }
@@ -144,6 +152,9 @@ fn buttons_step_and_play() {
         harness.get_by_label(name).click();
         harness.run_steps(2);
     }
-    let expected = [Command::StepTime(TimeStep::LastFrame), Command::SetPlaying(true)];
+    let expected = [
+        Command::from(TimeCommand::StepTime(TimeStep::LastFrame)),
+        Command::from(TimeCommand::SetPlaying(true)),
+    ];
     assert_eq!(harness.state().commands, expected);
 }

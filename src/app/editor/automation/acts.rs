@@ -6,9 +6,11 @@ use tempfile::TempDir;
 
 use super::script::assign;
 use crate::app::editor::camera::pose::view_pose;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{
+    Command, FileCommand, HistoryCommand, OutlineEdit, SceneEdit, SelectionCommand, ValueEdit, ViewCommand,
+};
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::CommandQueue;
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -27,17 +29,14 @@ pub fn fly(world: &mut World, time: usize) -> Option<Command> {
         matrix3: pose.matrix3 * bevy::math::Mat3A::from_axis_angle(Vec3::Y, 0.01 * sign(time)),
         translation: pose.translation,
     };
-    Some(Command::MoveView(turned))
+    Some(ViewCommand::MoveView(turned).into())
 }
 
 /// Moves the mesh with the most triangles by a hundredth of the scene's size.
 pub fn drag(world: &mut World, time: usize) -> Option<Command> {
     let (entity, pose) = largest_mesh(world)?;
     let by = 0.01 * world.resource::<ViewSettings>().navigation.scene_size * sign(time);
-    Some(Command::Transform(vec![(
-        entity,
-        Affine3A::from_translation(Vec3::X * by) * pose,
-    )]))
+    Some(ValueEdit::Transform(vec![(entity, Affine3A::from_translation(Vec3::X * by) * pose)]).into())
 }
 
 pub fn read_mesh(world: &mut World) -> Option<()> {
@@ -53,7 +52,10 @@ pub fn save(world: &mut World, folder: &mut Option<TempDir>) -> Option<()> {
         *folder = tempfile::tempdir().ok();
     }
     let path = folder.as_ref()?.path().join("scene.xml");
-    world.resource_mut::<CommandQueue>().0.push(Command::SaveScene(path));
+    world
+        .resource_mut::<CommandQueue>()
+        .0
+        .push(FileCommand::SaveScene(path).into());
     Some(())
 }
 
@@ -90,7 +92,7 @@ pub fn change_material(world: &mut World, time: usize) -> Option<Command> {
         names
             .iter()
             .find(|name| assign::material(&mut material, name, &color).is_ok())?;
-        Some(Command::SetMaterial(entity, Box::new(material)))
+        Some(ValueEdit::SetMaterial(entity, Box::new(material)).into())
     })
 }
 
@@ -100,7 +102,7 @@ pub fn change_light(world: &mut World, time: usize) -> Option<Command> {
     if let Some((entity, light)) = lights.iter(world).next() {
         let mut light = light.clone();
         assign::area_light(&mut light, "radiance", &color).ok()?;
-        return Some(Command::SetAreaLight(entity, Some(light)));
+        return Some(ValueEdit::SetAreaLight(entity, Some(light)).into());
     }
     let mut emitters = world.query::<(Entity, &Emitter)>();
     emitters.iter(world).find_map(|(entity, emitter)| {
@@ -109,7 +111,7 @@ pub fn change_light(world: &mut World, time: usize) -> Option<Command> {
         names
             .iter()
             .find(|name| assign::emitter(&mut emitter, name, &color).is_ok())?;
-        Some(Command::SetEmitter(entity, emitter))
+        Some(ValueEdit::SetEmitter(entity, emitter).into())
     })
 }
 
@@ -119,9 +121,9 @@ pub fn undo(world: &mut World, time: usize) -> Option<Command> {
         return None;
     }
     Some(if time.is_multiple_of(2) {
-        Command::Undo
+        Command::from(HistoryCommand::Undo)
     } else {
-        Command::Redo
+        Command::from(HistoryCommand::Redo)
     })
 }
 
@@ -135,17 +137,17 @@ pub fn middle_shape(world: &mut World, time: usize) -> Option<Entity> {
 }
 
 pub fn select(shape: Entity, _: usize) -> Command {
-    Command::Select(vec![shape], Extend::Replace)
+    Command::from(SelectionCommand::Select(vec![shape], Extend::Replace))
 }
 
 pub fn rename(shape: Entity, time: usize) -> Command {
-    Command::Rename(shape, format!("renamed {time}"))
+    Command::from(OutlineEdit::Rename(shape, format!("renamed {time}")))
 }
 
 pub fn hide(shape: Entity, _: usize) -> Command {
-    Command::Hide(vec![shape], true)
+    Command::from(OutlineEdit::Hide(vec![shape], true))
 }
 
 pub fn add(_: &mut World, _: usize) -> Option<Command> {
-    Some(Command::Add(AdditionKind::Sphere.into()))
+    Some(SceneEdit::Add(AdditionKind::Sphere.into()).into())
 }

@@ -9,8 +9,8 @@ use tempfile::TempDir;
 
 use super::acts;
 use super::monkey::frames::Stopwatch;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{Command, SceneEdit, SelectionCommand};
 use crate::app::editor::picture::frame_times::{Frame, FrameTimes, median};
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::picture::texture::Picture;
@@ -86,9 +86,13 @@ const KINDS: [(&str, Act, Duration); 15] = [
     ("select", Act::InPanels(acts::select), REST),
     ("rename", Act::InPanels(acts::rename), REST),
     ("hide", Act::OnShape(acts::hide), REST),
-    ("duplicate", Act::OnShape(|_, _| Command::Duplicate), REST),
+    (
+        "duplicate",
+        Act::OnShape(|_, _| Command::from(SceneEdit::Duplicate)),
+        REST,
+    ),
     ("add", Act::Command(acts::add), REST),
-    ("delete", Act::OnShape(|_, _| Command::Delete), REST),
+    ("delete", Act::OnShape(|_, _| Command::from(SceneEdit::Delete)), REST),
     ("undo and redo", Act::Command(acts::undo), REST),
     ("save", Act::Save, REST),
     ("read a mesh again", Act::ReadMesh, REST),
@@ -108,7 +112,10 @@ impl Act {
                 let Some(shape) = acts::middle_shape(world, time) else {
                     return false;
                 };
-                let commands = [Command::Select(vec![shape], Extend::Replace), command(shape, time)];
+                let commands = [
+                    Command::from(SelectionCommand::Select(vec![shape], Extend::Replace)),
+                    command(shape, time),
+                ];
                 world.resource_mut::<CommandQueue>().0.extend(commands);
                 true
             }

@@ -18,10 +18,10 @@ use bevy_egui::EguiPostUpdateSet;
 
 use super::script::Script;
 use crate::app::editor::camera::pose::view_pose;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::resolution::Resolution;
+use crate::app::editor::command::{Command, HistoryCommand, ViewCommand};
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::motion::Motion;
 use crate::app::editor::picture::resolution::PicturePlace;
@@ -280,8 +280,8 @@ impl SettlingProbe {
         world.resource_mut::<RenderControl>().restart_requested |= !restarts;
         let is_edited = world.resource::<History>().len().0 > start.steps;
         let view = start.pose.filter(|pose| view_pose(world) != Some(*pose));
-        let back = is_edited.then_some(Command::Undo).into_iter();
-        let back = back.chain(view.map(Command::MoveView));
+        let back = is_edited.then_some(Command::from(HistoryCommand::Undo)).into_iter();
+        let back = back.chain(view.map(|it| ViewCommand::MoveView(it).into()));
         world.resource_mut::<CommandQueue>().0.extend(back);
         if self.edit == EDITS.len() {
             self.finish(world);

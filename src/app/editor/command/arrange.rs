@@ -1,5 +1,8 @@
 //! Words for placing several things relative to each other: sides, references, and series of copies.
 
+use super::traits::Traits;
+use bevy::prelude::Entity;
+
 use bevy::math::Vec3;
 
 /// The part of each thing's bounds that is brought in line.
@@ -71,3 +74,51 @@ pub enum Way {
 
 /// The largest number of things in a series.
 pub const LONGEST_SERIES: u32 = 10_000;
+
+/// An edit that moves the selection in relation to other things, to the view or to the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ArrangeEdit {
+    /// Brings one side of each selected thing in line, along an axis of the world from 0 to 2.
+    Align(usize, Side, Reference),
+    /// Spaces the selected things evenly along an axis of the world from 0 to 2; the outermost stay.
+    Distribute(usize, Spacing),
+    /// Scales things so that they are seen well, and puts them onto what is in the middle of the picture.
+    FitToView(Vec<Entity>),
+    /// Moves the selection by a step along an axis of the world: the one that looks most like this direction in the
+    /// picture.
+    Nudge(Direction),
+    /// Drops each selected thing onto what is below it.
+    Drop,
+    /// Puts the origin of each selected thing onto the grid of the gizmo's step.
+    SnapToGrid,
+}
+
+impl ArrangeEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Align(..) => Traits::edit("Align").of_selection(),
+            Self::Distribute(..) => Traits::edit("Distribute").of_selection(),
+            Self::FitToView(things) => Traits::edit("Fit to view").of(things),
+            Self::Nudge(_) => Traits::edit("Move").of_selection(),
+            Self::Drop => Traits::edit("Drop").of_selection(),
+            Self::SnapToGrid => Traits::edit("Put onto the grid").of_selection(),
+        }
+    }
+}
+
+/// The directions on the ground, as the camera sees it, and up and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// To the left in the picture.
+    Left,
+    /// To the right in the picture.
+    Right,
+    /// Away from the camera.
+    Ahead,
+    /// Towards the camera.
+    Back,
+    /// Along +y of the world.
+    Up,
+    /// Along -y of the world.
+    Down,
+}

@@ -1,5 +1,7 @@
 //! The bake of lightmaps: how it is done, and what the user asks of it.
 
+use super::traits::Traits;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -118,4 +120,18 @@ pub enum BakeCommand {
     ShowPage(usize),
     /// Closes what is shown of a bake that has ended.
     Close,
+}
+
+impl BakeCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Choose(_)
+            | Self::ChooseFolder(_)
+            | Self::Begin(_)
+            | Self::Stop
+            | Self::Discard
+            | Self::ShowPage(_)
+            | Self::Close => Traits::NONE,
+        }
+    }
 }

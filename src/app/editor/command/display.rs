@@ -1,6 +1,13 @@
 //! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They
 //! know neither rendering nor Bevy.
 
+use super::bvh_overlay::BvhOverlay;
+use super::compare_view::CompareView;
+use super::grid_settings::GridSettings;
+use super::light_mix::LightMix;
+use super::resolution::Enlarging;
+use super::traits::Traits;
+
 use std::ops::RangeInclusive;
 
 use crate::render::tonemap::{Display, ToneMap};
@@ -201,5 +208,52 @@ mod tests {
         assert!(sum(0.0) < sum(0.3) && sum(0.3) < sum(0.8) && sum(0.8) < sum(1.0));
         assert_eq!(heat(f32::NAN), heat(0.0));
         assert_eq!(heat(9.0), heat(1.0));
+    }
+}
+
+/// A command that chooses how the picture and the marks over it are shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DisplayCommand {
+    /// Sets how the film becomes a picture.
+    SetDisplay(DisplaySettings),
+    /// Sets the exposure so that the picture is middle grey on average.
+    ExposeAutomatically,
+    /// Sets strength, colour, solo and mute of each light.
+    SetLightMix(LightMix),
+    /// Keeps the picture for comparison.
+    TakeSnapshot,
+    /// Sets how picture and snapshot share the viewport.
+    SetCompareView(CompareView),
+    /// Measures the picture against the snapshot.
+    Measure,
+    /// Sets the boxes of the acceleration structures that are drawn over the picture.
+    SetOverlay(BvhOverlay),
+    /// Dims what lies outside of the film, or no longer.
+    ShowSafeFrame(bool),
+    /// Shows the dimensions of the selection in the picture, or no longer.
+    ShowDimensions(bool),
+    /// Sets the grid on the ground and the axes of the world.
+    SetGrid(GridSettings),
+    /// Shows the picture without noise from now on, or as sampled.
+    SetDenoising(bool),
+    /// Sets how a picture is shown that has fewer pixels than its place in the window.
+    SetEnlarging(Enlarging),
+}
+
+impl DisplayCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::TakeSnapshot | Self::Measure => Traits::NONE.of_pixels(),
+            Self::SetDisplay(_)
+            | Self::SetEnlarging(_)
+            | Self::ExposeAutomatically
+            | Self::SetLightMix(_)
+            | Self::SetCompareView(_)
+            | Self::SetOverlay(_)
+            | Self::ShowSafeFrame(_)
+            | Self::ShowDimensions(_)
+            | Self::SetGrid(_)
+            | Self::SetDenoising(_) => Traits::NONE,
+        }
     }
 }

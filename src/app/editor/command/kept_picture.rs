@@ -1,5 +1,7 @@
 //! Commands for a picture that is not finished and is kept beside its scene.
 
+use super::traits::Traits;
+
 /// The command about the kept picture of the open scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptPicture {
@@ -11,4 +13,14 @@ pub enum KeptPicture {
     Continue,
     /// Removes the picture that was kept.
     Discard,
+}
+
+impl KeptPicture {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Keep | Self::KeepAndQuit => Traits::NONE.of_pixels(),
+            Self::Continue => Traits::VIEW,
+            Self::Discard => Traits::NONE,
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! The places where things refer to media, and what a shape can be filled with.
 
+use super::traits::Traits;
+
 use bevy::prelude::Entity;
 
 /// A place where a thing refers to a medium.
@@ -50,6 +52,50 @@ impl Filling {
             Self::Fog => Some("fog"),
             Self::Smoke => Some("smoke"),
             Self::Medium(_) => None,
+        }
+    }
+}
+
+/// An edit of the media that shapes, cameras and lights refer to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MediumEdit {
+    /// Puts a medium inside or outside of shapes, or cameras and lights into it; or takes it away.
+    UseMedium {
+        /// The shapes, cameras or lights.
+        things: Vec<Entity>,
+        /// The place of the medium.
+        side: MediumSide,
+        /// The medium. None is empty space.
+        medium: Option<Entity>,
+    },
+    /// Gives a thing a new medium of its own.
+    GiveMedium {
+        /// The shape, camera or light.
+        thing: Entity,
+        /// The place of the medium.
+        side: MediumSide,
+    },
+    /// Fills closed shapes; a surface that lets no light in becomes that of no material.
+    Fill {
+        /// The shapes.
+        shapes: Vec<Entity>,
+        /// The medium.
+        with: Filling,
+    },
+}
+
+impl MediumEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::UseMedium { things, medium, .. } => Traits::edit("Assign medium").of(things).giving(*medium),
+            Self::GiveMedium { thing, .. } => Traits::edit("New medium").of(&[*thing]),
+            Self::Fill { shapes, with } => {
+                let traits = Traits::edit("Fill").of(shapes);
+                match with {
+                    Filling::Medium(medium) => traits.giving(Some(*medium)),
+                    Filling::Fog | Filling::Smoke => traits.giving_name(with.name().unwrap_or_default()),
+                }
+            }
         }
     }
 }

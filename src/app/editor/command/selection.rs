@@ -1,5 +1,7 @@
 //! The selection: things of the scene in the order in which they were chosen.
 
+use super::traits::Traits;
+
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
@@ -93,5 +95,29 @@ mod tests {
         assert_eq!((selection.active(), selection.contains(a)), (Some(b), false));
         selection.extend([a], Extend::Replace);
         assert_eq!(selection.entities(), [a]);
+    }
+}
+
+/// A command about the selection.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SelectionCommand {
+    /// Selects things of the scene, which need not be visible.
+    Select(Vec<Entity>, Extend),
+    /// Selects everything that the outliner shows.
+    SelectAll,
+    /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
+    Pick(Vec2, Extend),
+    /// Selects everything in the group around the active thing. Given again, it selects everything in the next group
+    /// outwards.
+    SelectGroup,
+    /// Copies the selection to the clipboard, as XML text.
+    Copy,
+}
+
+impl SelectionCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Select(..) | Self::SelectAll | Self::Pick(..) | Self::SelectGroup | Self::Copy => Traits::NONE,
+        }
     }
 }

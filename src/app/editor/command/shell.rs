@@ -1,5 +1,7 @@
 //! Commands for the window itself: panels, overlays, full screen, preferences, answers to questions.
 
+use super::traits::Traits;
+
 use std::path::PathBuf;
 
 use bevy::prelude::*;
@@ -15,6 +17,8 @@ use crate::scene::FileKind;
 /// A command for the window itself; none of them changes the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShellCommand {
+    /// Shows all panels, or the viewport alone.
+    ShowPanels(bool),
     /// Shows a panel in front of its group, also if it was closed.
     ShowPanel(Panel),
     /// Takes a panel out of the window.
@@ -49,6 +53,31 @@ pub enum ShellCommand {
     AllowFiles(Question),
     /// Asks where a missing file is.
     FindFile(SoughtFile),
+}
+
+impl ShellCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Recover(_) => Traits::NONE.losing_edits(),
+            Self::ShowPanels(_)
+            | Self::ShowPanel(_)
+            | Self::ClosePanel(_)
+            | Self::ResetLayout
+            | Self::ToggleFullScreen
+            | Self::ShowSheet(_)
+            | Self::SetPreferences(_)
+            | Self::SetNavigation(_)
+            | Self::ShowTutorial(_)
+            | Self::ShowRecovery
+            | Self::AskAboutRecovery(_)
+            | Self::DiscardRecovery(_)
+            | Self::AddAssetFolder(_)
+            | Self::RemoveAssetFolder(_)
+            | Self::AskAboutScene(_)
+            | Self::AllowFiles(_)
+            | Self::FindFile(_) => Traits::NONE,
+        }
+    }
 }
 
 /// A missing file that the user is to find.

@@ -1,6 +1,12 @@
 //! How textures lie on a surface: the transform of uv in parts that a user can think in, and the textures of a material
 //! that lie alike.
 
+use super::traits::Traits;
+use super::uv_projection::Projection;
+use crate::scene::SquarePath;
+use bevy::prelude::Entity;
+use std::path::PathBuf;
+
 use bevy::math::{Affine2, Mat2, Vec2};
 
 use crate::scene::{Material, Texture};
@@ -189,5 +195,47 @@ mod tests {
             [2, 1]
         );
         assert_eq!(groups[0].to_uv, Affine2::from_scale(Vec2::splat(2.0)));
+    }
+}
+
+/// An edit of the textures of materials and lights, and of the coordinates that place them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TextureEdit {
+    /// Sets another picture for a texture of a material or a light, or a picture where there is none.
+    SetPicture {
+        /// A material or a light.
+        owner: Entity,
+        /// The name of the parameter in the file.
+        parameter: &'static str,
+        /// The place of the texture within the parameter, if it is inside a checkerboard.
+        place: SquarePath,
+        /// The absolute path of the picture.
+        path: PathBuf,
+    },
+    /// Places textures: gives all of a material, or of a shape's, that have one transform of uv another one.
+    PlaceTextures {
+        /// A shape or a material. What is nested in it belongs to it.
+        owner: Entity,
+        /// The transform that the textures have now.
+        before: Affine2,
+        /// The transform that they get.
+        after: Affine2,
+    },
+    /// Gives shapes new texture coordinates.
+    ProjectTextures {
+        /// The shapes.
+        shapes: Vec<Entity>,
+        /// Where the coordinates come from.
+        projection: Projection,
+    },
+}
+
+impl TextureEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::SetPicture { owner, .. } => Traits::edit("Choose picture").of(&[*owner]),
+            Self::PlaceTextures { owner, .. } => Traits::drag("Place texture").of(&[*owner]),
+            Self::ProjectTextures { shapes, .. } => Traits::edit("Project texture").of(shapes),
+        }
     }
 }

@@ -1,5 +1,9 @@
 //! The frames of the timeline, and the steps that go through them.
 
+use super::traits::Traits;
+use crate::scene::{KeyEdit, KeyPath};
+use bevy::prelude::Entity;
+
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
@@ -91,4 +95,63 @@ pub enum TimeStep {
     PreviousKey,
     /// To the next key.
     NextKey,
+}
+
+/// An edit of values that change in time. All times are in seconds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TimeEdit {
+    /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each
+    /// selected thing, and other edits are of all tracks of the selection.
+    Key(Vec<(Entity, KeyPath)>, KeyEdit),
+    /// Lets the camera in use, from where the view is, go once around the selection, or the scene, in the course of the
+    /// frames of the timeline.
+    AddTurntable,
+}
+
+impl TimeEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Key(targets, how) => {
+                let traits = match how {
+                    KeyEdit::Set => Traits::edit("Set key of"),
+                    KeyEdit::Remove => Traits::edit("Remove key of"),
+                    KeyEdit::RemoveAll => Traits::edit("Remove keys of"),
+                    KeyEdit::Move { .. } => Traits::drag("Move key of"),
+                    KeyEdit::Interpolate(_) => Traits::edit("Set interpolation of"),
+                };
+                let mut things: Vec<Entity> = targets.iter().map(|(thing, _)| *thing).collect();
+                things.dedup();
+                match things.is_empty() {
+                    true => traits.of_selection(),
+                    false => traits.of(&things),
+                }
+            }
+            Self::AddTurntable => Traits::edit("Add turntable"),
+        }
+    }
+}
+
+/// A command that chooses the time that is shown. All times are in seconds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TimeCommand {
+    /// Shows the scene at a time. Playing ends.
+    SetTime(f64),
+    /// Shows the scene at the time of another frame or key.
+    StepTime(TimeStep),
+    /// Plays the frames of the timeline, or holds.
+    SetPlaying(bool),
+    /// Sets the frames of the timeline.
+    SetTimeline(Timeline),
+    /// Shows the timeline below the picture, or not.
+    ShowTimeline(bool),
+}
+
+impl TimeCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::SetTime(_) => Traits::VIEW.moving_picture(),
+            Self::StepTime(_) => Traits::VIEW,
+            Self::SetPlaying(_) | Self::SetTimeline(_) | Self::ShowTimeline(_) => Traits::NONE,
+        }
+    }
 }

@@ -1,5 +1,10 @@
 //! A tool that replaces selection for clicks and drags in the picture.
 
+use super::gizmo_settings::GizmoSettings;
+use super::inspected_paths::InspectedPaths;
+use super::ruler::Ruler;
+use super::traits::Traits;
+
 use super::blocking::{BlockKind, OpeningKind};
 
 /// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths, distances
@@ -67,5 +72,30 @@ impl Tool {
     /// gizmo are not shown.
     pub fn blocks_out(self) -> bool {
         matches!(self, Self::Draw(_) | Self::Push | Self::Cut(_))
+    }
+}
+
+/// A command about the tools for clicks and drags in the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToolCommand {
+    /// Sets what the next click in the picture does.
+    SetTool(Tool),
+    /// Keeps a measured distance in the picture.
+    AddRuler(Ruler),
+    /// Removes all measured distances.
+    ClearRulers,
+    /// Shows the paths of a pixel, or none.
+    InspectPaths(Option<InspectedPaths>),
+    /// Sets what a drag of the gizmo does.
+    SetGizmo(GizmoSettings),
+}
+
+impl ToolCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::SetTool(_) | Self::AddRuler(_) | Self::ClearRulers | Self::InspectPaths(_) | Self::SetGizmo(_) => {
+                Traits::NONE
+            }
+        }
     }
 }

@@ -10,9 +10,12 @@ use super::{
     adding, arranging, blocking, copying, finding, fitting, grouping, limits, materials, media, mixing, placing,
     several, texturing, timeline, uv_projection, view,
 };
-use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::{
+    ArrangeEdit, CameraEdit, EditCommand, MaterialEdit, MediumEdit, OutlineEdit, SceneEdit, SettingsEdit, TextureEdit,
+    TimeEdit, ValueEdit,
+};
 use crate::app::editor::session::history::{Edit, StepKind};
 use crate::app::editor::session::trust;
 use crate::document::paths::settle;
@@ -21,42 +24,46 @@ use crate::scene::{
 };
 
 /// Applies an edit. After an error the caller undoes what was done before it.
-pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
+pub fn apply(edit: &mut Edit, command: EditCommand) -> Result<(), CommandError> {
     match command {
-        Command::Import(path) => adding::import_chosen(edit, &path)?,
-        Command::UseFile(file) => use_file(edit, &file)?,
-        Command::FindFile { missing, found, others } => finding::find(edit, &missing, &found, others)?,
-        Command::Paste(text) => adding::paste(edit, &text)?,
-        Command::Add(addition) => adding::add(edit, addition)?,
-        Command::Build(block) => blocking::build(edit, *block)?,
-        Command::Reshape(entity, shape, pose, _) => blocking::reshape(edit, entity, shape, pose)?,
-        Command::Delete => delete_selection(edit)?,
-        Command::Cut => {
+        EditCommand::Scene(SceneEdit::Import(path)) => adding::import_chosen(edit, &path)?,
+        EditCommand::Scene(SceneEdit::UseFile(file)) => use_file(edit, &file)?,
+        EditCommand::Scene(SceneEdit::FindFile { missing, found, others }) => {
+            finding::find(edit, &missing, &found, others)?
+        }
+        EditCommand::Scene(SceneEdit::Paste(text)) => adding::paste(edit, &text)?,
+        EditCommand::Scene(SceneEdit::Add(addition)) => adding::add(edit, addition)?,
+        EditCommand::Scene(SceneEdit::Build(block)) => blocking::build(edit, *block)?,
+        EditCommand::Scene(SceneEdit::Reshape(entity, shape, pose, _)) => blocking::reshape(edit, entity, shape, pose)?,
+        EditCommand::Scene(SceneEdit::Delete) => delete_selection(edit)?,
+        EditCommand::Scene(SceneEdit::Cut) => {
             super::files::copy(edit.world)?;
             delete_selection(edit)?;
         }
-        Command::Duplicate => copying::duplicate(edit)?,
-        Command::MakeSeries(series) => copying::series(edit, &series)?,
-        Command::Align(axis, side, to) => arranging::align(edit, axis, side, to)?,
-        Command::Distribute(axis, by) => arranging::distribute(edit, axis, by)?,
-        Command::FitToView(entities) => fitting::fit_to_view(edit, &entities)?,
-        Command::Rename(entity, name) => rename(edit, entity, &name)?,
-        Command::Reorder { moved, before } => reorder(edit, &moved, before),
-        Command::Group => grouping::group(edit)?,
-        Command::Ungroup => grouping::ungroup(edit)?,
-        Command::PutInto { things, folder } => grouping::put_into(edit, things, folder.as_deref())?,
-        Command::Hide(entities, hidden) => hide(edit, &entities, hidden),
-        Command::HideOthers => {
+        EditCommand::Scene(SceneEdit::Duplicate) => copying::duplicate(edit)?,
+        EditCommand::Scene(SceneEdit::MakeSeries(series)) => copying::series(edit, &series)?,
+        EditCommand::Arrange(ArrangeEdit::Align(axis, side, to)) => arranging::align(edit, axis, side, to)?,
+        EditCommand::Arrange(ArrangeEdit::Distribute(axis, by)) => arranging::distribute(edit, axis, by)?,
+        EditCommand::Arrange(ArrangeEdit::FitToView(entities)) => fitting::fit_to_view(edit, &entities)?,
+        EditCommand::Outline(OutlineEdit::Rename(entity, name)) => rename(edit, entity, &name)?,
+        EditCommand::Outline(OutlineEdit::Reorder { moved, before }) => reorder(edit, &moved, before),
+        EditCommand::Outline(OutlineEdit::Group) => grouping::group(edit)?,
+        EditCommand::Outline(OutlineEdit::Ungroup) => grouping::ungroup(edit)?,
+        EditCommand::Outline(OutlineEdit::PutInto { things, folder }) => {
+            grouping::put_into(edit, things, folder.as_deref())?
+        }
+        EditCommand::Outline(OutlineEdit::Hide(entities, hidden)) => hide(edit, &entities, hidden),
+        EditCommand::Outline(OutlineEdit::HideOthers) => {
             let selection = edit.world.resource::<Selection>().clone();
             let others = visible_things(edit.world, |entity| !selection.contains(entity));
             hide(edit, &others, true);
         }
-        Command::ShowAll => {
+        EditCommand::Outline(OutlineEdit::ShowAll) => {
             let mut hidden = edit.world.query_filtered::<Entity, With<Hidden>>();
             let hidden: Vec<Entity> = hidden.iter(edit.world).collect();
             hide(edit, &hidden, false);
         }
-        Command::Lock(entities, locked) => {
+        EditCommand::Outline(OutlineEdit::Lock(entities, locked)) => {
             for entity in entities {
                 if locked {
                     edit.set(entity, Locked);
@@ -65,42 +72,42 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
                 }
             }
         }
-        Command::MoveCameraToView => {
+        EditCommand::Camera(CameraEdit::MoveCameraToView) => {
             view::move_camera_to_view(edit)?;
         }
-        Command::Nudge(direction) => {
+        EditCommand::Arrange(ArrangeEdit::Nudge(direction)) => {
             edit.kind = StepKind::Move;
             placing::nudge(edit, direction)?;
         }
-        Command::Drop => placing::drop(edit)?,
-        Command::SnapToGrid => placing::onto_grid(edit)?,
-        Command::Transform(poses) => {
+        EditCommand::Arrange(ArrangeEdit::Drop) => placing::drop(edit)?,
+        EditCommand::Arrange(ArrangeEdit::SnapToGrid) => placing::onto_grid(edit)?,
+        EditCommand::Value(ValueEdit::Transform(poses)) => {
             edit.kind = StepKind::Move;
             let poses = grouping::with_members(edit, poses);
             transform(edit, poses)?;
         }
-        Command::Turn(entity, pose, angles) => {
+        EditCommand::Value(ValueEdit::Turn(entity, pose, angles)) => {
             edit.kind = StepKind::Move;
             let poses = grouping::with_members(edit, vec![(entity, pose)]);
             transform(edit, poses)?;
             set_angles(edit, entity, Some(angles));
         }
-        Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
-        Command::SetMaterial(entity, material) => {
+        EditCommand::Value(ValueEdit::SetShape(entity, shape)) => replace(edit, entity, shape)?,
+        EditCommand::Value(ValueEdit::SetMaterial(entity, material)) => {
             replace(edit, entity, *material)?;
             materials::check_sides(edit.world, entity)?;
         }
-        Command::SetPicture {
+        EditCommand::Texture(TextureEdit::SetPicture {
             owner,
             parameter,
             place,
             path,
-        } => {
+        }) => {
             let path = settle(&path);
             trust::allow_chosen(edit.world, &path);
             set_picture(edit, owner, parameter, place, path);
         }
-        Command::UseMaterial { shapes, material } => {
+        EditCommand::Material(MaterialEdit::UseMaterial { shapes, material }) => {
             if let Some(material) = material {
                 need::<Material>(edit, material)?;
             }
@@ -112,26 +119,36 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
                 }
             }
         }
-        Command::PlaceTextures { owner, before, after } => texturing::place(edit, owner, before, after)?,
-        Command::ProjectTextures { shapes, projection } => uv_projection::project(edit, &shapes, projection)?,
-        Command::GiveMaterial { shape } => {
+        EditCommand::Texture(TextureEdit::PlaceTextures { owner, before, after }) => {
+            texturing::place(edit, owner, before, after)?
+        }
+        EditCommand::Texture(TextureEdit::ProjectTextures { shapes, projection }) => {
+            uv_projection::project(edit, &shapes, projection)?
+        }
+        EditCommand::Material(MaterialEdit::GiveMaterial { shape }) => {
             need_surface(edit, shape)?;
             let before = edit.world.get::<UsesMaterial>(shape).map(|uses| uses.0);
             let material = materials::copy_or_grey(edit, before);
             edit.set(shape, UsesMaterial(material));
         }
-        Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
-        Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree)?,
-        Command::UsePreset { preset, shapes } => materials::use_preset(edit, &preset, &shapes)?,
-        Command::DropPreset { preset, at } => {
+        EditCommand::Material(MaterialEdit::DropMaterial { material, at }) => materials::drop_at(edit, material, at)?,
+        EditCommand::Material(MaterialEdit::BuildMaterial { targets, tree }) => {
+            materials::build(edit, &targets, &tree)?
+        }
+        EditCommand::Material(MaterialEdit::UsePreset { preset, shapes }) => {
+            materials::use_preset(edit, &preset, &shapes)?
+        }
+        EditCommand::Material(MaterialEdit::DropPreset { preset, at }) => {
             let shape = materials::shape_at(edit, at)?;
             materials::use_preset(edit, &preset, &[shape])?;
         }
-        Command::SetMedium(entity, medium) => media::set(edit, entity, *medium)?,
-        Command::UseMedium { things, side, medium } => media::use_medium(edit, &things, side, medium)?,
-        Command::GiveMedium { thing, side } => media::give(edit, thing, side)?,
-        Command::Fill { shapes, with } => media::fill(edit, &shapes, with)?,
-        Command::SetAreaLight(entity, light) => match light {
+        EditCommand::Value(ValueEdit::SetMedium(entity, medium)) => media::set(edit, entity, *medium)?,
+        EditCommand::Medium(MediumEdit::UseMedium { things, side, medium }) => {
+            media::use_medium(edit, &things, side, medium)?
+        }
+        EditCommand::Medium(MediumEdit::GiveMedium { thing, side }) => media::give(edit, thing, side)?,
+        EditCommand::Medium(MediumEdit::Fill { shapes, with }) => media::fill(edit, &shapes, with)?,
+        EditCommand::Value(ValueEdit::SetAreaLight(entity, light)) => match light {
             Some(light) => {
                 need_surface(edit, entity)?;
                 if edit.world.get::<MemberOf>(entity).is_some() {
@@ -141,24 +158,28 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             }
             None => edit.remove::<AreaLight>(entity),
         },
-        Command::SetEmitter(entity, emitter) => replace(edit, entity, emitter)?,
-        Command::SetSensor(entity, sensor) => replace(edit, entity, sensor)?,
-        Command::FocusAt(film) => view::focus(edit, film)?,
-        Command::SetFilm(entity, film) => replace(edit, entity, film)?,
-        Command::SetIntegrator(settings) => super::world::set_resource::<IntegratorSettings>(edit.world, settings),
-        Command::SetSampler(settings) => super::world::set_resource::<SamplerSettings>(edit.world, settings),
-        Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
-        Command::SetUnit(unit) => super::world::set_unit(edit.world, unit),
-        Command::BakeLights => mixing::bake(edit)?,
-        Command::KeepLimits => limits::keep(edit)?,
-        Command::AddTurntable => timeline::add_turntable(edit)?,
-        Command::Key(targets, how) => timeline::edit(edit, &targets, how)?,
-        Command::OnSelection(command) => {
-            several::carry_to_others(edit, &command);
-            apply(edit, *command)?;
+        EditCommand::Value(ValueEdit::SetEmitter(entity, emitter)) => replace(edit, entity, emitter)?,
+        EditCommand::Value(ValueEdit::SetSensor(entity, sensor)) => replace(edit, entity, sensor)?,
+        EditCommand::Camera(CameraEdit::FocusAt(film)) => view::focus(edit, film)?,
+        EditCommand::Value(ValueEdit::SetFilm(entity, film)) => replace(edit, entity, film)?,
+        EditCommand::Settings(SettingsEdit::SetIntegrator(settings)) => {
+            super::world::set_resource::<IntegratorSettings>(edit.world, settings)
         }
-        // The others are no edits.
-        _ => {}
+        EditCommand::Settings(SettingsEdit::SetSampler(settings)) => {
+            super::world::set_resource::<SamplerSettings>(edit.world, settings)
+        }
+        EditCommand::Settings(SettingsEdit::SetAccel(method)) => {
+            super::world::set_resource::<AccelMethod>(edit.world, method)
+        }
+        EditCommand::Settings(SettingsEdit::SetUnit(unit)) => super::world::set_unit(edit.world, unit),
+        EditCommand::Settings(SettingsEdit::BakeLights) => mixing::bake(edit)?,
+        EditCommand::Camera(CameraEdit::KeepLimits) => limits::keep(edit)?,
+        EditCommand::Time(TimeEdit::AddTurntable) => timeline::add_turntable(edit)?,
+        EditCommand::Time(TimeEdit::Key(targets, how)) => timeline::edit(edit, &targets, how)?,
+        EditCommand::OnSelection(command) => {
+            several::carry_to_others(edit, &command);
+            apply(edit, (*command).into())?;
+        }
     }
     Ok(())
 }

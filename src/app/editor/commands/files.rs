@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::{finished, grouping};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind};
 use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::options::{BegunWith, SceneDefines};
 use crate::app::editor::session::recovery::Recovery;
@@ -167,7 +167,7 @@ pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandErr
     if let Some(question) = requests.save_question.take() {
         return Err(question.refusal().into());
     }
-    if *command == Command::Save && requests.dialog == Some(FileDialogKind::SaveScene) {
+    if *command == Command::from(FileCommand::Save) && requests.dialog == Some(FileDialogKind::SaveScene) {
         requests.dialog = None;
         return Err("The scene has no file yet: name one with `save-to FILE`.".into());
     }

@@ -6,9 +6,9 @@ use bevy::prelude::*;
 
 use super::{grouping, spot, things};
 use crate::app::editor::camera::{picking, rounding};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::{ArrangeEdit, Command};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
@@ -88,7 +88,7 @@ pub(crate) fn tell_sizes(world: &mut World) {
                 let name = world.get::<Name>(entity).map_or_else(String::new, Name::to_string);
                 let [x, y, z] = bounds.extent().to_array().map(|side| rounding::with_digits(side, 3));
                 let text = format!("{name} measures {x} × {y} × {z} units.");
-                let fit = Command::FitToView(vec![entity]);
+                let fit = Command::from(ArrangeEdit::FitToView(vec![entity]));
                 world.resource_mut::<Toasts>().offer(text, "Fit to view", fit);
             }
         }

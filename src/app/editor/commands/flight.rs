@@ -9,8 +9,8 @@ use bevy::prelude::*;
 
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::picture::motion::Motion;
 use crate::app::editor::picture::pacing::Pacing;
 use crate::scene::{ActiveSensor, FreeView, SceneStatus, ToWorld};
@@ -83,7 +83,10 @@ pub fn make_way(world: &mut World, command: &Command) {
         return;
     };
     if let Some(course) = flights.course.take()
-        && !matches!(command, Command::MoveView(_) | Command::TurnAbout(_))
+        && !matches!(
+            command,
+            Command::View(ViewCommand::MoveView(_) | ViewCommand::TurnAbout(_))
+        )
     {
         world.resource_mut::<FreeView>().set_if_neq(course.end);
     }
@@ -157,6 +160,7 @@ fn direction(pose: &Affine3A) -> Quat {
 mod tests {
     use super::*;
     use crate::app::editor::camera::navigation::facing;
+    use crate::app::editor::command::CameraEdit;
     use crate::scene::Sensor;
 
     fn looking(from: Vec3, at: Vec3) -> Affine3A {
@@ -227,7 +231,7 @@ mod tests {
         let (mut world, from, to) = world(true);
         go(&mut world, Some(from), FreeView::at(to), None);
         assert_eq!(view_pose(&world), Some(from));
-        make_way(&mut world, &Command::MoveCameraToView);
+        make_way(&mut world, &Command::from(CameraEdit::MoveCameraToView));
         assert_eq!(view_pose(&world), Some(to));
         fly_on(&mut world);
         assert_eq!(view_pose(&world), Some(to));

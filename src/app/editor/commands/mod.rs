@@ -62,7 +62,11 @@ use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::ruler::MOST_RULERS;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, Effect};
+use crate::app::editor::command::traits::Effect;
+use crate::app::editor::command::{
+    Command, DisplayCommand, EditCommand, FileCommand, HistoryCommand, RenderCommand, SelectionCommand, TimeCommand,
+    ToolCommand, ViewCommand,
+};
 use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
@@ -97,16 +101,16 @@ pub(crate) fn apply_commands(world: &mut World) {
     if commands.is_empty() {
         return;
     }
-    note_input(world, commands.iter().any(Command::restarts_picture));
-    if commands.iter().any(Command::moves_picture)
+    note_input(world, commands.iter().any(|command| command.traits().restarts_picture));
+    if commands.iter().any(|command| command.traits().moves_picture)
         && let Some(mut motion) = world.get_resource_mut::<Motion>()
     {
         motion.note_change();
     }
     for command in commands {
-        let saves = command.saves();
+        let saves = command.traits().saves;
         let result = match (saving::begin(world, &command), command) {
-            (Ok(false), Command::ExportScene(path)) => exporting::begin(world, path),
+            (Ok(false), Command::File(FileCommand::ExportScene(path))) => exporting::begin(world, path),
             (Ok(false), command) => apply(world, command),
             (begun, _) => begun.map(|_| ()),
         };
@@ -125,7 +129,9 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
     let Some(mut motion) = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled()) else {
         return commands;
     };
-    let (later, now): (Vec<Command>, Vec<Command>) = commands.into_iter().partition(Command::keeps_picture);
+    let (later, now): (Vec<Command>, Vec<Command>) = commands
+        .into_iter()
+        .partition(|command| command.traits().is_about_pixels);
     if !later.is_empty() {
         motion.stop();
         world.resource_mut::<CommandQueue>().0.extend(later);
@@ -134,8 +140,9 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
 }
 
 /// Applies a command in this frame and returns its error. A question to the user is returned as an error as well.
-pub(crate) fn apply_now(world: &mut World, command: Command) -> Result<(), CommandError> {
-    note_input(world, command.restarts_picture());
+pub(crate) fn apply_now(world: &mut World, command: impl Into<Command>) -> Result<(), CommandError> {
+    let command = command.into();
+    note_input(world, command.traits().restarts_picture);
     apply(world, command.clone())?;
     full_film::confirm(world)?;
     files::unanswered(world, &command)
@@ -153,17 +160,20 @@ fn note_input(world: &mut World, restarts: bool) {
 }
 
 /// Does what the command says. After an error nothing is changed.
-pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
+pub fn apply(world: &mut World, command: impl Into<Command>) -> Result<(), CommandError> {
+    apply_any(world, command.into())
+}
+
+fn apply_any(world: &mut World, command: Command) -> Result<(), CommandError> {
     flight::make_way(world, &command);
     saving::make_way(world, &command)?;
     let lesson = world
         .get_resource::<Tutorial>()
         .filter(|tutorial| tutorial.step.is_some())
         .map(|_| command.clone());
-    let effect = command.effect();
-    match effect {
-        Effect::Edit | Effect::Drag => edit(world, command, effect == Effect::Drag)?,
-        Effect::View | Effect::None => act(world, command)?,
+    match command {
+        Command::Edit(command) => edit(world, command)?,
+        command => act(world, command)?,
     }
     keep_what_is_there(world);
     if let Some(command) = lesson {
@@ -173,8 +183,8 @@ pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
     Ok(())
 }
 
-fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), CommandError> {
-    let (label, targets) = (command.label(), command.targets());
+fn edit(world: &mut World, command: EditCommand) -> Result<(), CommandError> {
+    let traits = command.traits();
     let title = Title::before(world, &command);
     let interaction = world.resource::<Requests>().interaction;
     let mut edit = Edit::begin(world);
@@ -184,7 +194,8 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
             edit.follow_keys();
             let title = title.after(edit.world);
             keep_what_is_there(edit.world);
-            edit.finish(title, merges.then_some((interaction, (label, targets))));
+            let merges = traits.effect == Effect::Drag;
+            edit.finish(title, merges.then(|| (interaction, (traits.label, traits.targets()))));
             Ok(())
         }
         Err(error) => {
@@ -196,46 +207,50 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
 
 fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
     match command {
-        Command::NewScene => {
+        Command::File(FileCommand::NewScene) => {
             baking::leave_scene(world);
             files::new_scene(world);
         }
-        Command::OpenScene(path) => {
+        Command::File(FileCommand::OpenScene(path)) => {
             baking::leave_scene(world);
             files::open_scene(world, path);
         }
-        Command::ReloadScene => files::reload_scene(world)?,
-        Command::RevertScene => {
+        Command::File(FileCommand::ReloadScene) => files::reload_scene(world)?,
+        Command::File(FileCommand::RevertScene) => {
             files::revert_scene(world)?;
             baking::leave_scene(world);
         }
-        Command::Save => files::save(world)?,
-        Command::SaveScene(path) => files::save_to(world, &path)?,
-        Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
-        Command::ExportScene(path) => exporting::export_now(world, &path)?,
+        Command::File(FileCommand::Save) => files::save(world)?,
+        Command::File(FileCommand::SaveScene(path)) => files::save_to(world, &path)?,
+        Command::File(FileCommand::SaveChanged(path, on_change)) => files::save_scene(world, &path, on_change)?,
+        Command::File(FileCommand::ExportScene(path)) => exporting::export_now(world, &path)?,
         Command::Bake(command) => baking::apply(world, command)?,
-        Command::SaveImage(path) => full_film::save_image(world, path)?,
+        Command::File(FileCommand::SaveImage(path)) => full_film::save_image(world, path)?,
         Command::KeptPicture(command) => kept_picture::apply(world, command)?,
-        Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),
-        Command::Quit => {
+        Command::File(FileCommand::ShowDialog(kind)) => world.resource_mut::<Requests>().dialog = Some(kind),
+        Command::File(FileCommand::Quit) => {
             world.write_message(AppExit::Success);
         }
-        Command::Copy => files::copy(world)?,
+        Command::Selection(SelectionCommand::Copy) => files::copy(world)?,
 
-        Command::Undo => history::undo(world)?,
-        Command::Redo => history::redo(world)?,
-        Command::GoTo(steps) => {
+        Command::History(HistoryCommand::Undo) => history::undo(world)?,
+        Command::History(HistoryCommand::Redo) => history::redo(world)?,
+        Command::History(HistoryCommand::GoTo(steps)) => {
             while world.resource::<History>().len().0 > steps && history::undo(world).is_ok() {}
             while world.resource::<History>().len().0 < steps && history::redo(world).is_ok() {}
         }
-        Command::SetTime(time) => timeline::set_time(world, time)?,
-        Command::StepTime(step) => timeline::step(world, step)?,
-        Command::SetPlaying(plays) => timeline::play(world, plays),
-        Command::SetTimeline(timeline) => world.resource_mut::<ViewSettings>().timeline = timeline.within_range(),
-        Command::ShowTimeline(shown) => world.resource_mut::<ViewSettings>().timeline_shown = Some(shown),
+        Command::Time(TimeCommand::SetTime(time)) => timeline::set_time(world, time)?,
+        Command::Time(TimeCommand::StepTime(step)) => timeline::step(world, step)?,
+        Command::Time(TimeCommand::SetPlaying(plays)) => timeline::play(world, plays),
+        Command::Time(TimeCommand::SetTimeline(timeline)) => {
+            world.resource_mut::<ViewSettings>().timeline = timeline.within_range()
+        }
+        Command::Time(TimeCommand::ShowTimeline(shown)) => {
+            world.resource_mut::<ViewSettings>().timeline_shown = Some(shown)
+        }
 
-        Command::Select(entities, how) => select(world, &entities, how),
-        Command::SelectAll => {
+        Command::Selection(SelectionCommand::Select(entities, how)) => select(world, &entities, how),
+        Command::Selection(SelectionCommand::SelectAll) => {
             let mut things = world.query_filtered::<(Entity, &DocumentOrder), (
                 Or<(With<Shape>, With<Emitter>)>,
                 Without<Locked>,
@@ -247,7 +262,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
             let things: Vec<Entity> = things.into_iter().map(|(_, entity)| entity).collect();
             select(world, &things, Extend::Replace);
         }
-        Command::Pick(film, how) => {
+        Command::Selection(SelectionCommand::Pick(film, how)) => {
             let found = picking::pick(world.resource::<PackedScene>(), film);
             let found = found.filter(|entity| world.get::<Locked>(*entity).is_none());
             match (found, how) {
@@ -255,34 +270,42 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
                 (found, how) => select(world, found.as_slice(), how),
             }
         }
-        Command::SelectGroup => grouping::select_group(world)?,
-        Command::FrameSelection => view::frame_selection(world)?,
-        Command::FrameAll => view::frame_all(world)?,
-        Command::MoveView(pose) => view::move_view(world, pose),
-        Command::SwitchProjection => projection::switch(world)?,
-        Command::LookThrough(entity) => view::look_through(world, entity),
-        Command::TurnAbout(point) => world.resource_mut::<ViewSettings>().navigation.pivot = Some(point),
-        Command::LookAlong(axis) => view::look_along(world, axis),
-        Command::StoreView(number) => view::store(world, number),
-        Command::RecallView(number) => view::recall(world, number)?,
-        Command::SetSpeed(speed) => world.resource_mut::<ViewSettings>().navigation.set_speed(speed),
+        Command::Selection(SelectionCommand::SelectGroup) => grouping::select_group(world)?,
+        Command::View(ViewCommand::FrameSelection) => view::frame_selection(world)?,
+        Command::View(ViewCommand::FrameAll) => view::frame_all(world)?,
+        Command::View(ViewCommand::MoveView(pose)) => view::move_view(world, pose),
+        Command::View(ViewCommand::SwitchProjection) => projection::switch(world)?,
+        Command::View(ViewCommand::LookThrough(entity)) => view::look_through(world, entity),
+        Command::View(ViewCommand::TurnAbout(point)) => {
+            world.resource_mut::<ViewSettings>().navigation.pivot = Some(point)
+        }
+        Command::View(ViewCommand::LookAlong(axis)) => view::look_along(world, axis),
+        Command::View(ViewCommand::StoreView(number)) => view::store(world, number),
+        Command::View(ViewCommand::RecallView(number)) => view::recall(world, number)?,
+        Command::View(ViewCommand::SetSpeed(speed)) => world.resource_mut::<ViewSettings>().navigation.set_speed(speed),
 
-        Command::SetPaused(paused) => control(world, |control| control.paused = paused),
-        Command::Restart => control(world, |control| control.restart_requested = true),
-        Command::SetTargetSamples(samples) => control(world, |control| control.target_samples = Some(samples.max(1))),
-        Command::SetTimeLimit(limit) => control(world, |control| control.time_limit = limit),
-        Command::SetNoiseTarget(target) => {
+        Command::Render(RenderCommand::SetPaused(paused)) => control(world, |control| control.paused = paused),
+        Command::Render(RenderCommand::Restart) => control(world, |control| control.restart_requested = true),
+        Command::Render(RenderCommand::SetTargetSamples(samples)) => {
+            control(world, |control| control.target_samples = Some(samples.max(1)))
+        }
+        Command::Render(RenderCommand::SetTimeLimit(limit)) => control(world, |control| control.time_limit = limit),
+        Command::Render(RenderCommand::SetNoiseTarget(target)) => {
             // Zero is no limit, also where the file has one.
             control(world, |control| control.noise_target = Some(target.unwrap_or(0.0)));
         }
-        Command::SetAdaptive(is_on) => control(world, |control| control.adaptive = Some(is_on)),
-        Command::SetRegion(region) => {
+        Command::Render(RenderCommand::SetAdaptive(is_on)) => control(world, |control| control.adaptive = Some(is_on)),
+        Command::Render(RenderCommand::SetRegion(region)) => {
             let region = region.map(|region| Rect::from_corners(region.min, region.max));
             control(world, |control| control.region = region);
         }
-        Command::SetPathIsAuto(is_auto) => control(world, |control| control.path_is_auto = is_auto),
-        Command::SetStrategySplit(split) => control(world, |control| control.strategy_split = split),
-        Command::SetLightLayers(kept) => {
+        Command::Render(RenderCommand::SetPathIsAuto(is_auto)) => {
+            control(world, |control| control.path_is_auto = is_auto)
+        }
+        Command::Render(RenderCommand::SetStrategySplit(split)) => {
+            control(world, |control| control.strategy_split = split)
+        }
+        Command::Render(RenderCommand::SetLightLayers(kept)) => {
             control(world, |control| control.light_layers = kept);
             let display = world.resource::<ViewSettings>().display;
             if !kept && matches!(display.mode, DisplayMode::LightGroup(_)) {
@@ -290,30 +313,32 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
                 view::set_display(world, DisplaySettings { mode, ..display });
             }
         }
-        Command::SetLightMix(mix) => {
+        Command::Display(DisplayCommand::SetLightMix(mix)) => {
             let mix = world.get_resource_or_init::<LightMix>().with_channels(mix);
             set_resource(world, mix);
         }
-        Command::ExposeAutomatically => finished::expose(world)?,
-        Command::TakeSnapshot => finished::take_snapshot(world)?,
-        Command::SetCompareView(view) => {
+        Command::Display(DisplayCommand::ExposeAutomatically) => finished::expose(world)?,
+        Command::Display(DisplayCommand::TakeSnapshot) => finished::take_snapshot(world)?,
+        Command::Display(DisplayCommand::SetCompareView(view)) => {
             baking::check_view(world, view)?;
             world.resource_mut::<Comparison>().view = view;
         }
-        Command::Measure => finished::measure(world)?,
-        Command::SetResolutionScale(scale) => {
+        Command::Display(DisplayCommand::Measure) => finished::measure(world)?,
+        Command::Render(RenderCommand::SetResolutionScale(scale)) => {
             control(world, |control| control.resolution_scale = scale.clamp(0.05, 1.0));
         }
-        Command::SetResolution(resolution) => full_film::set_resolution(world, resolution),
-        Command::SetEnlarging(enlarging) => world.resource_mut::<ViewSettings>().enlarging = enlarging,
-        Command::RenderFull(request) => full_film::render(world, request)?,
-        Command::StopFull => full_film::stop(world),
-        Command::SetDisplay(display) => view::set_display(world, display),
-        Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
-        Command::SetSeeing(seen) => seeing::set(world, seen),
-        Command::CutOpen => seeing::cut_open(world)?,
-        Command::Isolate(entities) => seeing::isolate(world, entities)?,
-        Command::SetTool(tool) => {
+        Command::Render(RenderCommand::SetResolution(resolution)) => full_film::set_resolution(world, resolution),
+        Command::Display(DisplayCommand::SetEnlarging(enlarging)) => {
+            world.resource_mut::<ViewSettings>().enlarging = enlarging
+        }
+        Command::Render(RenderCommand::RenderFull(request)) => full_film::render(world, request)?,
+        Command::Render(RenderCommand::StopFull) => full_film::stop(world),
+        Command::Display(DisplayCommand::SetDisplay(display)) => view::set_display(world, display),
+        Command::Display(DisplayCommand::SetOverlay(overlay)) => world.resource_mut::<ViewSettings>().overlay = overlay,
+        Command::View(ViewCommand::SetSeeing(seen)) => seeing::set(world, seen),
+        Command::View(ViewCommand::CutOpen) => seeing::cut_open(world)?,
+        Command::View(ViewCommand::Isolate(entities)) => seeing::isolate(world, entities)?,
+        Command::Tool(ToolCommand::SetTool(tool)) => {
             if tool == Tool::PlaceTexture {
                 texturing::need_textures(world)?;
             }
@@ -325,19 +350,25 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
                 world.resource_mut::<PathInspector>().wanted = None;
             }
         }
-        Command::ShowSafeFrame(shown) => world.resource_mut::<ViewSettings>().safe_frame = shown,
-        Command::ShowDimensions(shown) => world.resource_mut::<ViewSettings>().dimensions = shown,
-        Command::AddRuler(ruler) => {
+        Command::Display(DisplayCommand::ShowSafeFrame(shown)) => {
+            world.resource_mut::<ViewSettings>().safe_frame = shown
+        }
+        Command::Display(DisplayCommand::ShowDimensions(shown)) => {
+            world.resource_mut::<ViewSettings>().dimensions = shown
+        }
+        Command::Tool(ToolCommand::AddRuler(ruler)) => {
             let rulers = &mut world.resource_mut::<ViewSettings>().rulers;
             rulers.push(ruler);
             let dropped = rulers.len().saturating_sub(MOST_RULERS);
             rulers.drain(..dropped);
         }
-        Command::ClearRulers => world.resource_mut::<ViewSettings>().rulers.clear(),
-        Command::SetGrid(grid) => world.resource_mut::<ViewSettings>().grid = grid.within_range(),
-        Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
-        Command::SetGizmo(gizmo) => view::set_gizmo(world, gizmo),
-        Command::SetDenoising(denoising) => {
+        Command::Tool(ToolCommand::ClearRulers) => world.resource_mut::<ViewSettings>().rulers.clear(),
+        Command::Display(DisplayCommand::SetGrid(grid)) => {
+            world.resource_mut::<ViewSettings>().grid = grid.within_range()
+        }
+        Command::Tool(ToolCommand::InspectPaths(wanted)) => world.resource_mut::<PathInspector>().wanted = wanted,
+        Command::Tool(ToolCommand::SetGizmo(gizmo)) => view::set_gizmo(world, gizmo),
+        Command::Display(DisplayCommand::SetDenoising(denoising)) => {
             if denoising && !world.resource::<Denoiser>().is_available() {
                 return Err("This program was built without the denoiser (cargo feature `denoise`).".into());
             }
@@ -346,7 +377,6 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
                 preferences.denoising = denoising;
             }
         }
-        Command::ShowPanels(shown) => world.resource_mut::<ViewSettings>().panels_shown = shown,
         Command::Shell(command) => shell::apply(world, command)?,
         // The others are edits.
         _ => {}

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::{grouping, things};
 use crate::app::editor::camera::{picking, pose, rounding};
-use crate::app::editor::command::Direction;
+use crate::app::editor::command::arrange::Direction;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;

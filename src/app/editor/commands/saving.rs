@@ -10,9 +10,9 @@ use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 
 use super::files;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::{Toasts, Topic};
@@ -55,9 +55,9 @@ fn pool() -> &'static AsyncComputeTaskPool {
 /// Where and how a command saves the scene.
 fn target(world: &World, command: &Command) -> Option<(PathBuf, OnChange)> {
     match command {
-        Command::Save => Some((world.resource::<SceneStatus>().path.clone()?, OnChange::Refuse)),
-        Command::SaveScene(path) => Some((path.clone(), OnChange::Refuse)),
-        Command::SaveChanged(path, on_change) => Some((path.clone(), *on_change)),
+        Command::File(FileCommand::Save) => Some((world.resource::<SceneStatus>().path.clone()?, OnChange::Refuse)),
+        Command::File(FileCommand::SaveScene(path)) => Some((path.clone(), OnChange::Refuse)),
+        Command::File(FileCommand::SaveChanged(path, on_change)) => Some((path.clone(), *on_change)),
         _ => None,
     }
 }
@@ -72,7 +72,7 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
         return Ok(false);
     }
     make_way(world, command)?;
-    if !matches!(command, Command::SaveChanged(..)) && files::ask_about_copy(world, &path) {
+    if !matches!(command, Command::File(FileCommand::SaveChanged(..))) && files::ask_about_copy(world, &path) {
         return Ok(true);
     }
     let message = format!("Saving {}", path.display());
@@ -179,7 +179,7 @@ pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
 
 /// Lets a save that is under way end before the program does.
 pub(crate) fn finish_at_exit(world: &mut World) {
-    let ended = finish(world).and_then(|()| files::unanswered(world, &Command::Quit));
+    let ended = finish(world).and_then(|()| files::unanswered(world, &Command::from(FileCommand::Quit)));
     if let Err(error) = ended {
         error!("The scene could not be saved: {error}");
     }
@@ -190,14 +190,14 @@ pub(crate) fn finish_at_exit(world: &mut World) {
 pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let reads = matches!(
         command,
-        Command::ReloadScene | Command::Shell(ShellCommand::AllowFiles(_))
+        Command::File(FileCommand::ReloadScene) | Command::Shell(ShellCommand::AllowFiles(_))
     );
-    if command.saves() {
+    if command.traits().saves {
         tell(world, finish);
-    } else if reads || command.loses_edits() {
+    } else if reads || command.traits().loses_edits {
         finish(world)?;
     }
-    if command.loses_edits() && world.resource::<Requests>().save_question.is_some() {
+    if command.traits().loses_edits && world.resource::<Requests>().save_question.is_some() {
         return Err("The scene is not saved yet: there is a question about its file.".into());
     }
     Ok(())

@@ -8,7 +8,7 @@ use bevy::reflect::PartialReflect;
 
 use super::grouping;
 use super::things::{pose_of, set_pose};
-use crate::app::editor::command::Command;
+use crate::app::editor::command::ValueEdit;
 use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::selection::Selection;
@@ -24,16 +24,16 @@ use crate::scene::{
 const DEEPEST: usize = 4;
 
 /// Applies to all other selected things what the command is going to do to its thing.
-pub fn carry_to_others(edit: &mut Edit, command: &Command) {
+pub fn carry_to_others(edit: &mut Edit, command: &ValueEdit) {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
     let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
     match command {
-        Command::SetShape(entity, after) => {
+        ValueEdit::SetShape(entity, after) => {
             carry::<Shape>(edit, *entity, after, others(*entity), Vectors::ByComponent);
         }
-        Command::SetSensor(entity, after) => carry::<Sensor>(edit, *entity, after, others(*entity), Vectors::Whole),
-        Command::SetFilm(entity, after) => carry::<Film>(edit, *entity, after, others(*entity), Vectors::Whole),
-        Command::SetEmitter(entity, after) => {
+        ValueEdit::SetSensor(entity, after) => carry::<Sensor>(edit, *entity, after, others(*entity), Vectors::Whole),
+        ValueEdit::SetFilm(entity, after) => carry::<Film>(edit, *entity, after, others(*entity), Vectors::Whole),
+        ValueEdit::SetEmitter(entity, after) => {
             for other in others(*entity) {
                 let known = edit.world.get::<Emitter>(*entity).zip(edit.world.get::<Emitter>(other));
                 if let Some((before, other_before)) = known {
@@ -47,7 +47,7 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                 }
             }
         }
-        Command::SetMaterial(entity, after) => {
+        ValueEdit::SetMaterial(entity, after) => {
             for other in materials_like(edit.world, *entity, &selected) {
                 let known = edit
                     .world
@@ -64,7 +64,7 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                 }
             }
         }
-        Command::SetMedium(entity, after) => {
+        ValueEdit::SetMedium(entity, after) => {
             for other in media_like(edit.world, *entity, &selected) {
                 let known = edit.world.get::<Medium>(*entity).zip(edit.world.get::<Medium>(other));
                 if let Some((before, other_before)) = known {
@@ -74,7 +74,7 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                 }
             }
         }
-        Command::SetAreaLight(entity, after) => {
+        ValueEdit::SetAreaLight(entity, after) => {
             let before = edit.world.get::<AreaLight>(*entity).cloned();
             for other in others(*entity)
                 .filter(|other| edit.world.get::<Shape>(*other).is_some())
@@ -92,18 +92,16 @@ pub fn carry_to_others(edit: &mut Edit, command: &Command) {
                 }
             }
         }
-        Command::Transform(poses) => {
+        ValueEdit::Transform(poses) => {
             if let [(entity, after)] = poses[..] {
                 let others = moved_by_themselves(edit.world, entity, others(entity).collect());
                 transform(edit, entity, after, others);
             }
         }
-        Command::Turn(entity, after, _) => {
+        ValueEdit::Turn(entity, after, _) => {
             let others = moved_by_themselves(edit.world, *entity, others(*entity).collect());
             transform(edit, *entity, *after, others);
         }
-        // The others are about everything selected anyway.
-        _ => {}
     }
 }
 

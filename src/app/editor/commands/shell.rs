@@ -19,6 +19,7 @@ use crate::render::tonemap::ToneMap;
 /// Does what a command asks of the window. The error is a sentence for the user.
 pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandError> {
     match command {
+        ShellCommand::ShowPanels(shown) => world.resource_mut::<ViewSettings>().panels_shown = shown,
         ShellCommand::ShowPanel(panel) => world.get_resource_or_init::<Layout>().show(panel),
         ShellCommand::ClosePanel(panel) => world.get_resource_or_init::<Layout>().close(panel),
         ShellCommand::ResetLayout => world.insert_resource(Layout::default()),

@@ -1,11 +1,12 @@
 //! What the history calls the steps: the verb of the command, and the names of the things it was about.
 
+use crate::app::editor::command::traits::Object;
+use crate::app::editor::command::traits::Subject;
 use bevy::math::Mat3A;
 use bevy::prelude::*;
 
-use crate::app::editor::command::Command;
-use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::{EditCommand, SceneEdit, ValueEdit};
 use crate::scene::{Locked, Medium, ObjectState, ToWorld};
 
 /// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
@@ -19,34 +20,23 @@ pub struct Title {
 
 impl Title {
     /// To be called before the edit.
-    pub fn before(world: &World, command: &Command) -> Self {
+    pub fn before(world: &World, command: &EditCommand) -> Self {
         let selected = || {
             let selected = world.resource::<Selection>().entities().iter().copied();
             // Locked things stay as they are.
             let free = selected.filter(|entity| world.get::<Locked>(*entity).is_none());
             subject(world, &free.collect::<Vec<_>>())
         };
-        let targets = command.targets();
-        let named = match command {
-            Command::Add(_) | Command::Import(_) | Command::UseFile(_) | Command::Paste(_) => None,
-            Command::Duplicate
-            | Command::MakeSeries(_)
-            | Command::Align(..)
-            | Command::Distribute(..)
-            | Command::Delete
-            | Command::Cut
-            | Command::Group
-            | Command::Ungroup
-            | Command::Nudge(_)
-            | Command::Drop
-            | Command::SnapToGrid => Some(selected()),
-            Command::Key(targets, _) if targets.is_empty() => Some(selected()),
-            _ => Some(subject(world, &targets)),
+        let traits = command.traits();
+        let named = match &traits.subject {
+            Subject::Things(things) => Some(subject(world, things)),
+            Subject::Selection => Some(selected()),
+            Subject::Made => None,
         };
         Self {
-            verb: verb(world, command),
+            verb: verb(world, command, traits.label),
             subject: named,
-            object: object(world, command),
+            object: object(world, command, traits.object),
         }
     }
 
@@ -75,28 +65,19 @@ fn subject(world: &World, things: &[Entity]) -> String {
     }
 }
 
-/// The material that things get, or their new name.
-fn object(world: &World, command: &Command) -> String {
-    let object = match command {
-        Command::UsePreset { preset, .. } | Command::DropPreset { preset, .. } => Some(preset.name.as_str()),
-        Command::UseMaterial { material: None, .. } => Some("none"),
-        Command::UseMaterial {
-            material: Some(material),
-            ..
-        } => world.get::<Name>(*material).map(Name::as_str),
-        Command::UseMedium { medium: None, .. } => Some("none"),
-        Command::UseMedium {
-            medium: Some(medium), ..
-        }
-        | Command::Fill {
-            with: Filling::Medium(medium),
-            ..
-        } => world.get::<Name>(*medium).map(Name::as_str),
-        Command::Fill { with, .. } => with.name(),
-        Command::Rename(_, name) => Some(name.as_str()),
-        Command::SetMedium(entity, after) => world.get(*entity).and_then(|before| parameter_of_medium(before, after)),
-        _ => None,
+/// The material that things get, or their new name, or the parameter that is changed.
+fn object(world: &World, command: &EditCommand, declared: Option<Object>) -> String {
+    let name = match declared {
+        Some(Object::Name(name)) => Some(name),
+        Some(Object::Thing(thing)) => world.get::<Name>(thing).map(|name| name.to_string()),
+        None => None,
     };
+    let mut parameter = None;
+    if let EditCommand::Value(ValueEdit::SetMedium(medium, after)) = command {
+        let before = world.get(*medium);
+        parameter = before.and_then(|before| parameter_of_medium(before, after));
+    }
+    let object = name.as_deref().or(parameter);
     object.map_or_else(String::new, |object| format!(": {object}"))
 }
 
@@ -117,22 +98,22 @@ fn parameter_of_medium(before: &Medium, after: &Medium) -> Option<&'static str> 
     }
 }
 
-/// The verb of a command: [`Command::label`], with the kind of what is added. For a change of pose it tells what
-/// happens to the first thing.
-fn verb(world: &World, command: &Command) -> String {
-    let change = match command {
-        Command::Add(addition) => return format!("{} {}", command.label(), addition.kind.name()),
-        Command::Transform(poses) => poses.first().and_then(|(entity, after)| {
-            let before = world.get::<ToWorld>(*entity)?.0.matrix3;
-            Some([before, after.matrix3])
-        }),
-        Command::Turn(entity, after, _) => world
-            .get::<ToWorld>(*entity)
-            .map(|pose| [pose.0.matrix3, after.matrix3]),
-        _ => None,
+/// The verb of an edit: its label, with the kind of what is added. For a change of pose it tells what happens to the
+/// first thing.
+fn verb(world: &World, command: &EditCommand, label: &str) -> String {
+    if let EditCommand::Scene(SceneEdit::Add(addition)) = command {
+        return format!("{label} {}", addition.kind.name());
+    }
+    let moved = if let EditCommand::Value(ValueEdit::Transform(poses)) = command {
+        poses.first().copied()
+    } else if let EditCommand::Value(ValueEdit::Turn(entity, after, _)) = command {
+        Some((*entity, *after))
+    } else {
+        None
     };
+    let change = moved.and_then(|(entity, after)| Some([world.get::<ToWorld>(entity)?.0.matrix3, after.matrix3]));
     let Some([before, after]) = change.filter(|[before, after]| before != after) else {
-        return command.label().to_owned();
+        return label.to_owned();
     };
     // A rotation keeps the lengths of the axes.
     let lengths = |matrix: Mat3A| [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());

@@ -8,9 +8,9 @@ use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 use super::actions::bindings::FLIGHT;
 use super::actions::{ACTIONS, Action, ActionContext};
 use super::press::Press;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, FileCommand};
 
 /// The direction of flight to the left, up and forward, each -1, 0 or 1. Keys with modifiers, which preferences may
 /// name, do not fly.
@@ -94,7 +94,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
         context.follow(&command);
         let opens_dialog = matches!(
             command,
-            Command::ShowDialog(_) | Command::Shell(ShellCommand::ShowSheet(_))
+            Command::File(FileCommand::ShowDialog(_)) | Command::Shell(ShellCommand::ShowSheet(_))
         );
         commands.push(command);
         if opens_dialog {
@@ -107,6 +107,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
 
 #[cfg(test)]
 mod tests {
+    use crate::app::editor::command::{DisplayCommand, ToolCommand, ViewCommand};
     use bevy::input::ButtonState;
     use bevy::prelude::Entity;
 
@@ -182,7 +183,7 @@ mod tests {
         assert_eq!(seeing.notes().count(), 2);
         for (text, name) in seeing.notes() {
             let action = find(name).expect(text);
-            let Some(Command::SetSeeing(after)) = (action.command)(&context) else {
+            let Some(Command::View(ViewCommand::SetSeeing(after))) = (action.command)(&context) else {
                 panic!("{text}");
             };
             assert!(!after.notes().any(|(left, _)| left == text), "{text}");
@@ -208,13 +209,19 @@ mod tests {
             event(KeyCode::KeyS, s(), ButtonState::Pressed),
             event(KeyCode::KeyS, s(), ButtonState::Released),
         ];
-        assert_eq!(commands(&events, Modifiers::COMMAND), [Command::Save]);
+        assert_eq!(
+            commands(&events, Modifiers::COMMAND),
+            [Command::from(FileCommand::Save)]
+        );
     }
 
     #[test]
     fn a_key_without_its_texture_is_refused_aloud() {
         let u = event(KeyCode::KeyU, LogicalKey::Character("u".into()), ButtonState::Pressed);
-        assert_eq!(commands(&[u], Modifiers::NONE), [Command::SetTool(Tool::PlaceTexture)]);
+        assert_eq!(
+            commands(&[u], Modifiers::NONE),
+            [Command::from(ToolCommand::SetTool(Tool::PlaceTexture))]
+        );
     }
 
     #[test]
@@ -234,7 +241,7 @@ mod tests {
         let modes: Vec<DisplayMode> = commands(&events, Modifiers::NONE)
             .into_iter()
             .filter_map(|command| match command {
-                Command::SetDisplay(display) => Some(display.mode),
+                Command::Display(DisplayCommand::SetDisplay(display)) => Some(display.mode),
                 _ => None,
             })
             .collect();

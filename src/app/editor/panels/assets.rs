@@ -10,7 +10,7 @@ use super::drag_start::is_drag_of;
 use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::command::dragged::DraggedFile;
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit};
 use crate::app::editor::model::Model;
 use crate::app::editor::model::assets::{AssetEntry, AssetPicture, AssetsModel};
 use crate::app::editor::words::files::size_text;
@@ -166,7 +166,7 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
         });
         let button = ui.button(ADD);
         if button.on_hover_text("Choose a folder for this list").clicked() {
-            commands.push(Command::ShowDialog(FileDialogKind::AssetFolder));
+            commands.push(FileCommand::ShowDialog(FileDialogKind::AssetFolder).into());
         }
         let is_known = |folder: &PathBuf| known.places.iter().any(|place| place.folder == *folder);
         let new = state.folder.clone().filter(|folder| !is_known(folder));
@@ -175,13 +175,13 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
             .on_hover_text("Keep this folder in the list")
             .on_disabled_hover_text("This folder is in the list");
         if let (true, Some(folder)) = (button.clicked(), new) {
-            commands.push(Command::Shell(ShellCommand::AddAssetFolder(folder)));
+            commands.push(ShellCommand::AddAssetFolder(folder).into());
         }
         let own = place.filter(|place| place.is_own);
         let button = ui.add_enabled(own.is_some(), egui::Button::new(TAKE_OUT));
         let help = "Take the folder from the list. Its files stay.";
         if let (true, Some(own)) = (button.on_hover_text(help).clicked(), own) {
-            commands.push(Command::Shell(ShellCommand::RemoveAssetFolder(own.folder.clone())));
+            commands.push(ShellCommand::RemoveAssetFolder(own.folder.clone()).into());
         }
     });
 }
@@ -321,8 +321,8 @@ fn file_cell(
         egui::DragAndDrop::set_payload(ui.ctx(), dragged(known, &entry.path));
     }
     let is_scene = kind == AssetKind::Scene && !picture.is_some_and(|picture| picture.is_material);
-    let used = || Command::UseFile(Box::new(known.use_of(&entry.path)));
-    let opened = || Command::OpenScene(entry.path.clone());
+    let used = || Command::from(SceneEdit::UseFile(Box::new(known.use_of(&entry.path))));
+    let opened = || Command::from(FileCommand::OpenScene(entry.path.clone()));
     let asked = || Command::Shell(ShellCommand::AskAboutScene(Box::new(known.use_of(&entry.path))));
     // A file of materials must not take the place of the scene before it is known for what it is.
     let is_known = kind != AssetKind::Scene || picture.is_some();
@@ -349,7 +349,7 @@ fn file_cell(
             ui.close();
         }
         if matches!(kind, AssetKind::Picture | AssetKind::Environment) && ui.button("Use as environment").clicked() {
-            commands.push(Command::Import(entry.path.clone()));
+            commands.push(SceneEdit::Import(entry.path.clone()).into());
             ui.close();
         }
         if can_open && ui.button("Open instead of the scene").clicked() {

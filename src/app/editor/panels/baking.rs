@@ -13,7 +13,7 @@ use super::{fields, look, typed};
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{Command, DisplayCommand, FileCommand, FileDialogKind};
 use crate::app::editor::model::baking::{BakeModel, ShownBake};
 use crate::app::editor::words::figures::legible;
 use crate::app::editor::words::files::home_for_tilde;
@@ -49,7 +49,7 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
     let mut choices = model.choices;
     choice_rows(ui, &mut choices);
     if choices != model.choices {
-        commands.push(Command::Bake(BakeCommand::Choose(choices)));
+        commands.push(BakeCommand::Choose(choices).into());
     }
     let text =
         "The bake is of the scene as it is now, without what is hidden. The picture and your edits go on meanwhile.";
@@ -72,7 +72,7 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
     });
     bakes |= enters && is_ready;
     if let Some(folder) = folder.filter(|_| bakes) {
-        commands.push(Command::Bake(BakeCommand::Begin(folder)));
+        commands.push(BakeCommand::Begin(folder).into());
     }
     bakes || cancels
 }
@@ -104,7 +104,7 @@ fn folder_row(ui: &mut Ui, folder: &mut String, commands: &mut Vec<Command>) -> 
         let hint = "for the level and its lightmaps";
         let field = ui.add(TextEdit::singleline(folder).desired_width(width).hint_text(hint));
         if ui.button("Choose…").clicked() {
-            commands.push(Command::ShowDialog(FileDialogKind::BakeFolder));
+            commands.push(FileCommand::ShowDialog(FileDialogKind::BakeFolder).into());
         }
         field
     })
@@ -222,7 +222,7 @@ pub fn no_bake(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak("No bake is under way.");
     ui.add_space(4.0);
     if ui.button("Bake lightmaps…").clicked() {
-        commands.push(Command::Shell(ShellCommand::ShowSheet(Sheet::Bake)));
+        commands.push(ShellCommand::ShowSheet(Sheet::Bake).into());
     }
 }
 
@@ -254,7 +254,7 @@ pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>,
             true => CompareView::Baked(0.5),
             false => CompareView::Off,
         };
-        commands.push(Command::SetCompareView(view));
+        commands.push(DisplayCommand::SetCompareView(view).into());
     }
     if let Some(reason) = &news.blind {
         ui.add(Label::new(RichText::new(reason).weak()).wrap());
@@ -336,7 +336,7 @@ fn page(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, command
                     }
                 });
             if chosen != shown.page {
-                commands.push(Command::Bake(BakeCommand::ShowPage(chosen)));
+                commands.push(BakeCommand::ShowPage(chosen).into());
             }
         }
         if news.pages > 0 {

@@ -3,8 +3,8 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::fields;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::{Command, DisplayCommand};
 use crate::app::editor::model::ComparisonModel;
 use crate::app::editor::words::figures::counted;
 use crate::metrics::Errors;
@@ -17,12 +17,12 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
             .on_hover_text("Keep the picture as it is now, to compare later ones with it")
             .clicked()
         {
-            commands.push(Command::TakeSnapshot);
+            commands.push(DisplayCommand::TakeSnapshot.into());
         }
         let measure = ui.add_enabled(model.snapshot.is_some(), egui::Button::new("Measure"));
         let measure = measure.on_hover_text("The error of the picture, with the snapshot as the truth");
         if measure.on_disabled_hover_text("Take a snapshot first").clicked() {
-            commands.push(Command::Measure);
+            commands.push(DisplayCommand::Measure.into());
         }
     });
     let kept = model.snapshot.map(|samples| {
@@ -65,7 +65,7 @@ fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) 
         changed |= fields::slider(ui, "Border", share, 0.0..=1.0);
     }
     if changed {
-        commands.push(Command::SetCompareView(view));
+        commands.push(DisplayCommand::SetCompareView(view).into());
     }
 }
 

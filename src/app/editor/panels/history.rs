@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{self, Button, RichText, Ui};
 
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, HistoryCommand};
 use crate::app::editor::model::HistoryModel;
 
 /// Shows the steps in a list; a click goes back or forward to where that step was the last.
@@ -34,7 +34,7 @@ pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
             let line = Button::selectable(step == done, text).truncate().min_size(size);
             let response = ui.add(line);
             if response.on_hover_text(hint(step, done)).clicked() && step != done {
-                commands.push(Command::GoTo(step));
+                commands.push(HistoryCommand::GoTo(step).into());
             }
         }
     });

@@ -16,7 +16,9 @@ use super::section::section;
 use super::{
     camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
 };
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{
+    Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, SceneEdit, ValueEdit, ViewCommand,
+};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
 use crate::math::Aabb;
@@ -74,9 +76,9 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
     });
     commands.extend(take_asked(ui));
     let several = model.selection.entities().len() > 1;
-    commands.extend(edits.into_iter().map(|edit| match several && edit.is_about_one() {
-        true => Command::OnSelection(Box::new(edit)),
-        false => edit,
+    commands.extend(edits.into_iter().map(|edit| match edit {
+        Command::Edit(EditCommand::Value(value)) if several => EditCommand::OnSelection(Box::new(value)).into(),
+        other => other,
     }));
 }
 
@@ -108,7 +110,7 @@ fn sections(
         section(ui, "Shape", |ui| {
             let mut edited = shape.clone();
             if shape_rows(ui, &mut edited, inspected.mesh) {
-                commands.push(Command::SetShape(inspected.entity, edited));
+                commands.push(ValueEdit::SetShape(inspected.entity, edited).into());
             }
             missing_mesh(ui, shape, &model.missing, commands);
         });
@@ -135,7 +137,7 @@ fn sections(
                 .inner
             });
             if edit.changed {
-                commands.push(Command::SetAreaLight(inspected.entity, edited));
+                commands.push(ValueEdit::SetAreaLight(inspected.entity, edited).into());
             }
             choose_picture(inspected.entity, edit, commands);
         });
@@ -149,7 +151,7 @@ fn sections(
                 })
                 .inner;
             if edit.changed {
-                commands.push(Command::SetEmitter(inspected.entity, edited));
+                commands.push(ValueEdit::SetEmitter(inspected.entity, edited).into());
             }
             choose_picture(inspected.entity, edit, commands);
             if emitter.is_sky() {
@@ -163,10 +165,10 @@ fn sections(
             let film = inspected.film.unwrap_or_default();
             let aspect = film.width.max(1) as f32 / film.height.max(1) as f32;
             if sensor::sensor(ui, &mut edited, aspect, scene_size) {
-                commands.push(Command::SetSensor(inspected.entity, edited));
+                commands.push(ValueEdit::SetSensor(inspected.entity, edited).into());
             }
             if fields::buttons(ui, |ui| ui.button("Look through this camera")).clicked() {
-                commands.push(Command::LookThrough(inspected.entity));
+                commands.push(ViewCommand::LookThrough(inspected.entity).into());
             }
         });
     }
@@ -176,7 +178,7 @@ fn sections(
             if moving(ui, &model.timeline, (inspected.entity, "film."), |ui| {
                 sensor::film(ui, &mut edited)
             }) {
-                commands.push(Command::SetFilm(inspected.entity, edited));
+                commands.push(ValueEdit::SetFilm(inspected.entity, edited).into());
             }
         });
     }
@@ -191,7 +193,7 @@ fn environments(ui: &mut Ui, known: &[PathBuf], commands: &mut Vec<Command>) {
         for path in known {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().replace('-', " ");
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                commands.push(Command::Import(path.clone()));
+                commands.push(SceneEdit::Import(path.clone()).into());
                 ui.close();
             }
         }
@@ -202,11 +204,14 @@ fn environments(ui: &mut Ui, known: &[PathBuf], commands: &mut Vec<Command>) {
 
 fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
     if let Some((parameter, place)) = edit.wants_picture {
-        commands.push(Command::ShowDialog(FileDialogKind::OpenPicture {
-            owner,
-            parameter,
-            place,
-        }));
+        commands.push(
+            FileCommand::ShowDialog(FileDialogKind::OpenPicture {
+                owner,
+                parameter,
+                place,
+            })
+            .into(),
+        );
     }
 }
 
@@ -237,9 +242,9 @@ fn pose(ui: &mut Ui, inspected: &Inspected, to_world: Affine3A, scene_size: f32,
     };
     if edited.is_finite() {
         commands.extend(match edit {
-            PoseEdit::Turned(degrees) => Some(Command::Turn(inspected.entity, edited, EulerAngles(degrees))),
+            PoseEdit::Turned(degrees) => Some(ValueEdit::Turn(inspected.entity, edited, EulerAngles(degrees)).into()),
             PoseEdit::None if !spun => None,
-            PoseEdit::None | PoseEdit::Moved => Some(Command::Transform(vec![(inspected.entity, edited)])),
+            PoseEdit::None | PoseEdit::Moved => Some(ValueEdit::Transform(vec![(inspected.entity, edited)]).into()),
         });
     }
 }
@@ -255,7 +260,7 @@ fn size(
 ) {
     let pose = (!is_one_of_several).then_some(&mut to_world);
     if dimensions::dimensions(ui, bounds, pose, inspected.shape.as_ref()) {
-        commands.push(Command::Transform(vec![(inspected.entity, to_world)]));
+        commands.push(ValueEdit::Transform(vec![(inspected.entity, to_world)]).into());
     }
 }
 
@@ -386,19 +391,25 @@ fn material_rows(
                 .map(|item| (Some(item.entity), item.name.as_str())),
         );
         if fields::choice(ui, ("Uses", "uses_material"), &mut used, &options) {
-            commands.push(Command::UseMaterial {
-                shapes: several_or(inspected.entity, model),
-                material: used,
-            });
+            commands.push(
+                MaterialEdit::UseMaterial {
+                    shapes: several_or(inspected.entity, model),
+                    material: used,
+                }
+                .into(),
+            );
         }
         ui.horizontal(|ui| {
             // Without a material it is what comes next.
             let text = "New material for this shape";
             let button = look::primary_if(ui, inspected.materials.is_empty(), text);
             if ui.add(button).clicked() {
-                commands.push(Command::GiveMaterial {
-                    shape: inspected.entity,
-                });
+                commands.push(
+                    MaterialEdit::GiveMaterial {
+                        shape: inspected.entity,
+                    }
+                    .into(),
+                );
             }
             if inspected.materials.is_empty() {
                 presets(ui, inspected.entity, MaterialPlace::Whole, model, commands);
@@ -420,7 +431,7 @@ fn material_rows(
                 })
             });
             if edit.changed {
-                commands.push(Command::SetMaterial(entry.entity, Box::new(edited.clone())));
+                commands.push(ValueEdit::SetMaterial(entry.entity, Box::new(edited.clone())).into());
             }
             choose_picture(entry.entity, edit, commands);
         });

@@ -6,7 +6,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Sense, Stroke, Ui, vec2};
 
 use super::timeline::{key_color, mark};
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, TimeEdit};
 use crate::app::editor::model::timeline::TimelineModel;
 use crate::document::Track;
 use crate::scene::{KeyEdit, KeyPath};
@@ -131,7 +131,7 @@ fn asked() -> egui::Id {
 }
 
 fn ask(ui: &Ui, owner: &Owner, path: &KeyPath, edit: KeyEdit) {
-    let command = Command::Key(vec![(owner.thing, path.clone())], edit);
+    let command = Command::from(TimeEdit::Key(vec![(owner.thing, path.clone())], edit));
     ui.data_mut(|data| data.get_temp_mut_or_default::<Vec<Command>>(asked()).push(command));
 }
 

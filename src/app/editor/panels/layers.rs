@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::Ui;
 
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, SettingsEdit};
 use crate::layer::{Layer, Layers};
 use crate::scene::IntegratorSettings;
 
@@ -36,7 +36,7 @@ pub fn layer_rows(ui: &mut Ui, integrator: IntegratorSettings, commands: &mut Ve
                 true => integrator.layers.and(this),
                 false => integrator.layers.without(this),
             };
-            commands.push(Command::SetIntegrator(IntegratorSettings { layers, ..integrator }));
+            commands.push(SettingsEdit::SetIntegrator(IntegratorSettings { layers, ..integrator }).into());
         }
     }
 }

@@ -4,9 +4,9 @@
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 
 use super::drag_start::is_drag_of;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::DraggedPreset;
 use crate::app::editor::command::presets::Preset;
+use crate::app::editor::command::{Command, MaterialEdit};
 use crate::app::editor::model::Model;
 use crate::app::editor::model::panel_textures::Ball;
 
@@ -82,7 +82,7 @@ fn cell(
         let shapes = model.selected_shapes();
         if !shapes.is_empty() {
             let preset = Box::new(preset.clone());
-            commands.push(Command::UsePreset { preset, shapes });
+            commands.push(MaterialEdit::UsePreset { preset, shapes }.into());
         }
     }
     response.on_hover_text("Click to give it to the selection, or drag it onto a shape in the picture");

@@ -4,16 +4,16 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::{color_field, fields, look};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::light_mix::{Channel, LightMix};
+use crate::app::editor::command::{Command, DisplayCommand, RenderCommand, SettingsEdit};
 use crate::app::editor::model::MixingModel;
 
 /// A row of controls for each light that the film keeps apart.
 pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, commands: &mut Vec<Command>) {
     let mut is_on = model.is_on;
     if fields::checkbox(ui, "Mix lights", &mut is_on) {
-        commands.push(Command::SetLightLayers(is_on));
+        commands.push(RenderCommand::SetLightLayers(is_on).into());
     }
     if !model.is_on {
         return;
@@ -25,7 +25,7 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
             if changed {
                 let mut mix = model.mix.clone();
                 mix.set(*light, channel);
-                commands.push(Command::SetLightMix(mix));
+                commands.push(DisplayCommand::SetLightMix(mix).into());
             }
             alone_button(ui, place, display, commands);
         });
@@ -33,13 +33,13 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
     fields::buttons(ui, |ui| {
         let has_mix = !model.mix.is_neutral();
         if ui.add_enabled(has_mix, egui::Button::new("Reset")).clicked() {
-            commands.push(Command::SetLightMix(LightMix::default()));
+            commands.push(DisplayCommand::SetLightMix(LightMix::default()).into());
         }
         let bake = look::primary_if(ui, has_mix, "Bake");
         let bake = ui.add_enabled(has_mix, bake);
         let bake = bake.on_hover_text("Write strengths and colours to the lights of the scene");
         if bake.clicked() {
-            commands.push(Command::BakeLights);
+            commands.push(SettingsEdit::BakeLights.into());
         }
     });
 }
@@ -78,6 +78,6 @@ fn alone_button(ui: &mut Ui, place: u8, display: DisplaySettings, commands: &mut
     let button = egui::Button::selectable(is_alone, "Show its layer").frame_when_inactive(true);
     if ui.add(button).clicked() {
         let mode = if is_alone { DisplayMode::Shaded } else { alone };
-        commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
+        commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode, ..display }).into());
     }
 }

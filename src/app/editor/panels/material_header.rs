@@ -3,8 +3,8 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
-use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::{Inside, MaterialTree, can_wrap, wrappers};
+use crate::app::editor::command::{Command, MaterialEdit};
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
 use crate::scene::Material;
@@ -71,10 +71,13 @@ fn preset_menu(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model,
         ui.menu_button(group, |ui| {
             for preset in offered().filter(|preset| preset.group == group) {
                 if ui.button(&preset.name).clicked() {
-                    commands.push(Command::BuildMaterial {
-                        targets: targets(target, place == MaterialPlace::Whole, model),
-                        tree: Box::new(preset.tree.clone()),
-                    });
+                    commands.push(
+                        MaterialEdit::BuildMaterial {
+                            targets: targets(target, place == MaterialPlace::Whole, model),
+                            tree: Box::new(preset.tree.clone()),
+                        }
+                        .into(),
+                    );
                 }
             }
         });
@@ -93,10 +96,13 @@ fn targets(target: Entity, whole: bool, model: &Model) -> Vec<Entity> {
 /// The menu of what goes around a material and of what is in it.
 pub(super) fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
     let mut become_tree = |tree: MaterialTree| {
-        commands.push(Command::BuildMaterial {
-            targets: vec![entry.entity],
-            tree: Box::new(tree),
-        });
+        commands.push(
+            MaterialEdit::BuildMaterial {
+                targets: vec![entry.entity],
+                tree: Box::new(tree),
+            }
+            .into(),
+        );
     };
     let own = || MaterialTree::of(&entry.material, &entry.inside);
     ui.menu_button("Put it into", |ui| {

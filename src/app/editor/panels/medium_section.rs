@@ -7,8 +7,8 @@ use bevy_egui::egui::{self, Ui};
 
 use super::key_marks::moving;
 use super::{fields, medium};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::media::{Filling, MediumSide};
+use crate::app::editor::command::{Command, MediumEdit, SettingsEdit, ValueEdit};
 use crate::app::editor::model::{Inspected, InspectedMedium, Item, Model};
 use crate::scene::{Medium, PathPlugin};
 
@@ -76,7 +76,7 @@ pub(super) fn medium_rows(
         if fields::buttons(ui, |ui| ui.button("Use volpath")).clicked() {
             let mut integrator = model.render.integrator;
             integrator.plugin = PathPlugin::VolPath;
-            commands.push(Command::SetIntegrator(integrator));
+            commands.push(SettingsEdit::SetIntegrator(integrator).into());
         }
     }
     copies
@@ -92,7 +92,7 @@ pub(super) fn medium_rows(
                 })
             });
             if changed {
-                commands.push(Command::SetMedium(entry.entity, Box::new(edited.clone())));
+                commands.push(ValueEdit::SetMedium(entry.entity, Box::new(edited.clone())).into());
             }
         });
     }
@@ -129,20 +129,20 @@ fn choice(ui: &mut Ui, inspected: &Inspected, model: &Model, side: MediumSide, c
     }
     let things = meant(inspected, model, side);
     commands.push(match chosen {
-        Chosen::New => Command::GiveMedium {
+        Chosen::New => Command::from(MediumEdit::GiveMedium {
             thing: inspected.entity,
             side,
-        },
-        Chosen::Nothing => Command::UseMedium {
+        }),
+        Chosen::Nothing => Command::from(MediumEdit::UseMedium {
             things,
             side,
             medium: None,
-        },
-        Chosen::Medium(medium) => Command::UseMedium {
+        }),
+        Chosen::Medium(medium) => Command::from(MediumEdit::UseMedium {
             things,
             side,
             medium: Some(medium),
-        },
+        }),
     });
 }
 
@@ -170,7 +170,7 @@ pub(super) fn fill_menu(ui: &mut Ui, shapes: &[Entity], model: &Model, commands:
     let mut entry = |ui: &mut Ui, name: &str, with: Filling| {
         if ui.button(name).clicked() {
             let shapes = shapes.to_vec();
-            commands.push(Command::Fill { shapes, with });
+            commands.push(MediumEdit::Fill { shapes, with }.into());
             ui.close();
         }
     };

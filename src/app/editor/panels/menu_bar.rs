@@ -8,10 +8,10 @@ use bevy_egui::egui::{self, Atom, Button, Id, Key, Popup, RichText, Ui, vec2};
 
 use super::medium_section::fill_menu;
 use super::outliner::marks;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, DisplayCommand, FileCommand, RenderCommand, SettingsEdit, ViewCommand};
 use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group};
 use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;
@@ -99,12 +99,12 @@ fn buttons(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut V
     let pause = ui.button(if paused { "Resume" } else { "Pause" });
     let hint = actions::hint("Samples are kept", "pause", context.bound);
     if pause.on_hover_text(hint).clicked() {
-        commands.push(Command::SetPaused(!paused));
+        commands.push(RenderCommand::SetPaused(!paused).into());
     }
     let restart = ui.button("Start again");
     let hint = actions::hint("Begin the picture anew", "restart", context.bound);
     if restart.on_hover_text(hint).clicked() {
-        commands.push(Command::Restart);
+        commands.push(RenderCommand::Restart.into());
     }
     denoise_button(ui, model.status.denoiser, context, commands);
 }
@@ -119,7 +119,7 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
     let hint = "Take the noise out of the picture while it is rendered";
     let hint = actions::hint(hint, "denoise", context.bound);
     if ui.add(button).on_hover_text(hint).clicked() {
-        commands.push(Command::SetDenoising(!context.denoising));
+        commands.push(DisplayCommand::SetDenoising(!context.denoising).into());
     }
 }
 
@@ -240,7 +240,7 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
     ui.menu_button("Unit of length", |ui| {
         for (unit, name) in LengthUnit::ALL {
             if ui.add(Button::selectable(model.unit == unit, name)).clicked() {
-                commands.push(Command::SetUnit(unit));
+                commands.push(SettingsEdit::SetUnit(unit).into());
                 ui.close();
             }
         }
@@ -305,7 +305,7 @@ fn scenes(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
             let button = Button::new(name).shortcut_text(RichText::new(folder).weak());
             let entry = ui.add(button).on_hover_text(path.display().to_string());
             if entry.clicked() {
-                commands.push(Command::OpenScene(path.clone()));
+                commands.push(FileCommand::OpenScene(path.clone()).into());
                 ui.close();
             }
         }
@@ -326,7 +326,7 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
         let shown = display.mode == mode;
         let entry = ui.add(Button::selectable(shown, name).shortcut_text(keys));
         if entry.on_hover_text(mode.about()).clicked() {
-            commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
+            commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode, ..display }).into());
             ui.close();
         }
     }
@@ -336,7 +336,7 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             for camera in &model.outline.sensors {
                 let used = state.camera == Some(camera.entity);
                 if ui.add(Button::selectable(used, &camera.name)).clicked() {
-                    commands.push(Command::LookThrough(camera.entity));
+                    commands.push(ViewCommand::LookThrough(camera.entity).into());
                     ui.close();
                 }
             }

@@ -58,11 +58,14 @@ pub fn missing_files(
 pub(super) fn find_button(ui: &mut Ui, item: &MissingItem, others: bool, commands: &mut Vec<Command>) {
     let button = ui.button("Find…").on_hover_text("Choose the file where it is now");
     if button.clicked() {
-        commands.push(Command::Shell(ShellCommand::FindFile(SoughtFile {
-            kind: item.kind,
-            path: item.path.clone(),
-            others,
-        })));
+        commands.push(
+            ShellCommand::FindFile(SoughtFile {
+                kind: item.kind,
+                path: item.path.clone(),
+                others,
+            })
+            .into(),
+        );
     }
 }
 

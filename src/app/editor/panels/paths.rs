@@ -5,8 +5,8 @@ use bevy::math::UVec2;
 use bevy_egui::egui::{self, Color32, RichText, Ui};
 
 use super::fields;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
+use crate::app::editor::command::{Command, ToolCommand};
 use crate::app::editor::picture::paths::NamedPath;
 use crate::color::Rgb;
 use crate::material::Lobe;
@@ -31,7 +31,7 @@ pub fn paths(
     ui.horizontal(|ui| {
         ui.label(format!("Pixel {}, {}", pixel.x, pixel.y));
         if ui.button("Close").on_hover_text("Stop drawing paths (Esc)").clicked() {
-            commands.push(Command::InspectPaths(None));
+            commands.push(ToolCommand::InspectPaths(None).into());
         }
     });
     fields::integer_slider(ui, "Paths", &mut edited.count, 1..=InspectedPaths::MOST, true);
@@ -45,7 +45,7 @@ pub fn paths(
     });
     edited.chosen = edited.chosen.min(edited.count.saturating_sub(1));
     if edited != wanted {
-        commands.push(Command::InspectPaths(Some(edited)));
+        commands.push(ToolCommand::InspectPaths(Some(edited)).into());
     }
     let Some(NamedPath { path, names }) = paths.get(wanted.chosen as usize) else {
         return;

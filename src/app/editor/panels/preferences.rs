@@ -33,7 +33,7 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
         ui.colored_label(ui.visuals().error_fg_color, problem);
     }
     if edited != *shown {
-        commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(edited))));
+        commands.push(ShellCommand::SetPreferences(Box::new(edited)).into());
     }
 }
 
@@ -146,7 +146,7 @@ fn window_rows(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences, comma
     let help = "Put all panels where they were at first";
     let (_, reset) = named(ui, "Panels", help, |ui| ui.button("Reset layout"));
     if reset.clicked() {
-        commands.push(Command::Shell(ShellCommand::ResetLayout));
+        commands.push(ShellCommand::ResetLayout.into());
     }
 }
 

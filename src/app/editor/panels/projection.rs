@@ -4,8 +4,8 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::{fields, lengths, look};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
+use crate::app::editor::command::{Command, TextureEdit};
 
 /// What is filled in. It stays while the window is open.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,10 +45,13 @@ pub fn projection(ui: &mut Ui, form: &mut ProjectionForm, shapes: &[Entity], com
     let (projects, cancels) = look::form_buttons(ui, "Project", "Gives what is selected new texture coordinates");
     if projects {
         let from = form.from;
-        commands.push(Command::ProjectTextures {
-            shapes: shapes.to_vec(),
-            projection: Projection { from, tile },
-        });
+        commands.push(
+            TextureEdit::ProjectTextures {
+                shapes: shapes.to_vec(),
+                projection: Projection { from, tile },
+            }
+            .into(),
+        );
     }
     projects || cancels
 }

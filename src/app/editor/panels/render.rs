@@ -9,10 +9,10 @@ use super::caption::Caption;
 use super::section::{section, section_with};
 use super::status::{auto_words, percent};
 use super::{comparison, fields, layers, light_mixing, look};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
+use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, RenderCommand, SettingsEdit};
 use crate::app::editor::model::RenderModel;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
@@ -46,17 +46,17 @@ pub fn render(
 fn picture_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut target = model.target_samples;
     if fields::integer_slider(ui, "Samples", &mut target, 1..=16384, true) {
-        commands.push(Command::SetTargetSamples(target.max(1)));
+        commands.push(RenderCommand::SetTargetSamples(target.max(1)).into());
     }
     stopping_rows(ui, model, commands);
     let mut scale = model.resolution_scale;
     if fields::slider(ui, "Resolution", &mut scale, 0.1..=1.0) {
-        commands.push(Command::SetResolutionScale(scale));
+        commands.push(RenderCommand::SetResolutionScale(scale).into());
     }
     pixel_rows(ui, model, commands);
     let mut denoising = model.comparison.denoising;
     if fields::checkbox(ui, "Denoise", &mut denoising) {
-        commands.push(Command::SetDenoising(denoising));
+        commands.push(DisplayCommand::SetDenoising(denoising).into());
     }
     region_rows(ui, model.region, commands);
 }
@@ -64,19 +64,19 @@ fn picture_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
 /// The limits besides the samples; whichever is reached first ends the picture.
 fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if let Some(limit) = limit_rows(ui, "Limit time", "Seconds", model.time_limit, 60.0, 1.0..=36_000.0) {
-        commands.push(Command::SetTimeLimit(limit));
+        commands.push(RenderCommand::SetTimeLimit(limit).into());
     }
     if let Some(limit) = limit_rows(ui, "Limit noise", "Noise", model.noise_target, 0.02, 0.001..=0.5) {
-        commands.push(Command::SetNoiseTarget(limit));
+        commands.push(RenderCommand::SetNoiseTarget(limit).into());
     }
     let mut adaptive = model.adaptive;
     if fields::checkbox(ui, "Adaptive", &mut adaptive) {
-        commands.push(Command::SetAdaptive(adaptive));
+        commands.push(RenderCommand::SetAdaptive(adaptive).into());
     }
     let keep = fields::buttons(ui, |ui| ui.button("Keep limits with the camera"));
     let hint = "Samples, Limit noise and Adaptive are those of this window: this writes them into the sampler of the camera, which the file keeps";
     if keep.on_hover_text(hint).clicked() {
-        commands.push(Command::KeepLimits);
+        commands.push(CameraEdit::KeepLimits.into());
     }
     // The row is always there, so that those below stay where they are.
     let noise = model.noise.map_or_else(|| "not known yet".to_owned(), percent);
@@ -88,11 +88,11 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut resolution = model.resolution;
     let choices = Resolution::ALL.map(|(choice, _, label)| (choice, label));
     if fields::choice(ui, "Pixels", &mut resolution, &choices) {
-        commands.push(Command::SetResolution(resolution));
+        commands.push(RenderCommand::SetResolution(resolution).into());
     }
     let mut enlarging = model.enlarging;
     if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::ALL) {
-        commands.push(Command::SetEnlarging(enlarging));
+        commands.push(DisplayCommand::SetEnlarging(enlarging).into());
     }
     let button = look::primary(ui, "Render full film");
     let button = fields::buttons(ui, |ui| ui.add(button)).on_hover_text(
@@ -100,7 +100,7 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
          traced first, with as many samples as are shown",
     );
     if button.clicked() {
-        commands.push(Command::RenderFull(FullFilm::default()));
+        commands.push(RenderCommand::RenderFull(FullFilm::default()).into());
     }
 }
 
@@ -116,7 +116,7 @@ fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
         changed |= fields::slider(ui, "Bottom", &mut edges.max.y, 0.0..=1.0);
     }
     if changed {
-        commands.push(Command::SetRegion(is_on.then_some(edges)));
+        commands.push(RenderCommand::SetRegion(is_on.then_some(edges)).into());
     }
 }
 
@@ -143,7 +143,7 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
         slider.suffix(" EV")
     });
     if fields::buttons(ui, |ui| ui.button("Expose automatically")).clicked() {
-        commands.push(Command::ExposeAutomatically);
+        commands.push(DisplayCommand::ExposeAutomatically.into());
     }
     changed |= fields::choice(ui, "Tone map", &mut edited.tone_map, &tone_maps());
     let white = &mut edited.white_balance;
@@ -160,7 +160,7 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
         changed = true;
     }
     if changed {
-        commands.push(Command::SetDisplay(edited));
+        commands.push(DisplayCommand::SetDisplay(edited).into());
     }
 }
 
@@ -205,7 +205,7 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
         changed |= fields::checkbox(ui, "Leaves only", &mut edited.leaves_only);
     }
     if changed {
-        commands.push(Command::SetOverlay(edited));
+        commands.push(DisplayCommand::SetOverlay(edited).into());
     }
 }
 
@@ -218,7 +218,7 @@ fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
              traces by path, whatever the scene.",
         );
         if fields::checkbox(ui, caption, &mut is_auto) {
-            commands.push(Command::SetPathIsAuto(is_auto));
+            commands.push(RenderCommand::SetPathIsAuto(is_auto).into());
         }
     }
     if let Some(auto) = model.auto {
@@ -254,7 +254,7 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         changed |= fields::choice(ui, "Sampling", &mut integrator.strategy, &strategies);
         let mut split = model.strategy_split;
         if fields::checkbox(ui, "In thirds", &mut split) {
-            commands.push(Command::SetStrategySplit(split));
+            commands.push(RenderCommand::SetStrategySplit(split).into());
         }
     }
     if integrator.plugin.is_guidable() {
@@ -281,14 +281,14 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
     changed |= fields::checkbox(ui, "Hide lights", &mut integrator.hide_emitters);
     changed |= fields::checkbox(ui, "Schlick", &mut integrator.schlick);
     if changed {
-        commands.push(Command::SetIntegrator(integrator));
+        commands.push(SettingsEdit::SetIntegrator(integrator).into());
     }
     let mut sampler = model.sampler;
     let sequences = [(Sequence::Sobol, "Sobol"), (Sequence::Independent, "independent")];
     changed = fields::choice(ui, "Sequence", &mut sampler.sequence, &sequences);
     changed |= fields::integer(ui, "Seed", &mut sampler.seed, 0..=u32::MAX);
     if changed {
-        commands.push(Command::SetSampler(sampler));
+        commands.push(SettingsEdit::SetSampler(sampler).into());
     }
     let mut accel = model.accel;
     let methods = [
@@ -297,10 +297,10 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         (AccelMethod::Linear, "none (slow)"),
     ];
     if fields::choice(ui, "Hierarchy", &mut accel, &methods) {
-        commands.push(Command::SetAccel(accel));
+        commands.push(SettingsEdit::SetAccel(accel).into());
     }
     ui.add_space(6.0);
     if fields::buttons(ui, |ui| ui.button("Start again")).clicked() {
-        commands.push(Command::Restart);
+        commands.push(RenderCommand::Restart.into());
     }
 }

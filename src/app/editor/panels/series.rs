@@ -4,8 +4,8 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{self, Ui};
 
 use super::{fields, lengths, look};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
+use crate::app::editor::command::{Command, SceneEdit};
 
 /// The entries so far. They stay while the window is open.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mu
     ui.add_space(6.0);
     let (makes, cancels) = look::form_buttons(ui, "Make", "Adds the copies of what is selected");
     if makes {
-        commands.push(Command::MakeSeries(form.series(suggested)));
+        commands.push(SceneEdit::MakeSeries(form.series(suggested)).into());
     }
     makes || cancels
 }

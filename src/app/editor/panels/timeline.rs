@@ -10,9 +10,9 @@ use bevy_egui::egui::{
 };
 
 use super::look;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::timeline::{TimeStep, Timeline};
+use crate::app::editor::command::{Command, TimeCommand, TimeEdit};
 use crate::app::editor::input::actions;
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::model::timeline::{TickTime, TimelineModel};
@@ -58,7 +58,7 @@ pub fn timeline(
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let close = ui.button("×").on_hover_text("Hide the timeline");
             if close.clicked() {
-                commands.push(Command::ShowTimeline(false));
+                commands.push(TimeCommand::ShowTimeline(false).into());
             }
         });
     });
@@ -72,7 +72,7 @@ fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &m
             commands.push(command);
         }
     };
-    let step = Command::StepTime;
+    let step = |it| TimeCommand::StepTime(it).into();
     button(ui, "⏮", "First frame", "first-frame", step(TimeStep::FirstFrame));
     button(ui, "⏴ key", "Previous key", "previous-key", step(TimeStep::PreviousKey));
     button(
@@ -86,14 +86,20 @@ fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &m
         true => ("⏸", "Hold"),
         false => ("▶", "Play"),
     };
-    button(ui, text, hint, "play", Command::SetPlaying(!model.is_playing));
+    button(
+        ui,
+        text,
+        hint,
+        "play",
+        TimeCommand::SetPlaying(!model.is_playing).into(),
+    );
     button(ui, "⏵", "Next frame", "next-frame", step(TimeStep::NextFrame));
     button(ui, "key ⏵", "Next key", "next-key", step(TimeStep::NextKey));
     button(ui, "⏭", "Last frame", "last-frame", step(TimeStep::LastFrame));
     ui.separator();
     let (set, remove) = (
-        Command::Key(Vec::new(), KeyEdit::Set),
-        Command::Key(Vec::new(), KeyEdit::Remove),
+        Command::from(TimeEdit::Key(Vec::new(), KeyEdit::Set)),
+        Command::from(TimeEdit::Key(Vec::new(), KeyEdit::Remove)),
     );
     button(ui, "+ key", "Set a key of the place of the selection", "set-key", set);
     button(
@@ -114,12 +120,12 @@ fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
     }
     let drag = DragValue::new(&mut frame).speed(0.2).max_decimals(2);
     if named(ui, "Frame", drag, ALL).changed() {
-        commands.push(Command::SetTime(model.frames.time(frame)));
+        commands.push(TimeCommand::SetTime(model.frames.time(frame)).into());
     }
     let mut time = model.time;
     let drag = DragValue::new(&mut time).speed(0.01).max_decimals(3).suffix(" s");
     if named(ui, "Time", drag, ALL).changed() {
-        commands.push(Command::SetTime(time));
+        commands.push(TimeCommand::SetTime(time).into());
     }
 }
 
@@ -133,7 +139,7 @@ fn range(ui: &mut Ui, frames: &Timeline, commands: &mut Vec<Command>) {
     let fps = DragValue::new(&mut edited.fps).max_decimals(3);
     named(ui, "fps", fps, Timeline::FPS);
     if edited != *frames {
-        commands.push(Command::SetTimeline(edited.within_range()));
+        commands.push(TimeCommand::SetTimeline(edited.within_range()).into());
     }
 }
 
@@ -212,13 +218,13 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
         if to != key.0
             && let Some(tick) = model.selected.get(&key)
         {
-            commands.push(Command::Key(tick.values.clone(), KeyEdit::Move { from: key.0, to }));
+            commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Move { from: key.0, to }).into());
         }
     } else if let Some(place) = pointer.filter(|_| response.dragged() || response.clicked()) {
         let key = key_at(place).filter(|_| response.clicked());
         let time = key.map_or_else(|| time_at(place.x), |key| model.frames.time_of_key(key.0));
         if time != model.time {
-            commands.push(Command::SetTime(time));
+            commands.push(TimeCommand::SetTime(time).into());
         }
     }
     if response.secondary_clicked() {
@@ -251,8 +257,8 @@ fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Ve
         return ui.close();
     };
     if ui.button("Remove this key").clicked() {
-        commands.push(Command::SetTime(model.frames.time_of_key(key.0)));
-        commands.push(Command::Key(tick.values.clone(), KeyEdit::Remove));
+        commands.push(TimeCommand::SetTime(model.frames.time_of_key(key.0)).into());
+        commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Remove).into());
         ui.close();
     }
     ui.separator();
@@ -271,7 +277,7 @@ fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Ve
             Interpolation::Step => "Step: hold until the next key",
         };
         if ui.selectable_label(present == Some(way), text).clicked() {
-            commands.push(Command::Key(tick.values.clone(), KeyEdit::Interpolate(way)));
+            commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Interpolate(way)).into());
             ui.close();
         }
     }

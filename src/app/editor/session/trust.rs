@@ -9,8 +9,8 @@ use bevy::prelude::*;
 
 use super::requests::CommandQueue;
 use super::toasts::{Toasts, Topic};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::file_access::Question;
+use crate::app::editor::command::{Command, SceneEdit};
 use crate::document::Severity;
 use crate::document::paths::settle;
 use crate::files::{FileError, LARGEST_NOTE, read, write_atomically};
@@ -155,7 +155,7 @@ pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<Path
 pub fn allow(world: &mut World, question: &Question) {
     if let Some(path) = &question.import {
         allow_answered(world, question, path);
-        let again = Command::Import(path.clone());
+        let again = Command::from(SceneEdit::Import(path.clone()));
         world.resource_mut::<CommandQueue>().0.push(again);
         return;
     }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::Resource;
 
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, FileCommand, SceneEdit, ValueEdit, ViewCommand};
 
 /// A step of the tutorial.
 #[derive(Debug, PartialEq, Eq)]
@@ -65,45 +65,58 @@ impl Tutorial {
     /// Notes a command that was done. `is_saved`: the scene is as its file has it.
     pub fn note(&mut self, command: &Command, is_saved: bool) {
         let Some(step) = self.step else { return };
-        if matches!(command, Command::MoveView(_)) {
+        if matches!(command, Command::View(ViewCommand::MoveView(_))) {
             self.looked += 1;
         }
         self.done[step] |= match step {
-            0 => self.looked >= ENOUGH_LOOKING || matches!(command, Command::FrameAll | Command::LookAlong(_)),
+            0 => {
+                self.looked >= ENOUGH_LOOKING
+                    || matches!(
+                        command,
+                        Command::View(ViewCommand::FrameAll | ViewCommand::LookAlong(_))
+                    )
+            }
             1 => matches!(
                 command,
-                Command::Add(_) | Command::Build(_) | Command::Duplicate | Command::Import(_) | Command::Paste(_)
+                Command::Edit(EditCommand::Scene(
+                    SceneEdit::Add(_)
+                        | SceneEdit::Build(_)
+                        | SceneEdit::Duplicate
+                        | SceneEdit::Import(_)
+                        | SceneEdit::Paste(_)
+                ))
             ),
             2 => matches!(
                 command,
-                Command::Transform(_) | Command::Turn(..) | Command::Nudge(_) | Command::Drop
+                Command::Edit(
+                    EditCommand::Value(ValueEdit::Transform(_) | ValueEdit::Turn(..))
+                        | EditCommand::Arrange(ArrangeEdit::Nudge(_) | ArrangeEdit::Drop)
+                )
             ),
             3 => is_about_material(command),
-            _ => match command {
-                Command::Save | Command::SaveScene(_) | Command::SaveChanged(..) => is_saved,
-                Command::SaveImage(_) => true,
-                _ => false,
-            },
+            _ => {
+                let saves = matches!(
+                    command,
+                    Command::File(FileCommand::Save | FileCommand::SaveScene(_) | FileCommand::SaveChanged(..))
+                );
+                saves && is_saved || matches!(command, Command::File(FileCommand::SaveImage(_)))
+            }
         };
     }
 }
 
 fn is_about_material(command: &Command) -> bool {
+    let of_value = |value: &ValueEdit| matches!(value, ValueEdit::SetMaterial(..));
     match command {
-        Command::OnSelection(inner) => is_about_material(inner),
-        Command::UsePreset { .. }
-        | Command::DropPreset { .. }
-        | Command::UseMaterial { .. }
-        | Command::DropMaterial { .. }
-        | Command::GiveMaterial { .. }
-        | Command::SetMaterial(..)
-        | Command::BuildMaterial { .. } => true,
-        _ => false,
+        Command::Edit(EditCommand::Value(value)) => of_value(value),
+        Command::Edit(EditCommand::OnSelection(value)) => of_value(value),
+        command => matches!(command, Command::Edit(EditCommand::Material(_))),
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use crate::app::editor::command::MaterialEdit;
     use bevy::math::Affine3A;
 
     use super::*;
@@ -112,7 +125,7 @@ mod tests {
     #[test]
     fn steps_are_done_by_what_they_ask_for_and_nothing_else() {
         let mut tutorial = Tutorial::default();
-        let add = Command::Add(AdditionKind::Sphere.into());
+        let add = Command::from(SceneEdit::Add(AdditionKind::Sphere.into()));
         tutorial.note(&add, true);
         assert_eq!(tutorial, Tutorial::default(), "nothing is noted before it begins");
         tutorial.go_to(Some(0));
@@ -120,20 +133,20 @@ mod tests {
         assert_eq!(tutorial.done, [false; 5]);
         for _ in 0..ENOUGH_LOOKING {
             assert!(!tutorial.done[0]);
-            tutorial.note(&Command::MoveView(Affine3A::IDENTITY), true);
+            tutorial.note(&Command::from(ViewCommand::MoveView(Affine3A::IDENTITY)), true);
         }
         assert!(tutorial.done[0]);
         for (step, command) in [
             (1, add),
-            (2, Command::Transform(Vec::new())),
+            (2, Command::from(ValueEdit::Transform(Vec::new()))),
             (
                 3,
-                Command::UseMaterial {
+                Command::from(MaterialEdit::UseMaterial {
                     shapes: Vec::new(),
                     material: None,
-                },
+                }),
             ),
-            (4, Command::SaveImage("a.png".into())),
+            (4, Command::from(FileCommand::SaveImage("a.png".into()))),
         ] {
             tutorial.go_to(Some(step));
             assert!(!tutorial.done[step]);
@@ -150,9 +163,9 @@ mod tests {
     fn a_save_that_asks_for_a_file_first_does_not_count() {
         let mut tutorial = Tutorial::default();
         tutorial.go_to(Some(4));
-        tutorial.note(&Command::Save, false);
+        tutorial.note(&Command::from(FileCommand::Save), false);
         assert!(!tutorial.done[4]);
-        tutorial.note(&Command::SaveScene("a.xml".into()), true);
+        tutorial.note(&Command::from(FileCommand::SaveScene("a.xml".into())), true);
         assert!(tutorial.done[4]);
         tutorial.go_to(Some(5));
         assert_eq!(tutorial.step, None, "there is no sixth step");

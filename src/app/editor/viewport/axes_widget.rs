@@ -5,9 +5,9 @@ use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, CursorIcon, FontId, Id, Pos2, Rect, Sense, Stroke, Ui};
 
 use crate::app::editor::camera::navigation::Navigation;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::hint;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 
@@ -103,7 +103,7 @@ pub(super) fn axes_widget(
     let hovered = pointer.and_then(nearest).copied();
     if response.drag_started() {
         let center = center();
-        commands.push(Command::TurnAbout(center));
+        commands.push(ViewCommand::TurnAbout(center).into());
         state.center = Some(center);
     }
     if response.dragged()
@@ -112,7 +112,7 @@ pub(super) fn axes_widget(
         let by = response.drag_delta();
         if by != egui::Vec2::ZERO {
             let turned = navigation.orbit(pose, center, bevy::math::Vec2::new(by.x, by.y));
-            commands.push(Command::MoveView(turned));
+            commands.push(ViewCommand::MoveView(turned).into());
         }
     } else if !response.dragged() {
         state.center = None;
@@ -120,7 +120,7 @@ pub(super) fn axes_widget(
     if response.clicked()
         && let Some(end) = hovered
     {
-        commands.push(Command::LookAlong(view_of(navigation, &pose, end.direction)));
+        commands.push(ViewCommand::LookAlong(view_of(navigation, &pose, end.direction)).into());
     }
     paint(ui, place, &ends, hovered, response.hovered() || response.dragged());
     let cursor = match hovered {

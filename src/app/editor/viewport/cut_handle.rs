@@ -9,8 +9,8 @@ use bevy_egui::egui::{
 
 use super::marks::bar_frame;
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::seeing::{AXES, CutOpen, Seeing};
+use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{ActionContext, hint};
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::math::Aabb;
@@ -58,10 +58,10 @@ pub(crate) fn cut_handle(ui: &Ui, screen: &Screen, bounds: &Aabb, seeing: &Seein
 }
 
 fn moved(seeing: &Seeing, cut: CutOpen) -> Command {
-    Command::SetSeeing(Seeing {
+    Command::from(ViewCommand::SetSeeing(Seeing {
         cut: Some(cut),
         ..*seeing
-    })
+    }))
 }
 
 /// The direction on the screen along which the plane follows the pointer, of unit length.
@@ -168,7 +168,7 @@ pub(crate) fn cut_bar(ui: &mut Ui, picture: Rect, keys: &ActionContext, scene_si
         }
     });
     if edited != Some(cut) {
-        commands.push(Command::SetSeeing(Seeing { cut: edited, ..*seeing }));
+        commands.push(ViewCommand::SetSeeing(Seeing { cut: edited, ..*seeing }).into());
     }
 }
 
@@ -208,7 +208,7 @@ mod tests {
                 let mut commands = Vec::new();
                 cut_handle(ui, &window.screen, &BOUNDS, &window.seeing, &mut commands);
                 for command in commands {
-                    if let Command::SetSeeing(seeing) = command {
+                    if let Command::View(ViewCommand::SetSeeing(seeing)) = command {
                         window.seeing = seeing;
                     }
                 }

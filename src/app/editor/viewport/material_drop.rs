@@ -8,10 +8,10 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Color32, Rect, Response, Ui};
 
 use crate::app::editor::camera::picking;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::dragged::{Dragged, DraggedFile, DraggedPreset};
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, MaterialEdit, SceneEdit};
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
 
@@ -87,7 +87,7 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
     let is_preset = egui::DragAndDrop::has_payload_of_type::<DraggedPreset>(ui.ctx());
     if is_preset && let Some(dragged) = response.dnd_release_payload::<DraggedPreset>() {
         let preset = Box::new(dragged.0.clone());
-        commands.push(Command::DropPreset { preset, at });
+        commands.push(MaterialEdit::DropPreset { preset, at }.into());
         return;
     }
     let is_file = egui::DragAndDrop::has_payload_of_type::<DraggedFile>(ui.ctx());
@@ -99,16 +99,19 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
         let file = Box::new(file);
         commands.push(match dragged.is_scene {
             true => Command::Shell(ShellCommand::AskAboutScene(file)),
-            false => Command::UseFile(file),
+            false => Command::from(SceneEdit::UseFile(file)),
         });
         return;
     }
     let dragged = response.dnd_release_payload::<Dragged>();
     if let Some([material]) = dragged.as_ref().map(|dragged| &dragged.0[..]) {
-        commands.push(Command::DropMaterial {
-            material: *material,
-            at,
-        });
+        commands.push(
+            MaterialEdit::DropMaterial {
+                material: *material,
+                at,
+            }
+            .into(),
+        );
     }
 }
 

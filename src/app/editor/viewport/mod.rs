@@ -40,9 +40,9 @@ use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect
 use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::keys;
 use crate::app::editor::picture::denoiser::DenoiserState;
@@ -257,7 +257,7 @@ fn act(
     if let Some(pose) = moved {
         let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
         if Some(flown) != model.pose && flown.is_finite() {
-            commands.push(Command::MoveView(flown));
+            commands.push(ViewCommand::MoveView(flown).into());
         }
     }
     state.speed.follow(ui, is_moving, model.navigation.speed);

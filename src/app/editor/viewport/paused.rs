@@ -4,7 +4,7 @@ use bevy_egui::egui::{Align, Button, Layout, Margin, Rect, Ui, UiBuilder, pos2, 
 
 use super::marks::bar_frame;
 use super::model::ViewportModel;
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, RenderCommand};
 use crate::app::editor::input::actions::hint;
 use crate::engine::Outdated;
 
@@ -55,7 +55,7 @@ pub(super) fn bar(
             .add(Button::new("Resume"))
             .on_hover_text(hint("Render again", "pause", model.keys.bound));
         if button.clicked() {
-            commands.push(Command::SetPaused(false));
+            commands.push(RenderCommand::SetPaused(false).into());
         }
     });
     Some(place)

@@ -15,13 +15,13 @@ use super::{gizmo, icons, rulers};
 use crate::app::editor::camera::ground::GridPlane;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::{orbit, picking};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{CameraEdit, Command, RenderCommand, SelectionCommand, ToolCommand, ViewCommand};
 use crate::app::editor::input::drags::{DragUse, drag_use};
 
 /// The use of the mouse, from press to release.
@@ -103,7 +103,7 @@ impl PointerState {
             };
             let hold = hold_of(what, pressed_at, screen, model, *pose);
             if let Hold::Orbit { center } = hold {
-                commands.push(Command::TurnAbout(center));
+                commands.push(ViewCommand::TurnAbout(center).into());
             }
             self.hold = Some(hold);
         }
@@ -143,8 +143,8 @@ impl PointerState {
                 if model.keys.tool == Tool::Region {
                     let corners = [screen.film(boxed.min), screen.film(boxed.max)];
                     let [min, max] = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
-                    commands.push(Command::SetRegion(Some(bevy::math::Rect { min, max })));
-                    commands.push(Command::SetTool(Tool::Select));
+                    commands.push(RenderCommand::SetRegion(Some(bevy::math::Rect { min, max })).into());
+                    commands.push(ToolCommand::SetTool(Tool::Select).into());
                     return Vec2::ZERO;
                 }
                 let modifiers = ui.input(|input| input.modifiers);
@@ -155,7 +155,7 @@ impl PointerState {
                 };
                 let entities = inside(boxed, screen, model, ui.ctx().pixels_per_point());
                 if !entities.is_empty() || how == Extend::Replace {
-                    commands.push(Command::Select(entities, how));
+                    commands.push(SelectionCommand::Select(entities, how).into());
                 }
             }
             _ => {}
@@ -193,7 +193,10 @@ impl PointerState {
         match model.keys.tool {
             Tool::Select => {}
             Tool::Focus => {
-                commands.extend([Command::FocusAt(film), Command::SetTool(Tool::Select)]);
+                commands.extend([
+                    Command::from(CameraEdit::FocusAt(film)),
+                    Command::from(ToolCommand::SetTool(Tool::Select)),
+                ]);
                 return;
             }
             Tool::Paths => {
@@ -202,8 +205,8 @@ impl PointerState {
                     place: film,
                     ..before.unwrap_or(InspectedPaths::at(film))
                 };
-                commands.push(Command::InspectPaths(Some(paths)));
-                commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Paths)));
+                commands.push(ToolCommand::InspectPaths(Some(paths)).into());
+                commands.push(ShellCommand::ShowPanel(Panel::Paths).into());
                 return;
             }
             Tool::Ruler => {
@@ -211,7 +214,9 @@ impl PointerState {
                     return;
                 };
                 match self.measured_from.take() {
-                    Some(from) if from != point => commands.push(Command::AddRuler(Ruler { from, to: point })),
+                    Some(from) if from != point => {
+                        commands.push(ToolCommand::AddRuler(Ruler { from, to: point }).into())
+                    }
                     _ => self.measured_from = Some(point),
                 }
                 return;
@@ -219,8 +224,8 @@ impl PointerState {
             Tool::Region | Tool::Draw(_) | Tool::Push | Tool::Cut(_) | Tool::PlaceTexture => return,
         }
         match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
-            Some(entity) => commands.push(Command::Select(vec![entity], how)),
-            None => commands.push(Command::Pick(screen.film(pointer), how)),
+            Some(entity) => commands.push(SelectionCommand::Select(vec![entity], how).into()),
+            None => commands.push(SelectionCommand::Pick(screen.film(pointer), how).into()),
         }
     }
 
@@ -239,7 +244,7 @@ impl PointerState {
             return;
         }
         if ui.input(|input| input.pointer.secondary_down()) {
-            commands.push(Command::SetSpeed(model.navigation.speed_after(notches)));
+            commands.push(ViewCommand::SetSpeed(model.navigation.speed_after(notches)).into());
         } else {
             let target = seen_at(pointer, screen, model).or_else(|| ground_at(pointer, screen, model));
             *pose = approach(*pose, screen, model, pointer, target, notches);

@@ -11,8 +11,8 @@ use super::blocking::BlockingState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 use super::texturing::TexturingState;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::{Command, DisplayCommand};
 
 /// The state that the viewport keeps between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -56,7 +56,7 @@ impl ViewportState {
         };
         // Another display that is chosen during the drag stays.
         if display.mode == from {
-            commands.push(Command::SetDisplay(DisplaySettings { mode: to, ..display }));
+            commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode: to, ..display }).into());
         }
         self.is_in_headlight = from == DisplayMode::Shaded && display.mode == from;
     }

@@ -9,13 +9,13 @@ use super::marks::bar_frame;
 use super::model::ViewportModel;
 use super::snap_menu::snap_menu;
 use super::tool_icons::{ToolIcon, icon_button, icon_menu};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{Command, DisplayCommand, ToolCommand};
 use crate::app::editor::input::actions::{self, ActionContext, hint};
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::picture::denoiser::DenoiserState;
@@ -42,7 +42,7 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands:
         ui.separator();
         snapping(ui, &model.keys, &mut edited, model.gizmo.length_step);
         if edited != model.gizmo.settings {
-            commands.push(Command::SetGizmo(edited));
+            commands.push(ToolCommand::SetGizmo(edited).into());
         }
         ui.separator();
         picture(ui, model, commands);
@@ -250,7 +250,7 @@ fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
         for (mode, name) in DisplayMode::ALL {
             let entry = ui.selectable_label(display.mode == mode, name);
             if entry.on_hover_text(mode.about()).clicked() {
-                commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
+                commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode, ..display }).into());
                 ui.close();
             }
         }
@@ -267,7 +267,7 @@ fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
     };
     ui.add_enabled_ui(can, |ui| {
         if icon_button(ui, ToolIcon::Denoise, keys.denoising, "Denoiser", &help).clicked() {
-            commands.push(Command::SetDenoising(!keys.denoising));
+            commands.push(DisplayCommand::SetDenoising(!keys.denoising).into());
         }
     });
 }
@@ -280,7 +280,7 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
             shown: !keys.grid.shown,
             ..keys.grid
         };
-        commands.push(Command::SetGrid(grid));
+        commands.push(DisplayCommand::SetGrid(grid).into());
     }
     icon_menu(
         ui,
@@ -299,7 +299,7 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
                     shown: boxes,
                     ..keys.overlay
                 };
-                commands.push(Command::SetOverlay(overlay));
+                commands.push(DisplayCommand::SetOverlay(overlay).into());
             }
             let mut safe = keys.safe_frame;
             if ui
@@ -307,7 +307,7 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
                 .on_hover_text("Frames of nine and eight tenths of the picture")
                 .changed()
             {
-                commands.push(Command::ShowSafeFrame(safe));
+                commands.push(DisplayCommand::ShowSafeFrame(safe).into());
             }
             for name in ["dimensions", "wireframe"] {
                 let Some(action) = actions::find(name) else { continue };

@@ -5,8 +5,8 @@ use bevy_egui::egui::{
 };
 
 use super::marks::BACKING;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::{Command, DisplayCommand};
 
 /// The radius of the handle in points.
 const RADIUS: f32 = 11.0;
@@ -50,7 +50,7 @@ fn drag(ui: &Ui, picture: Rect, place: Rect, name: &str, view: CompareView, comm
         let at = ((pointer.x - off - picture.left()) / picture.width()).clamp(0.0, 1.0);
         let moved = view.with_border(at);
         if at.is_finite() && moved != view {
-            commands.push(Command::SetCompareView(moved));
+            commands.push(DisplayCommand::SetCompareView(moved).into());
         }
     }
     let is_used = response.hovered() || response.dragged();
@@ -98,7 +98,7 @@ mod tests {
                 let mut commands = Vec::new();
                 handle(ui, PICTURE, *view, &mut commands);
                 for command in commands {
-                    if let Command::SetCompareView(moved) = command {
+                    if let Command::Display(DisplayCommand::SetCompareView(moved)) = command {
                         *view = moved;
                     }
                 }

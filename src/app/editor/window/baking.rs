@@ -7,9 +7,9 @@ use bevy_egui::egui::{self, Id, Modal, RichText, TextureHandle, TextureOptions, 
 
 use super::dialog;
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::model::baking::BakeModel;
 use crate::app::editor::panels::baking::{BakeForm, form, no_bake, progress};
 use crate::app::editor::session::layout::Layout;
@@ -125,11 +125,11 @@ impl BakeQuestion {
                 Self::Waiting => model.shown.is_some(),
                 Self::Leaving => true,
             };
-            if quits && !commands.contains(&Command::Quit) {
-                commands.push(Command::Quit);
+            if quits && !commands.contains(&Command::from(FileCommand::Quit)) {
+                commands.push(FileCommand::Quit.into());
             }
-        } else if commands.contains(&Command::Quit) {
-            commands.retain(|command| *command != Command::Quit);
+        } else if commands.contains(&Command::from(FileCommand::Quit)) {
+            commands.retain(|command| *command != Command::from(FileCommand::Quit));
             if *self != Self::Leaving {
                 *self = Self::Asking;
             }
@@ -165,8 +165,8 @@ impl BakeQuestion {
         *self = answer.unwrap_or(Self::Asking);
         // When the bake has ended, `hold` quits, ahead of the other questions.
         match self {
-            Self::Leaving => commands.push(Command::Bake(BakeCommand::Discard)),
-            Self::Waiting => commands.push(Command::Bake(BakeCommand::Stop)),
+            Self::Leaving => commands.push(BakeCommand::Discard.into()),
+            Self::Waiting => commands.push(BakeCommand::Stop.into()),
             Self::None | Self::Asking => {}
         }
     }
@@ -228,17 +228,28 @@ mod tests {
         };
         let mut question = BakeQuestion::default();
         assert_eq!(
-            after(&mut question, vec![Command::Quit], &BakeModel::default()),
-            [Command::Quit]
+            after(
+                &mut question,
+                vec![Command::from(FileCommand::Quit)],
+                &BakeModel::default()
+            ),
+            [Command::from(FileCommand::Quit)]
         );
         assert_eq!(
-            after(&mut question, vec![Command::Save, Command::Quit], &bake(true)),
-            [Command::Save]
+            after(
+                &mut question,
+                vec![Command::from(FileCommand::Save), Command::from(FileCommand::Quit)],
+                &bake(true)
+            ),
+            [Command::from(FileCommand::Save)]
         );
         assert!(question.is_asking());
         question = BakeQuestion::Waiting;
         assert_eq!(after(&mut question, Vec::new(), &bake(true)), []);
-        assert_eq!(after(&mut question, Vec::new(), &bake(false)), [Command::Quit]);
+        assert_eq!(
+            after(&mut question, Vec::new(), &bake(false)),
+            [Command::from(FileCommand::Quit)]
+        );
         assert_eq!(after(&mut question, Vec::new(), &bake(false)), []);
         // A bake that failed leaves it open.
         question = BakeQuestion::Waiting;
@@ -296,7 +307,10 @@ mod tests {
             edits.hold(&mut commands, true);
             (commands, edits.is_asking())
         };
-        assert_eq!(hold(&mut bakes, vec![Command::Quit], &bake(true)), (Vec::new(), false));
+        assert_eq!(
+            hold(&mut bakes, vec![Command::from(FileCommand::Quit)], &bake(true)),
+            (Vec::new(), false)
+        );
         // The size of a window is known after it was shown once.
         frame(&context, &mut bakes, &bake(true), None);
         let (_, output) = frame(&context, &mut bakes, &bake(true), None);
@@ -306,7 +320,10 @@ mod tests {
         assert_eq!(said, [Command::Bake(BakeCommand::Discard)]);
         assert_eq!(bakes, BakeQuestion::Leaving);
         // While the command is on its way, nothing is asked again.
-        assert_eq!(hold(&mut bakes, vec![Command::Quit], &bake(true)), (Vec::new(), false));
+        assert_eq!(
+            hold(&mut bakes, vec![Command::from(FileCommand::Quit)], &bake(true)),
+            (Vec::new(), false)
+        );
         assert_eq!(bakes, BakeQuestion::Leaving);
         assert_eq!(hold(&mut bakes, Vec::new(), &BakeModel::default()), (Vec::new(), true));
         assert_eq!(bakes, BakeQuestion::None);

@@ -10,7 +10,7 @@ use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
 use crate::app::editor::command::shell::{ShellCommand, SoughtFile};
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit, TextureEdit};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
@@ -221,18 +221,18 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
     Ok(match kind {
         FileDialogKind::FindFile(_) => {
             let sought = sought.ok_or("No file is looked for any more.")?;
-            Command::FindFile {
+            Command::from(SceneEdit::FindFile {
                 missing: sought.path,
                 found: path,
                 others: sought.others,
-            }
+            })
         }
-        FileDialogKind::OpenScene => Command::OpenScene(path),
+        FileDialogKind::OpenScene => Command::from(FileCommand::OpenScene(path)),
         FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
         FileDialogKind::BakeFolder => Command::Bake(BakeCommand::ChooseFolder(path)),
-        FileDialogKind::SaveScene => Command::SaveScene(path),
-        FileDialogKind::ExportScene => Command::ExportScene(path),
-        FileDialogKind::SaveImage => Command::SaveImage(path),
+        FileDialogKind::SaveScene => Command::from(FileCommand::SaveScene(path)),
+        FileDialogKind::ExportScene => Command::from(FileCommand::ExportScene(path)),
+        FileDialogKind::SaveImage => Command::from(FileCommand::SaveImage(path)),
         FileDialogKind::OpenEnvironment if !PICTURES.contains(&extension(&path).as_str()) => {
             let known = PICTURES.join(", ");
             return Err(format!(
@@ -240,17 +240,17 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
                 path.display()
             ));
         }
-        FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::Import(path),
+        FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::from(SceneEdit::Import(path)),
         FileDialogKind::OpenPicture {
             owner,
             parameter,
             place,
-        } => Command::SetPicture {
+        } => Command::from(TextureEdit::SetPicture {
             owner,
             parameter,
             place,
             path,
-        },
+        }),
     })
 }
 
@@ -349,9 +349,9 @@ mod tests {
     fn an_environment_is_a_picture() {
         let chosen = |path: &str| picked(FileDialogKind::OpenEnvironment, path.into(), None);
         assert!(chosen("room.xml").is_err() && chosen("room").is_err());
-        assert_eq!(chosen("sky.HDR"), Ok(Command::Import("sky.HDR".into())));
+        assert_eq!(chosen("sky.HDR"), Ok(SceneEdit::Import("sky.HDR".into()).into()));
         let imported = picked(FileDialogKind::Import, "room.xml".into(), None);
-        assert_eq!(imported, Ok(Command::Import("room.xml".into())));
+        assert_eq!(imported, Ok(SceneEdit::Import("room.xml".into()).into()));
     }
 
     #[test]

@@ -6,9 +6,9 @@ use bevy::prelude::*;
 use bevy::window::FileDragAndDrop;
 use bevy_egui::egui::{self, Align2, Color32, FontId, Rect};
 
-use crate::app::editor::command::Command;
 use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, FileCommand, SceneEdit};
 use crate::app::editor::words::files::SCENE_FILES;
 
 /// The files that hover over the window, and those that were dropped since the last frame.
@@ -52,13 +52,13 @@ impl DroppedFiles {
                 };
                 return vec![Command::Shell(ShellCommand::AskAboutScene(Box::new(file)))];
             }
-            return files.into_iter().map(Command::Import).collect();
+            return files.into_iter().map(|it| SceneEdit::Import(it).into()).collect();
         }
         let first = files.iter().position(is_scene).map(|place| files.remove(place));
         match first {
             // A scene replaces everything, so that the other files would be lost in it.
-            Some(scene) => vec![Command::OpenScene(scene)],
-            None => files.into_iter().map(Command::Import).collect(),
+            Some(scene) => vec![Command::from(FileCommand::OpenScene(scene))],
+            None => files.into_iter().map(|it| SceneEdit::Import(it).into()).collect(),
         }
     }
 }
@@ -89,13 +89,16 @@ mod tests {
     #[test]
     fn a_scene_opens_where_there_is_none_and_is_asked_about_where_there_is() {
         let path = PathBuf::from("/room.GLB");
-        assert_eq!(dropped(&["/room.GLB"], true), [Command::OpenScene(path.clone())]);
+        assert_eq!(
+            dropped(&["/room.GLB"], true),
+            [Command::from(FileCommand::OpenScene(path.clone()))]
+        );
         let (at, bounds) = (None, None);
         let file = Box::new(FileUse { path, at, bounds });
         let asked = Command::Shell(ShellCommand::AskAboutScene(file));
         assert_eq!(dropped(&["/room.GLB"], false), [asked]);
         let both = ["/room.GLB", "/a.ply"];
-        let imports = both.map(|path| Command::Import(path.into()));
+        let imports = both.map(|path| Command::from(SceneEdit::Import(path.into())));
         assert_eq!(dropped(&both, false), imports);
     }
 
@@ -104,7 +107,13 @@ mod tests {
         let [mesh, sky] = ["/bunny.ply", "/sky.hdr"].map(PathBuf::from);
         for untouched in [true, false] {
             let commands = dropped(&["/bunny.ply", "/sky.hdr"], untouched);
-            assert_eq!(commands, [Command::Import(mesh.clone()), Command::Import(sky.clone())]);
+            assert_eq!(
+                commands,
+                [
+                    Command::from(SceneEdit::Import(mesh.clone())),
+                    Command::from(SceneEdit::Import(sky.clone()))
+                ]
+            );
         }
     }
 }

@@ -3,7 +3,7 @@
 use bevy_egui::egui::{self, Align2, Area, Frame, Id, ProgressBar, Rect};
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, RenderCommand};
 use crate::app::editor::model::StatusModel;
 use crate::app::editor::panels::status::{clock, progress_of};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
@@ -31,7 +31,7 @@ pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, c
     });
     if let Some(renders) = answer {
         let question = asked.take().filter(|_| renders);
-        commands.extend(question.map(|question| Command::RenderFull(question.confirmed())));
+        commands.extend(question.map(|question| RenderCommand::RenderFull(question.confirmed()).into()));
     }
 }
 
@@ -70,7 +70,7 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
                         .button("Cancel")
                         .on_hover_text("Save nothing; the picture keeps the samples that it has");
                     if cancel.clicked() {
-                        commands.push(Command::StopFull);
+                        commands.push(RenderCommand::StopFull.into());
                     }
                 });
             });

@@ -1,6 +1,6 @@
 //! Quitting waits for an image that gets its full film, so that it is not lost.
 
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::session::toasts::Toasts;
 
@@ -21,10 +21,10 @@ impl LateQuit {
         ended: Option<&EndedImage>,
         toasts: &mut Toasts,
     ) {
-        let quits = commands.contains(&Command::Quit);
+        let quits = commands.contains(&Command::from(FileCommand::Quit));
         match image {
             Some(image) if quits && !self.waits => {
-                commands.retain(|command| *command != Command::Quit);
+                commands.retain(|command| *command != Command::from(FileCommand::Quit));
                 self.waits = true;
                 let name = image.file_name();
                 toasts.reject(format!(
@@ -37,7 +37,7 @@ impl LateQuit {
             None => {
                 let is_saved = ended.is_some_and(|ended| ended.0.is_ok());
                 if std::mem::take(&mut self.waits) && is_saved && !quits {
-                    commands.push(Command::Quit);
+                    commands.push(FileCommand::Quit.into());
                 }
             }
         }
@@ -70,15 +70,28 @@ mod tests {
             late.hold(&mut commands, image, Some(&SAVED), toasts);
             commands
         };
-        assert_eq!(after(None, vec![Command::Quit]), [Command::Quit]);
-        assert_eq!(after(Some(&image), vec![Command::Save, Command::Quit]), [Command::Save]);
-        assert_eq!(after(Some(&image), Vec::new()), []);
-        assert_eq!(after(None, Vec::new()), [Command::Quit], "the image is saved");
-        assert_eq!(after(None, Vec::new()), []);
-        assert_eq!(after(Some(&image), vec![Command::Quit]), []);
         assert_eq!(
-            after(Some(&image), vec![Command::Quit]),
-            [Command::Quit],
+            after(None, vec![Command::from(FileCommand::Quit)]),
+            [Command::from(FileCommand::Quit)]
+        );
+        assert_eq!(
+            after(
+                Some(&image),
+                vec![Command::from(FileCommand::Save), Command::from(FileCommand::Quit)]
+            ),
+            [Command::from(FileCommand::Save)]
+        );
+        assert_eq!(after(Some(&image), Vec::new()), []);
+        assert_eq!(
+            after(None, Vec::new()),
+            [Command::from(FileCommand::Quit)],
+            "the image is saved"
+        );
+        assert_eq!(after(None, Vec::new()), []);
+        assert_eq!(after(Some(&image), vec![Command::from(FileCommand::Quit)]), []);
+        assert_eq!(
+            after(Some(&image), vec![Command::from(FileCommand::Quit)]),
+            [Command::from(FileCommand::Quit)],
             "it was asked for twice"
         );
         assert_eq!(after(None, Vec::new()), [], "the second command was the last");
@@ -97,7 +110,7 @@ mod tests {
         ];
         for failure in failures {
             let (mut late, toasts) = (LateQuit::default(), &mut Toasts::default());
-            let mut commands = vec![Command::Quit];
+            let mut commands = vec![Command::from(FileCommand::Quit)];
             late.hold(&mut commands, Some(&image()), None, toasts);
             let ended = EndedImage(Err(failure));
             late.hold(&mut commands, None, Some(&ended), toasts);
@@ -113,7 +126,7 @@ mod tests {
     fn edits_made_while_the_image_is_awaited_are_asked_about() {
         let (mut late, mut question) = (LateQuit::default(), UnsavedQuestion::default());
         let toasts = &mut Toasts::default();
-        let mut commands = vec![Command::Quit];
+        let mut commands = vec![Command::from(FileCommand::Quit)];
         late.hold(&mut commands, Some(&image()), None, toasts);
         question.hold(&mut commands, false);
         assert!(commands.is_empty() && !question.is_asking());

@@ -5,9 +5,9 @@ use std::path::Path;
 use bevy_egui::egui::{self, Align2, Button, Id, Key, Modal, Modifiers, RichText, Ui};
 
 use super::dialog;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{Command, FileCommand, SelectionCommand};
 use crate::app::editor::input::actions::{ACTIONS, Action, ActionContext, Group, Shortcut};
 use crate::app::editor::model::{Item, Model};
 
@@ -54,8 +54,8 @@ impl Hit<'_> {
     fn command(&self, context: &ActionContext) -> Option<Command> {
         match self {
             Self::Action(action) => (action.command)(context),
-            Self::Scene(path) => Some(Command::OpenScene(path.to_path_buf())),
-            Self::Thing(item) => Some(Command::Select(vec![item.entity], Extend::Replace)),
+            Self::Scene(path) => Some(FileCommand::OpenScene(path.to_path_buf()).into()),
+            Self::Thing(item) => Some(SelectionCommand::Select(vec![item.entity], Extend::Replace).into()),
         }
     }
 

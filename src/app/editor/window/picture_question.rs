@@ -3,8 +3,8 @@
 use bevy_egui::egui;
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::kept_picture::KeptPicture;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::panels::status::clock;
 
 /// Whether the question is open.
@@ -22,8 +22,8 @@ impl PictureQuestion {
     /// Holds back the command to quit, if the picture can be kept and is worth it. To be called after the question
     /// about unsaved edits, which hands the command on.
     pub fn hold(&mut self, commands: &mut Vec<Command>, is_worth_it: bool) {
-        if is_worth_it && commands.contains(&Command::Quit) {
-            commands.retain(|command| *command != Command::Quit);
+        if is_worth_it && commands.contains(&Command::from(FileCommand::Quit)) {
+            commands.retain(|command| *command != Command::from(FileCommand::Quit));
             self.is_asking = true;
         }
     }
@@ -38,14 +38,14 @@ impl PictureQuestion {
             width: 440.0,
             heading: "Keep the picture?".to_owned(),
             answers: vec![
-                Answer::primary("Keep", Some(Command::KeptPicture(KeptPicture::KeepAndQuit)))
+                Answer::primary("Keep", Some(KeptPicture::KeepAndQuit.into()))
                     .does(
                         "it is written beside the scene, and resumed with all its samples when the scene is opened \
                          again.",
                     )
                     .help("Keep it, then close (Enter)")
                     .on_enter(),
-                Answer::danger("Don't keep", Some(Command::Quit))
+                Answer::danger("Don't keep", Some(Command::from(FileCommand::Quit)))
                     .does("the window closes, and the samples are lost.")
                     .help("Close without keeping"),
                 Answer::cancel("Cancel", None).does("everything stays as it is."),

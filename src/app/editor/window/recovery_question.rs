@@ -103,7 +103,7 @@ fn row(ui: &mut Ui, offer: &Offer, time: Option<String>, commands: &mut Vec<Comm
 
 fn ask_button(ui: &mut Ui, button: Button, offer: &Offer, commands: &mut Vec<Command>) {
     if ui.add(button).on_hover_text(scene_of(offer)).clicked() {
-        commands.push(Command::Shell(ShellCommand::AskAboutRecovery(offer.clone())));
+        commands.push(ShellCommand::AskAboutRecovery(offer.clone()).into());
     }
 }
 
@@ -130,7 +130,7 @@ pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Comm
     if left.len() > MOST_SHOWN {
         let all = Button::new(format!("All {}…", left.len())).min_size(egui::vec2(ui.available_width(), 0.0));
         if ui.add(all).clicked() {
-            commands.push(Command::Shell(ShellCommand::ShowRecovery));
+            commands.push(ShellCommand::ShowRecovery.into());
         }
     }
     ui.add_space(8.0);

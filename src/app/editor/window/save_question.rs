@@ -6,7 +6,7 @@ use bevy_egui::egui;
 use super::question::{Answer, Question};
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind};
 use crate::app::editor::session::requests::Requests;
 use crate::scene::write::OnChange;
 
@@ -36,8 +36,10 @@ pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec
     });
     match answer {
         None => return,
-        Some(Choice::Recover(copy)) => commands.push(Command::Shell(ShellCommand::Recover(copy))),
-        Some(Choice::Save(on_change)) => commands.push(Command::SaveChanged(question.path.clone(), on_change)),
+        Some(Choice::Recover(copy)) => commands.push(ShellCommand::Recover(copy).into()),
+        Some(Choice::Save(on_change)) => {
+            commands.push(FileCommand::SaveChanged(question.path.clone(), on_change).into())
+        }
         Some(Choice::SaveAs) => {
             question.is_naming = true;
             requests.dialog = Some(FileDialogKind::SaveScene);

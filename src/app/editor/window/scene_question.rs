@@ -3,8 +3,8 @@
 use bevy_egui::egui;
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::asset_kind::FileUse;
+use crate::app::editor::command::{Command, FileCommand, SceneEdit};
 
 /// Shows the question if there is one.
 pub fn question(context: &egui::Context, asked: &mut Option<FileUse>, commands: &mut Vec<Command>) {
@@ -15,11 +15,11 @@ pub fn question(context: &egui::Context, asked: &mut Option<FileUse>, commands: 
         width: 440.0,
         heading: format!("Add {name}, or open it?"),
         answers: vec![
-            Answer::primary("Add", Some(Command::UseFile(Box::new(file.clone()))))
+            Answer::primary("Add", Some(Command::from(SceneEdit::UseFile(Box::new(file.clone())))))
                 .does("its shapes, materials and lights join the scene that is open.")
                 .help("Enter")
                 .on_enter(),
-            Answer::other("Open", Some(Command::OpenScene(file.path.clone())))
+            Answer::other("Open", Some(FileCommand::OpenScene(file.path.clone()).into()))
                 .does("it takes the place of the scene that is open.")
                 .help("Unsaved edits are asked about"),
             Answer::cancel("Cancel", None),

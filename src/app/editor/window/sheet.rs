@@ -166,7 +166,7 @@ fn page(ui: &mut Ui, shown: SheetModel, sheet: Option<Sheet>, keys: &mut KeyList
             keys: chosen,
             ..shown.preferences.clone()
         };
-        commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(preferences))));
+        commands.push(ShellCommand::SetPreferences(Box::new(preferences)).into());
     }
     let palette = actions::hint(
         "Everything can also be found by its name",

@@ -6,12 +6,12 @@ use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, T
 use image::ImageFormat;
 
 use super::{dialog, recovery_question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::samples::{SAMPLES, Sample};
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::press::Press;
 use crate::app::editor::panels::look;
@@ -82,7 +82,7 @@ pub fn show(
                     start_page: shown,
                     ..preferences.clone()
                 };
-                commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(edited))));
+                commands.push(ShellCommand::SetPreferences(Box::new(edited)).into());
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 closes |= ui.button("Close").on_hover_text("Esc").clicked();
@@ -92,7 +92,7 @@ pub fn show(
     });
     let opens = commands[before..]
         .iter()
-        .any(|command| matches!(command, Command::OpenScene(_)));
+        .any(|command| matches!(command, Command::File(FileCommand::OpenScene(_))));
     !(modal.inner || opens || modal.should_close())
 }
 
@@ -123,7 +123,7 @@ fn tile(ui: &mut Ui, sample: &Sample, commands: &mut Vec<Command>) {
             .on_hover_text(format!("Open scenes/{}", sample.file))
             .on_disabled_hover_text(absent);
         if let (true, Some(path)) = (response.clicked(), path) {
-            commands.push(Command::OpenScene(path));
+            commands.push(FileCommand::OpenScene(path).into());
         }
     });
 }
@@ -154,7 +154,7 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
                 for (preset, name, help) in NavigationPreset::ALL {
                     let entry = ui.selectable_label(preset == chosen, name).on_hover_text(help);
                     if entry.clicked() {
-                        commands.push(Command::Shell(ShellCommand::SetNavigation(preset)));
+                        commands.push(ShellCommand::SetNavigation(preset).into());
                     }
                 }
             })
@@ -210,7 +210,7 @@ fn recent(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
             .min_size(egui::vec2(ui.available_width(), 0.0));
         let response = ui.add(button).on_hover_text(path.display().to_string());
         if response.clicked() {
-            commands.push(Command::OpenScene(path.clone()));
+            commands.push(FileCommand::OpenScene(path.clone()).into());
         }
     }
 }

@@ -116,6 +116,6 @@ fn content(ui: &mut Ui, toast: &Toast, edge: Color32, commands: &mut Vec<Command
             .on_hover_text("Show everything that is wrong in the panel Messages")
             .clicked()
     {
-        commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Messages)));
+        commands.push(ShellCommand::ShowPanel(Panel::Messages).into());
     }
 }

@@ -16,7 +16,7 @@ pub fn show(context: &egui::Context, tutorial: &Tutorial, place: Rect, commands:
     };
     let is_done = tutorial.done[step];
     let is_last = step + 1 == LESSONS.len();
-    let mut go_to = |step: Option<usize>| commands.push(Command::Shell(ShellCommand::ShowTutorial(step)));
+    let mut go_to = |step: Option<usize>| commands.push(ShellCommand::ShowTutorial(step).into());
     let corner = place.left_bottom() + egui::vec2(12.0, -12.0);
     egui::Area::new(Id::new("tutorial"))
         .pivot(Align2::LEFT_BOTTOM)

@@ -13,10 +13,10 @@ use super::guards::Guards;
 use super::sheet::{self, SheetModel};
 use super::widgets::Widgets;
 use super::{dialog, full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shell::Sheet;
+use crate::app::editor::command::{Command, FileCommand, SceneEdit, SelectionCommand};
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::input::{keys, number_field};
@@ -308,10 +308,10 @@ pub fn show_window(
     }
     let is_untouched = model.status.scene.is_none() && !model.status.unsaved;
     commands.extend(shell.dropped.commands(is_untouched));
-    commands.extend(shell.trusted.opens.take().map(Command::OpenScene));
+    commands.extend(shell.trusted.opens.take().map(|it| FileCommand::OpenScene(it).into()));
     if requests.closes && typing.fields.is_left(*typing.keyboard) {
         requests.closes = false;
-        commands.push(Command::Quit);
+        commands.push(FileCommand::Quit.into());
     }
     let ended = shell.ended_image.as_deref();
     let (kept, toasts) = (&shell.kept_pictures, &mut said.toasts);
@@ -348,9 +348,9 @@ fn use_clipboard(
     }
     for press in presses.iter().filter(|press| press.modifiers.command_only()) {
         match press.key {
-            egui::Key::C => commands.push(Command::Copy),
-            egui::Key::X => commands.push(Command::Cut),
-            egui::Key::V => commands.extend(clipboard.get_text().map(Command::Paste)),
+            egui::Key::C => commands.push(SelectionCommand::Copy.into()),
+            egui::Key::X => commands.push(SceneEdit::Cut.into()),
+            egui::Key::V => commands.extend(clipboard.get_text().map(|it| SceneEdit::Paste(it).into())),
             _ => {}
         }
     }

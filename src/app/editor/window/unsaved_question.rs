@@ -6,7 +6,7 @@ use bevy_egui::egui;
 
 use super::question::{Answer, Question};
 use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, Effect};
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::session::recovery::is_copy_of;
 use crate::scene::write::OnChange;
 
@@ -64,11 +64,11 @@ impl UnsavedQuestion {
     /// Holds back the first command that would lose edits, and drops those after it.
     pub fn hold(&mut self, commands: &mut Vec<Command>, edits: bool) {
         self.is_new = false;
-        let Some(place) = commands.iter().position(Command::loses_edits) else {
+        let Some(place) = commands.iter().position(|command| command.traits().loses_edits) else {
             return;
         };
         // Edits of this very frame count as well.
-        let is_edit = |command: &Command| matches!(command.effect(), Effect::Edit | Effect::Drag);
+        let is_edit = |command: &Command| matches!(command, Command::Edit(_));
         if edits || commands[..place].iter().any(is_edit) {
             let command = commands.swap_remove(place);
             commands.truncate(place);
@@ -94,7 +94,7 @@ impl UnsavedQuestion {
             Step::Saving { handled, chose_file } => {
                 if unsaved.dialog_open {
                     *chose_file = true;
-                } else if commands.iter().any(Command::saves) {
+                } else if commands.iter().any(|command| command.traits().saves) {
                     (*handled, *chose_file) = (unsaved.saves_handled, false);
                 } else if *chose_file || *handled != unsaved.saves_handled {
                     // The save has failed or was cancelled.
@@ -134,9 +134,9 @@ impl UnsavedQuestion {
 fn save_before(command: &Command, scene: Option<&Path>) -> Command {
     match (command, scene) {
         (Command::Shell(ShellCommand::Recover(copy)), Some(scene)) if is_copy_of(copy, scene) => {
-            Command::SaveChanged(scene.to_owned(), OnChange::Refuse)
+            Command::from(FileCommand::SaveChanged(scene.to_owned(), OnChange::Refuse))
         }
-        _ => Command::Save,
+        _ => Command::from(FileCommand::Save),
     }
 }
 
@@ -151,15 +151,15 @@ fn question(name: &str, command: &Command) -> Question<Choice> {
     let cancel = Answer::cancel("Cancel", Choice::Cancel)
         .does("everything stays as it is.")
         .help("Stay here (Esc)");
-    let (heading, answers) = if *command == Command::RevertScene {
+    let (heading, answers) = if *command == Command::from(FileCommand::RevertScene) {
         let revert = Answer::danger("Revert", Choice::Lose)
             .does("the file is read anew. What was changed since it was saved is lost and cannot be brought back.")
             .help("Read the file anew");
         (format!("Lose the changes of {name}?"), vec![revert, cancel])
     } else {
         let what = match command {
-            Command::Quit => "the window closes",
-            Command::NewScene => "a new scene begins",
+            Command::File(FileCommand::Quit) => "the window closes",
+            Command::File(FileCommand::NewScene) => "a new scene begins",
             Command::Shell(ShellCommand::Recover(_)) => "the copy opens",
             _ => "the other scene opens",
         };

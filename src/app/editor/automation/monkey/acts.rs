@@ -318,7 +318,7 @@ fn window(random: &mut Random) -> Vec<Act> {
             acts.extend([Act::Rest(1 + random.below(5)), Act::CloseSheet]);
             acts
         }
-        4 => vec![Act::Do(Command::ShowPanels(random.below(4) > 0))],
+        4 => vec![Act::Do(ShellCommand::ShowPanels(random.below(4) > 0).into())],
         _ => vec![Act::Resize(Vec2::new(
             0.5 + 0.7 * random.fraction(),
             0.5 + 0.7 * random.fraction(),

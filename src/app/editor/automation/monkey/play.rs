@@ -12,11 +12,11 @@ use super::frames::{Span, Stopwatch};
 use super::report::Criterion;
 use super::snapshot::Snapshot;
 use super::state::{Monkey, PATIENCE, PATIENCE_FOR_SCENES, Phase, Round, Waiting};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand};
 use crate::app::editor::commands;
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::history::History;
@@ -145,7 +145,7 @@ impl Monkey {
             return;
         };
         self.wait_for_scene(world);
-        self.apply(world, Command::OpenScene(path));
+        self.apply(world, FileCommand::OpenScene(path));
         self.phase = Phase::Copying(number);
     }
 
@@ -155,7 +155,7 @@ impl Monkey {
             return self.fault(Criterion::Run, problem);
         }
         let place = self.folder.place_for_copy(number);
-        let outcome = self.attempt(world, Command::SaveScene(place.clone()));
+        let outcome = self.attempt(world, FileCommand::SaveScene(place.clone()));
         let outcome = outcome.and_then(|()| self.folder.add_copy(place).map_err(CommandError::file));
         if let Err(error) = outcome {
             self.fault(Criterion::Run, format!("a copy of the scene cannot be made: {error}"));
@@ -199,19 +199,19 @@ impl Monkey {
         self.record.has_window = world.query::<&Window>().iter(world).next().is_some();
         // These are the settings of an editor that has just been started.
         let defaults = [
-            Command::OpenScene(path),
-            Command::SetPaused(false),
-            Command::SetRegion(None),
-            Command::SetStrategySplit(false),
-            Command::SetPathIsAuto(true),
-            Command::SetLightLayers(false),
-            Command::SetLightMix(LightMix::default()),
-            Command::SetTimeLimit(None),
-            Command::SetNoiseTarget(None),
-            Command::SetTargetSamples(16),
-            Command::SetCompareView(CompareView::Off),
-            Command::SetDenoising(false),
-            Command::ShowPanels(true),
+            Command::from(FileCommand::OpenScene(path)),
+            Command::from(RenderCommand::SetPaused(false)),
+            Command::from(RenderCommand::SetRegion(None)),
+            Command::from(RenderCommand::SetStrategySplit(false)),
+            Command::from(RenderCommand::SetPathIsAuto(true)),
+            Command::from(RenderCommand::SetLightLayers(false)),
+            Command::from(DisplayCommand::SetLightMix(LightMix::default())),
+            Command::from(RenderCommand::SetTimeLimit(None)),
+            Command::from(RenderCommand::SetNoiseTarget(None)),
+            Command::from(RenderCommand::SetTargetSamples(16)),
+            Command::from(DisplayCommand::SetCompareView(CompareView::Off)),
+            Command::from(DisplayCommand::SetDenoising(false)),
+            Command::from(ShellCommand::ShowPanels(true)),
             Command::Shell(ShellCommand::ResetLayout),
         ];
         for command in defaults {
@@ -254,14 +254,14 @@ impl Monkey {
         }
         let saved = self.folder.saved();
         let counts = Snapshot::of(world).counts();
-        let outcome = self.attempt(world, Command::SaveScene(saved.clone()));
+        let outcome = self.attempt(world, FileCommand::SaveScene(saved.clone()));
         let toasts = world.resource::<Toasts>().texts().last();
         let trouble = toasts.filter(|text| text.starts_with("Saved, but")).map(str::to_owned);
         if let Some(trouble) = outcome.err().map(|error| error.to_string()).or(trouble) {
             self.fault(Criterion::Saving, trouble);
         }
         self.wait_for_scene(world);
-        self.apply(world, Command::OpenScene(saved));
+        self.apply(world, FileCommand::OpenScene(saved));
         self.phase = Phase::Compare(counts);
     }
 
@@ -270,7 +270,7 @@ impl Monkey {
         let end = Snapshot::of(world);
         let (done, undone) = world.resource::<History>().len();
         let is_whole = world.resource::<History>().is_whole();
-        self.apply(world, Command::GoTo(0));
+        self.apply(world, HistoryCommand::GoTo(0));
         let start = self.round.start.take().filter(|_| is_whole);
         if let Some(start) = start {
             self.record.undone_to_start += 1;
@@ -279,7 +279,7 @@ impl Monkey {
                 self.fault(Criterion::Undo, text);
             }
         }
-        self.apply(world, Command::GoTo(done));
+        self.apply(world, HistoryCommand::GoTo(done));
         if let Some(difference) = self.difference(&end, &Snapshot::of(world)) {
             let text = format!("undone and redone ({done} steps, {undone} ahead), it is not what it was: {difference}");
             self.fault(Criterion::Undo, text);
@@ -373,14 +373,14 @@ impl Monkey {
         }
     }
 
-    fn apply(&mut self, world: &mut World, command: Command) {
+    fn apply(&mut self, world: &mut World, command: impl Into<Command>) {
         if self.attempt(world, command).is_err() {
             self.record.refused += 1;
         }
     }
 
     /// The error is what the user would be told.
-    fn attempt(&mut self, world: &mut World, command: Command) -> Result<(), CommandError> {
+    fn attempt(&mut self, world: &mut World, command: impl Into<Command>) -> Result<(), CommandError> {
         let watch = Stopwatch::start();
         let outcome = commands::apply_now(world, command);
         self.editing += watch.elapsed();

@@ -94,11 +94,11 @@ pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptEr
             _ => return Err(format!("`{word}` is no setting of a bake").into()),
         }
     }
-    Ok(Command::Bake(BakeCommand::Choose(choices)))
+    Ok(BakeCommand::Choose(choices).into())
 }
 
 /// The command that shows another lightmap, counted from 0.
 pub(super) fn page(text: &str) -> Result<Command, ScriptError> {
     let page = within(parse_float(text)?, &(0.0..=1e6))?;
-    Ok(Command::Bake(BakeCommand::ShowPage(page as usize)))
+    Ok(BakeCommand::ShowPage(page as usize).into())
 }

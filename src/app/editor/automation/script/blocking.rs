@@ -4,11 +4,11 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::named;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, Plane};
 use crate::app::editor::command::blocking::faces::{Face, pushed};
 use crate::app::editor::command::blocking::openings::{Cut, wall_of};
 use crate::app::editor::command::blocking::{BlockKind, Reshaping};
+use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::scene::{Opening, Shape, Solid, ToWorld};
@@ -43,7 +43,7 @@ pub(super) fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[
             _ => return Err(format!("expected name=, height= or thickness=, found `{option}`").into()),
         }
     }
-    Ok(Command::Build(Box::new(block)))
+    Ok(SceneEdit::Build(Box::new(block)).into())
 }
 
 pub(super) fn push(world: &mut World, name: &str, face: &str, distance: &str) -> Result<Command, ScriptError> {
@@ -52,12 +52,7 @@ pub(super) fn push(world: &mut World, name: &str, face: &str, distance: &str) ->
     let entity = named(world, name)?;
     let (shape, pose) = parts(world, entity)?;
     let (kind, pose) = pushed(&shape.kind, pose, face, distance).ok_or("it has no such face to push")?;
-    Ok(Command::Reshape(
-        entity,
-        Shape { kind, ..shape.clone() },
-        pose,
-        Reshaping::Push,
-    ))
+    Ok(SceneEdit::Reshape(entity, Shape { kind, ..shape.clone() }, pose, Reshaping::Push).into())
 }
 
 pub(super) fn cut(
@@ -103,12 +98,7 @@ pub(super) fn cut(
         }
     }
     let (kind, pose) = Cut { wall, pose, opening }.done();
-    Ok(Command::Reshape(
-        entity,
-        Shape { kind, ..shape.clone() },
-        pose,
-        Reshaping::Cut,
-    ))
+    Ok(SceneEdit::Reshape(entity, Shape { kind, ..shape.clone() }, pose, Reshaping::Cut).into())
 }
 
 fn parts(world: &World, entity: Entity) -> Result<(&Shape, &bevy::math::Affine3A), ScriptError> {

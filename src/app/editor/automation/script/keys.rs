@@ -29,7 +29,7 @@ pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Res
             bind(&mut preferences.keys, own.name, key);
         }
     }
-    Ok(Command::Shell(ShellCommand::SetPreferences(Box::new(preferences))))
+    Ok(ShellCommand::SetPreferences(Box::new(preferences)).into())
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::{material_of, named, unknown};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside, wrappers};
+use crate::app::editor::command::{Command, MaterialEdit};
 use crate::scene::Material;
 
 /// `wrap MATERIAL PLUGIN`
@@ -43,8 +43,8 @@ pub fn unwrap(world: &mut World, name: &str, which: Option<&str>) -> Result<Comm
 }
 
 fn build(target: Entity, tree: MaterialTree) -> Command {
-    Command::BuildMaterial {
+    Command::from(MaterialEdit::BuildMaterial {
         targets: vec![target],
         tree: Box::new(tree),
-    }
+    })
 }

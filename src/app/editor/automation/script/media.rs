@@ -4,30 +4,32 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::{all_named, named, unknown};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::media::{Filling, MediumSide};
+use crate::app::editor::command::{Command, MediumEdit};
 use crate::scene::Medium;
 
 /// `medium MEDIUM|none interior|exterior|around THING...`
 pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> Result<Command, ScriptError> {
     let side = side_of(side)?;
-    Ok(Command::UseMedium {
+    Ok(MediumEdit::UseMedium {
         medium: match medium {
             "none" => None,
             name => Some(named(world, name)?),
         },
         things: all_named(world, things)?,
         side,
-    })
+    }
+    .into())
 }
 
 /// `medium-of THING [interior|exterior|around]`
 pub fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<Command, ScriptError> {
     let side = side.map_or(Ok(MediumSide::Interior), side_of)?;
-    Ok(Command::GiveMedium {
+    Ok(MediumEdit::GiveMedium {
         thing: named(world, thing)?,
         side,
-    })
+    }
+    .into())
 }
 
 /// `fill fog|smoke|MEDIUM SHAPE...`
@@ -41,10 +43,11 @@ pub fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<Command, S
         (None, "smoke") => Filling::Smoke,
         (None, name) => Filling::Medium(named(world, name)?),
     };
-    Ok(Command::Fill {
+    Ok(MediumEdit::Fill {
         shapes: all_named(world, shapes)?,
         with,
-    })
+    }
+    .into())
 }
 
 fn side_of(word: &str) -> Result<MediumSide, ScriptError> {

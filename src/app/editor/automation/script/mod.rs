@@ -30,8 +30,8 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::exit_door::ExitDoor;
 use super::screenshot::{WindowWait, save_window};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::baking::BakeCommand;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::commands;
 use crate::app::editor::commands::bare_world::bare_world;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
@@ -259,7 +259,7 @@ impl Script {
             },
         };
         let shows_picture = match &step {
-            Step::Do(command) => command.keeps_picture(),
+            Step::Do(command) => command.traits().is_about_pixels,
             Step::Screenshot(_) => true,
             Step::Wait(_) | Step::Bake(_) | Step::AwaitBake(_) => false,
         };
@@ -313,8 +313,8 @@ impl Script {
         match step {
             Step::Do(command) => {
                 world.resource_mut::<Requests>().interaction += 1;
-                self.opens = matches!(command, Command::OpenScene(_));
-                let saves_image = matches!(command, Command::SaveImage(_));
+                self.opens = matches!(command, Command::File(FileCommand::OpenScene(_)));
+                let saves_image = matches!(command, Command::File(FileCommand::SaveImage(_)));
                 commands::apply_now(world, command).map_err(|error| {
                     // The program ends with the script, and its samples with it.
                     match saves_image.then(|| commands::keep_image(world)).flatten() {
@@ -324,7 +324,7 @@ impl Script {
                 })?;
             }
             Step::Bake(folder) => {
-                commands::apply_now(world, Command::Bake(BakeCommand::Begin(folder)))?;
+                commands::apply_now(world, BakeCommand::Begin(folder))?;
                 self.bake = Some(BakeWait::End);
             }
             Step::AwaitBake(wait) => self.bake = Some(wait),

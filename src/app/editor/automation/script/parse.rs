@@ -16,7 +16,6 @@ use super::{blocking, keys, layers, media, placing, rendering, texturing, timeli
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::camera::rounding;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::baking::BakeCommand;
@@ -30,6 +29,10 @@ use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{
+    Command, DisplayCommand, FileCommand, HistoryCommand, MaterialEdit, OutlineEdit, RenderCommand, SceneEdit,
+    SelectionCommand, TextureEdit, TimeCommand, ToolCommand, ValueEdit, ViewCommand,
+};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::session::tutorial::LESSONS;
@@ -75,7 +78,7 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     }
     // XML is not split into words.
     if let Some(xml) = text.strip_prefix("paste ") {
-        return Ok(Some(Step::Do(Command::Paste(xml.to_owned()))));
+        return Ok(Some(Step::Do(SceneEdit::Paste(xml.to_owned()).into())));
     }
     let words = words(text)?;
     let (verb, arguments) = words.split_first().ok_or("expected a command")?;
@@ -156,32 +159,32 @@ fn parse_place(text: &str) -> Result<Vec2, ScriptError> {
 
 fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, ScriptError> {
     let command = match (verb, arguments) {
-        ("open", [path]) => Command::OpenScene(path.into()),
-        ("save-to", [path]) => Command::SaveScene(path.into()),
-        ("save-to", [path, "merge"]) => Command::SaveChanged(path.into(), OnChange::TakeIn),
-        ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
-        ("export-to", [path]) => Command::ExportScene(path.into()),
+        ("open", [path]) => Command::from(FileCommand::OpenScene(path.into())),
+        ("save-to", [path]) => Command::from(FileCommand::SaveScene(path.into())),
+        ("save-to", [path, "merge"]) => Command::from(FileCommand::SaveChanged(path.into(), OnChange::TakeIn)),
+        ("save-to", [path, "overwrite"]) => Command::from(FileCommand::SaveChanged(path.into(), OnChange::Overwrite)),
+        ("export-to", [path]) => Command::from(FileCommand::ExportScene(path.into())),
         ("bake-with", words) if !words.is_empty() => baking::choices(world, words)?,
         ("bake-to", [folder]) => return Ok(Step::Bake(folder.into())),
         ("begin-bake", [folder]) => Command::Bake(BakeCommand::Begin(folder.into())),
         ("wait-for-bake", [wait]) => return Ok(Step::AwaitBake(baking::wait(wait)?)),
         ("show-lightmap", [number]) => baking::page(number)?,
-        ("save-image-to", [path]) => Command::SaveImage(path.into()),
-        ("import-file", [path]) => Command::Import(path.into()),
-        ("find-file", [missing, found]) => Command::FindFile {
+        ("save-image-to", [path]) => Command::from(FileCommand::SaveImage(path.into())),
+        ("import-file", [path]) => Command::from(SceneEdit::Import(path.into())),
+        ("find-file", [missing, found]) => Command::from(SceneEdit::FindFile {
             missing: settle(Path::new(missing)),
             found: settle(Path::new(found)),
             others: true,
-        },
+        }),
         ("use-file", [path, at @ ..]) if at.len() < 2 => {
             let at = at.first().map(|at| parse_place(at)).transpose()?;
             let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
-            Command::UseFile(Box::new(FileUse { path, at, bounds: None }))
+            Command::from(SceneEdit::UseFile(Box::new(FileUse { path, at, bounds: None })))
         }
-        ("select", names) => Command::Select(all_named(world, names)?, Extend::Replace),
-        ("select-also", names) => Command::Select(all_named(world, names)?, Extend::Add),
-        ("pick", [place]) => Command::Pick(parse_place(place)?, Extend::Replace),
-        ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
+        ("select", names) => Command::from(SelectionCommand::Select(all_named(world, names)?, Extend::Replace)),
+        ("select-also", names) => Command::from(SelectionCommand::Select(all_named(world, names)?, Extend::Add)),
+        ("pick", [place]) => Command::from(SelectionCommand::Pick(parse_place(place)?, Extend::Replace)),
+        ("add", [kind, options @ ..]) => Command::from(SceneEdit::Add(addition(kind, options)?)),
         ("draw", [kind, from, to, options @ ..]) => blocking::draw(world, kind, [from, to], options)?,
         ("push", [name, face, distance]) => blocking::push(world, name, face, distance)?,
         ("cut", [kind, wall, from, options @ ..]) => blocking::cut(world, wall, kind, from, options)?,
@@ -215,14 +218,14 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         }
         ("project-texture", [from, tile, shapes @ ..]) if !shapes.is_empty() => {
             let projection = texturing::projection(world, from, tile)?;
-            Command::ProjectTextures {
+            Command::from(TextureEdit::ProjectTextures {
                 shapes: all_named(world, shapes)?,
                 projection,
-            }
+            })
         }
-        ("material-of", [shape]) => Command::GiveMaterial {
+        ("material-of", [shape]) => Command::from(MaterialEdit::GiveMaterial {
             shape: named(world, shape)?,
-        },
+        }),
         ("make", [name, plugin]) => {
             let material = Material::of_plugin(plugin);
             let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
@@ -234,62 +237,64 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);
             let wrapper = (is_two_sided && can_wrap("twosided", &material)).then_some("twosided");
             let tree = MaterialTree::from(material);
-            Command::BuildMaterial {
+            Command::from(MaterialEdit::BuildMaterial {
                 targets: vec![entity],
                 tree: Box::new(match wrapper {
                     Some(wrapper) => tree.wrapped(wrapper),
                     None => tree,
                 }),
-            }
+            })
         }
         ("wrap", [name, plugin]) => layers::wrap(world, name, plugin)?,
         ("unwrap", [name, which @ ..]) if which.len() <= 1 => layers::unwrap(world, name, which.first().copied())?,
-        ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
+        ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::from(MaterialEdit::UseMaterial {
             shapes: all_named(world, shapes)?,
             material: Some(named(world, material)?),
-        },
+        }),
         ("preset", [path, shapes @ ..]) if !shapes.is_empty() => {
             let shapes = all_named(world, shapes)?;
             let presets = world.resource::<EditorModel>().0.presets.clone();
             let preset = presets.iter().find(|preset| preset.path() == *path);
             let paths: Vec<String> = presets.iter().map(|preset| preset.path()).collect();
             let preset = preset.ok_or_else(|| unknown("preset", path, paths.iter().map(String::as_str)))?;
-            Command::UsePreset {
+            Command::from(MaterialEdit::UsePreset {
                 preset: Box::new(preset.clone()),
                 shapes,
-            }
+            })
         }
         ("medium", [medium, side, things @ ..]) if !things.is_empty() => media::medium(world, medium, side, things)?,
         ("medium-of", [thing, side @ ..]) if side.len() <= 1 => media::new_medium(world, thing, side.first().copied())?,
         ("fill", [with, shapes @ ..]) if !shapes.is_empty() => media::fill(world, with, shapes)?,
-        ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
+        ("emit", [shape, "none"]) => Command::from(ValueEdit::SetAreaLight(named(world, shape)?, None)),
         ("emit", [shape, radiance]) => {
             let mut light = AreaLight::default();
             assign::area_light(&mut light, "radiance", radiance)?;
-            Command::SetAreaLight(named(world, shape)?, Some(light))
+            Command::from(ValueEdit::SetAreaLight(named(world, shape)?, Some(light)))
         }
-        ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
-        ("hide-thing", names) if !names.is_empty() => Command::Hide(all_named(world, names)?, true),
+        ("rename", [name, new]) => Command::from(OutlineEdit::Rename(named(world, name)?, (*new).to_owned())),
+        ("hide-thing", names) if !names.is_empty() => Command::from(OutlineEdit::Hide(all_named(world, names)?, true)),
         ("lock", [switch, names @ ..]) if !names.is_empty() => {
             let is_on = rendering::switch(switch)?;
-            Command::Lock(all_named(world, names)?, is_on)
+            Command::from(OutlineEdit::Lock(all_named(world, names)?, is_on))
         }
-        ("put-into", [folder, names @ ..]) if !names.is_empty() => Command::PutInto {
+        ("put-into", [folder, names @ ..]) if !names.is_empty() => Command::from(OutlineEdit::PutInto {
             things: all_named(world, names)?,
             folder: (*folder != "none").then(|| (*folder).to_owned()),
-        },
-        ("put-before", [name, other]) => Command::Reorder {
+        }),
+        ("put-before", [name, other]) => Command::from(OutlineEdit::Reorder {
             moved: vec![named(world, name)?],
             before: Some(named(world, other)?),
-        },
+        }),
         ("look", [from, at]) => {
             // The extent that an orthographic camera sees stays the same.
             let extent = view_pose(world).map_or(Vec3::ONE, |pose| scale_of(&pose));
-            Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)? * Affine3A::from_scale(extent))
+            Command::from(ViewCommand::MoveView(
+                looking(parse_vec3(from)?, parse_vec3(at)?)? * Affine3A::from_scale(extent),
+            ))
         }
-        ("look-through", [camera]) => Command::LookThrough(named(world, camera)?),
-        ("go-to", [step]) => Command::GoTo(count(step)? as usize),
-        ("samples", [number]) => Command::SetTargetSamples(sample_count(number)?),
+        ("look-through", [camera]) => Command::from(ViewCommand::LookThrough(named(world, camera)?)),
+        ("go-to", [step]) => Command::from(HistoryCommand::GoTo(count(step)? as usize)),
+        ("samples", [number]) => Command::from(RenderCommand::SetTargetSamples(sample_count(number)?)),
         ("show", [mode]) => {
             let mode = mode.replace('-', " ");
             let known = DisplayMode::ALL
@@ -311,23 +316,23 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let white_balance = rendering::white(kelvin, tint.first().copied())?;
             display(world, |display| display.white_balance = white_balance)
         }
-        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::positive(seconds)?),
-        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::noise(noise)?),
-        ("adaptive", [word]) => Command::SetAdaptive(rendering::switch(word)?),
-        ("resolution", [name]) => Command::SetResolution(rendering::resolution(name)?),
-        ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
-        ("region", corners) => Command::SetRegion(rendering::region(corners)?),
+        ("limit-time", [seconds]) => Command::from(RenderCommand::SetTimeLimit(rendering::positive(seconds)?)),
+        ("limit-noise", [noise]) => Command::from(RenderCommand::SetNoiseTarget(rendering::noise(noise)?)),
+        ("adaptive", [word]) => Command::from(RenderCommand::SetAdaptive(rendering::switch(word)?)),
+        ("resolution", [name]) => Command::from(RenderCommand::SetResolution(rendering::resolution(name)?)),
+        ("enlarge", [name]) => Command::from(DisplayCommand::SetEnlarging(rendering::enlarging(name)?)),
+        ("region", corners) => Command::from(RenderCommand::SetRegion(rendering::region(corners)?)),
         ("layers", names) => rendering::layers(world, names)?,
-        ("choose-integrator", [switch]) => Command::SetPathIsAuto(rendering::switch(switch)?),
-        ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
-        ("measure-between", [from, to]) => Command::AddRuler(Ruler {
+        ("choose-integrator", [switch]) => Command::from(RenderCommand::SetPathIsAuto(rendering::switch(switch)?)),
+        ("split-strategies", [switch]) => Command::from(RenderCommand::SetStrategySplit(rendering::switch(switch)?)),
+        ("measure-between", [from, to]) => Command::from(ToolCommand::AddRuler(Ruler {
             from: parse_vec3(from)?,
             to: parse_vec3(to)?,
-        }),
-        ("show-grid", [switch]) => Command::SetGrid(GridSettings {
+        })),
+        ("show-grid", [switch]) => Command::from(DisplayCommand::SetGrid(GridSettings {
             shown: rendering::switch(switch)?,
             ..world.resource::<ViewSettings>().grid
-        }),
+        })),
         ("hide-walls", [switch]) => seeing(world, |seen| {
             seen.walls = match rendering::switch(switch)? {
                 true => Walls::Hidden,
@@ -339,12 +344,12 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             seen.cut = rendering::cut(words)?;
             Ok(())
         })?,
-        ("show-alone", ["none"]) => Command::Isolate(Vec::new()),
-        ("show-alone", names) if !names.is_empty() => Command::Isolate(all_named(world, names)?),
-        ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
-        ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
+        ("show-alone", ["none"]) => Command::from(ViewCommand::Isolate(Vec::new())),
+        ("show-alone", names) if !names.is_empty() => Command::from(ViewCommand::Isolate(all_named(world, names)?)),
+        ("keep-lights-apart", [switch]) => Command::from(RenderCommand::SetLightLayers(rendering::switch(switch)?)),
+        ("mix", ["none"]) => Command::from(DisplayCommand::SetLightMix(LightMix::default())),
         ("mix", [light, gain @ ..]) => rendering::mix(world, light, gain)?,
-        ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
+        ("compare", view) => Command::from(DisplayCommand::SetCompareView(rendering::compare_view(view)?)),
         ("bind", [action, key]) => keys::choose(world.get_resource::<Preferences>(), action, key)?,
         ("tutorial-step", ["off"]) => Command::Shell(ShellCommand::ShowTutorial(None)),
         ("tutorial-step", [number]) => {
@@ -354,10 +359,10 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
                 .ok_or("expected off or 1 to 5")?;
             Command::Shell(ShellCommand::ShowTutorial(Some(step)))
         }
-        ("time", [time]) => Command::SetTime(timeline::precise(time)?),
+        ("time", [time]) => Command::from(TimeCommand::SetTime(timeline::precise(time)?)),
         ("frame", [frame]) => {
             let frames = world.resource::<ViewSettings>().timeline;
-            Command::SetTime(frames.time(timeline::frame(frame)?))
+            Command::from(TimeCommand::SetTime(frames.time(timeline::frame(frame)?)))
         }
         ("timeline", [fps, first, last]) => timeline::frames(fps, first, last)?,
         ("key", [name, path @ ..]) if path.len() <= 1 => timeline::set(world, name, path.first().copied())?,
@@ -435,11 +440,11 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
 fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> Command {
     let mut display = world.resource::<ViewSettings>().display;
     change(&mut display);
-    Command::SetDisplay(display)
+    Command::from(DisplayCommand::SetDisplay(display))
 }
 
 fn seeing(world: &World, change: impl FnOnce(&mut Seeing) -> Result<(), ScriptError>) -> Result<Command, ScriptError> {
     let mut seeing = world.resource::<ViewSettings>().seeing;
     change(&mut seeing)?;
-    Ok(Command::SetSeeing(seeing))
+    Ok(ViewCommand::SetSeeing(seeing).into())
 }

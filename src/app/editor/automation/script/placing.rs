@@ -5,11 +5,11 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::{count as count_of, named, unknown};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::seeing::AXES;
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
+use crate::app::editor::command::{ArrangeEdit, Command, SceneEdit, ToolCommand, ValueEdit};
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
@@ -29,7 +29,7 @@ pub fn snap(world: &World, to: &str, how: &[&str]) -> Result<Command, ScriptErro
         aligns: how.contains(&"align"),
     };
     let gizmo = world.resource::<ViewSettings>().gizmo;
-    Ok(Command::SetGizmo(GizmoSettings { snap, ..gizmo }))
+    Ok(ToolCommand::SetGizmo(GizmoSettings { snap, ..gizmo }).into())
 }
 
 /// `align AXIS SIDE [active]`
@@ -41,7 +41,7 @@ pub fn align(words: &[&str]) -> Result<Command, ScriptError> {
     };
     let known = Side::ALL.into_iter().find(|(_, name)| name == side);
     let (known, _) = known.ok_or_else(|| unknown("side", side, Side::ALL.into_iter().map(|(_, name)| name)))?;
-    Ok(Command::Align(axis_of(axis)?, known, to))
+    Ok(ArrangeEdit::Align(axis_of(axis)?, known, to).into())
 }
 
 /// `distribute AXIS SPACING`
@@ -52,7 +52,7 @@ pub fn distribute(words: &[&str]) -> Result<Command, ScriptError> {
     let known = Spacing::ALL.into_iter().find(|(_, name)| name == by);
     let names = || Spacing::ALL.into_iter().map(|(_, name)| name);
     let (known, _) = known.ok_or_else(|| unknown("spacing", by, names()))?;
-    Ok(Command::Distribute(axis_of(axis)?, known))
+    Ok(ArrangeEdit::Distribute(axis_of(axis)?, known).into())
 }
 
 /// `series COUNT along STEP [instances]` or `series COUNT around AXIS DEGREES CENTER [instances]`
@@ -73,11 +73,12 @@ pub fn series(words: &[&str]) -> Result<Command, ScriptError> {
         }
         _ => return Err("`series` takes other words".into()),
     };
-    Ok(Command::MakeSeries(Series {
+    Ok(SceneEdit::MakeSeries(Series {
         count: count_of(count)?,
         way,
         instances,
-    }))
+    })
+    .into())
 }
 
 /// The number of an axis, in capitals or not.
@@ -97,7 +98,7 @@ pub(super) fn transformed(
     if pose.matrix3 != before.matrix3 {
         pose.matrix3 = tidied(&pose.matrix3);
     }
-    Ok(Command::Transform(vec![(entity, pose)]))
+    Ok(ValueEdit::Transform(vec![(entity, pose)]).into())
 }
 
 pub(super) fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {

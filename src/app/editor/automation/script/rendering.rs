@@ -8,11 +8,11 @@ use super::assign::within;
 use super::error::ScriptError;
 use super::names::named;
 use super::placing::axis_of;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::seeing::CutOpen;
+use crate::app::editor::command::{Command, DisplayCommand, SettingsEdit};
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_noise, parse_rgb};
 use crate::layer::Layers;
@@ -82,7 +82,7 @@ pub fn layers(world: &World, names: &[&str]) -> Result<Command, ScriptError> {
         names => Layers::parse(&names.join(",")).map_err(|error| error.to_string())?,
     };
     let integrator = world.get_resource().copied().unwrap_or_default();
-    Ok(Command::SetIntegrator(IntegratorSettings { layers, ..integrator }))
+    Ok(SettingsEdit::SetIntegrator(IntegratorSettings { layers, ..integrator }).into())
 }
 
 fn place(text: &str) -> Result<Vec2, ScriptError> {
@@ -107,7 +107,7 @@ pub fn mix(world: &mut World, light: &str, gain: &[&str]) -> Result<Command, Scr
         ..mix.channel(light)
     };
     mix.set(light, channel);
-    Ok(Command::SetLightMix(mix))
+    Ok(DisplayCommand::SetLightMix(mix).into())
 }
 
 /// Parses a cut plane; None is none.

@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
 use super::names::{material_of, medium_of};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::command::{Command, ValueEdit};
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
@@ -28,8 +28,8 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
             let rest = shape.map_or(Vec3::ZERO, |shape| shape.rest_angles(up));
             let angles = world.get::<EulerAngles>(entity).copied();
             return Ok(match assign::pose(&pose, parameter, value, angles, rest)? {
-                (pose, None) => Command::Transform(vec![(entity, pose)]),
-                (pose, Some(angles)) => Command::Turn(entity, pose, angles),
+                (pose, None) => Command::from(ValueEdit::Transform(vec![(entity, pose)])),
+                (pose, Some(angles)) => Command::from(ValueEdit::Turn(entity, pose, angles)),
             });
         }
     }
@@ -39,28 +39,30 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
         ($of:expr, $component:ty, $assign:expr, $command:expr) => {
             if let Some(mut edited) = world.get::<$component>($of).cloned() {
                 match $assign(&mut edited, parameter, value) {
-                    Ok(()) => return Ok($command(edited)),
+                    Ok(()) => return Ok($command(edited).into()),
                     Err(AssignError::Unknown { known: names }) => known.extend(names),
                     Err(error) => wrong_value = wrong_value.or(Some(error)),
                 }
             }
         };
     }
-    attempt!(entity, Shape, assign::shape, |edited| Command::SetShape(entity, edited));
-    attempt!(entity, AreaLight, assign::area_light, |edited| Command::SetAreaLight(
+    attempt!(entity, Shape, assign::shape, |edited| ValueEdit::SetShape(
+        entity, edited
+    ));
+    attempt!(entity, AreaLight, assign::area_light, |edited| ValueEdit::SetAreaLight(
         entity,
         Some(edited)
     ));
-    attempt!(entity, Emitter, assign::emitter, |edited| Command::SetEmitter(
+    attempt!(entity, Emitter, assign::emitter, |edited| ValueEdit::SetEmitter(
         entity, edited
     ));
-    attempt!(entity, Sensor, assign::sensor, |edited| Command::SetSensor(
+    attempt!(entity, Sensor, assign::sensor, |edited| ValueEdit::SetSensor(
         entity, edited
     ));
-    attempt!(entity, Film, assign::film, |edited| Command::SetFilm(entity, edited));
+    attempt!(entity, Film, assign::film, |edited| ValueEdit::SetFilm(entity, edited));
     let material = material_of(world, entity);
     if let Some(material) = material {
-        attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
+        attempt!(material, Material, assign::material, |edited| ValueEdit::SetMaterial(
             material,
             Box::new(edited)
         ));
@@ -69,7 +71,7 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
     let assign_medium =
         |medium: &mut Medium, parameter: &str, text: &str| assign::medium(medium, parameter, text, unit);
     if let Some(medium) = medium_of(world, entity) {
-        attempt!(medium, Medium, assign_medium, |edited| Command::SetMedium(
+        attempt!(medium, Medium, assign_medium, |edited| ValueEdit::SetMedium(
             medium,
             Box::new(edited)
         ));

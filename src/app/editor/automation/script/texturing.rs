@@ -5,9 +5,9 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::unknown;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::{Placing, TextureGroup, texture_groups};
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
+use crate::app::editor::command::{Command, TextureEdit};
 use crate::app::editor::commands::texturing::material_parts;
 use crate::document::value::{parse_float, parse_floats};
 use crate::scene::{LengthUnit, Material};
@@ -53,11 +53,12 @@ pub fn place(world: &World, owner: Entity, options: &[&str]) -> Result<Command, 
     if Placing::of(&after).is_none() {
         return Err("the texture would have no extent".into());
     }
-    Ok(Command::PlaceTextures {
+    Ok(TextureEdit::PlaceTextures {
         owner,
         before: group.to_uv,
         after,
-    })
+    }
+    .into())
 }
 
 fn pair(text: &str) -> Result<Vec2, ScriptError> {

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::{count, named, unknown};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::timeline::Timeline;
+use crate::app::editor::command::{Command, TimeCommand, TimeEdit};
 use crate::document::Interpolation;
 use crate::document::value::parse_float;
 use crate::scene::{KeyEdit, KeyPath, Keys, place_path, shown_time};
@@ -33,7 +33,7 @@ pub fn frames(fps: &str, first: &str, last: &str) -> Result<Command, ScriptError
         last: count(last)?,
     };
     match timeline == timeline.within_range() {
-        true => Ok(Command::SetTimeline(timeline)),
+        true => Ok(TimeCommand::SetTimeline(timeline).into()),
         false => Err("expected frames per second, and a last frame that is not before the first".into()),
     }
 }
@@ -45,14 +45,14 @@ pub fn set(world: &mut World, name: &str, path: Option<&str>) -> Result<Command,
         Some(path) => KeyPath::new(path),
         None => place_path(world, thing).ok_or("it has no place")?,
     };
-    Ok(Command::Key(vec![(thing, path)], KeyEdit::Set))
+    Ok(TimeEdit::Key(vec![(thing, path)], KeyEdit::Set).into())
 }
 
 /// `unkey NAME [PROPERTY]`, `stand-still NAME [PROPERTY]`
 pub fn remove(world: &mut World, name: &str, path: Option<&str>, edit: KeyEdit) -> Result<Command, ScriptError> {
     let thing = named(world, name)?;
     if let Some(path) = path {
-        return Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit));
+        return Ok(TimeEdit::Key(vec![(thing, KeyPath::new(path))], edit).into());
     }
     let time = shown_time(world);
     let keys = world.get::<Keys>(thing).ok_or("it has no keys")?;
@@ -62,7 +62,7 @@ pub fn remove(world: &mut World, name: &str, path: Option<&str>, edit: KeyEdit) 
     let targets: Vec<(Entity, KeyPath)> = wanted.map(|(path, _)| (thing, path.clone())).collect();
     match targets.is_empty() {
         true => Err(format!("it has no key at {time} s").into()),
-        false => Ok(Command::Key(targets, edit)),
+        false => Ok(TimeEdit::Key(targets, edit).into()),
     }
 }
 
@@ -71,7 +71,7 @@ pub fn shift(world: &mut World, name: &str, path: &str, times: [&str; 2]) -> Res
     let [from, to] = times.map(precise);
     let edit = KeyEdit::Move { from: from?, to: to? };
     let thing = named(world, name)?;
-    Ok(Command::Key(vec![(thing, KeyPath::new(path))], edit))
+    Ok(TimeEdit::Key(vec![(thing, KeyPath::new(path))], edit).into())
 }
 
 /// `interpolate NAME PROPERTY linear|ease|step`
@@ -79,8 +79,5 @@ pub fn interpolate(world: &mut World, name: &str, path: &str, way: &str) -> Resu
     let known = Interpolation::ALL.into_iter().find(|known| known.name() == way);
     let known = known.ok_or_else(|| unknown("interpolation", way, Interpolation::ALL.map(Interpolation::name)))?;
     let thing = named(world, name)?;
-    Ok(Command::Key(
-        vec![(thing, KeyPath::new(path))],
-        KeyEdit::Interpolate(known),
-    ))
+    Ok(TimeEdit::Key(vec![(thing, KeyPath::new(path))], KeyEdit::Interpolate(known)).into())
 }

@@ -7,8 +7,8 @@ use super::super::acts;
 use crate::app::editor::camera::picking::{scene_bounds, seen_in};
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::camera::solid::{Solid, solids_of_each};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{Command, SceneEdit, SelectionCommand, ViewCommand};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::scene::AreaLight;
@@ -39,15 +39,21 @@ fn camera_step(world: &mut World, _: usize) -> Option<Vec<Command>> {
     let (forward, turn) = STEP;
     let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let way = forward * world.resource::<ViewSettings>().navigation.scene_size * ahead;
-    one(Some(Command::MoveView(Affine3A {
-        matrix3: pose.matrix3 * Mat3A::from_axis_angle(Vec3::Y, turn),
-        translation: pose.translation + Vec3A::from(way),
-    })))
+    one(Some(
+        ViewCommand::MoveView(Affine3A {
+            matrix3: pose.matrix3 * Mat3A::from_axis_angle(Vec3::Y, turn),
+            translation: pose.translation + Vec3A::from(way),
+        })
+        .into(),
+    ))
 }
 
 fn delete(world: &mut World, attempt: usize) -> Option<Vec<Command>> {
     let thing = seen_thing(world).or_else(|| acts::middle_shape(world, attempt))?;
-    Some(vec![Command::Select(vec![thing], Extend::Replace), Command::Delete])
+    Some(vec![
+        Command::from(SelectionCommand::Select(vec![thing], Extend::Replace)),
+        Command::from(SceneEdit::Delete),
+    ])
 }
 
 /// The part of the picture in which a thing is looked for, and the number of places either way.

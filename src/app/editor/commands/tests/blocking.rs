@@ -3,6 +3,7 @@
 use super::*;
 use crate::app::editor::command::blocking::block::Block;
 use crate::app::editor::command::blocking::{BlockKind, Reshaping};
+use crate::app::editor::command::{HistoryCommand, SceneEdit, ToolCommand};
 use crate::scene::{MemberOf, Opening, Solid};
 
 #[test]
@@ -21,7 +22,7 @@ fn a_wall_gets_no_more_openings_than_a_file_may_have() {
             kind,
             ..Shape::default()
         };
-        Command::Reshape(entity, shape, Affine3A::IDENTITY, Reshaping::Cut)
+        Command::from(SceneEdit::Reshape(entity, shape, Affine3A::IDENTITY, Reshaping::Cut))
     };
     assert!(apply(&mut world, with(Solid::MOST_OPENINGS)).is_ok());
     let before = ObjectState::of(&world, entity);
@@ -32,7 +33,7 @@ fn a_wall_gets_no_more_openings_than_a_file_may_have() {
 
 #[test]
 fn walls_are_joined_to_those_that_one_sees_and_undo_parts_them() {
-    let draw = |from, to| Command::Build(Box::new(Block::wall(from, to)));
+    let draw = |from, to| Command::from(SceneEdit::Build(Box::new(Block::wall(from, to))));
     let length = |world: &World, wall: Entity| match world.get::<Shape>(wall).map(|shape| shape.kind.clone()) {
         Some(ShapeKind::Solid(Solid::Wall { length, .. })) => length,
         other => panic!("{other:?}"),
@@ -46,7 +47,7 @@ fn walls_are_joined_to_those_that_one_sees_and_undo_parts_them() {
         say(&mut world, draw(Vec3::X * 4.0, Vec3::new(4.0, 0.0, 3.0)));
         let second = world.resource::<Selection>().active().expect("it is selected");
         let joined = [length(&world, first), length(&world, second)];
-        say(&mut world, Command::Undo);
+        say(&mut world, HistoryCommand::Undo);
         [joined[0], joined[1], length(&world, first)]
     };
     let are = |lengths: [f32; 3], expected: [f32; 3]| {
@@ -76,10 +77,10 @@ fn the_step_stays_while_one_builds_and_is_no_preference() {
     };
     let step = |world: &World| world.resource::<ViewSettings>().length_step();
     set_size(&mut world, 5.0);
-    say(&mut world, Command::SetTool(Tool::Draw(BlockKind::Wall)));
+    say(&mut world, ToolCommand::SetTool(Tool::Draw(BlockKind::Wall)));
     set_size(&mut world, 50.0);
     assert_eq!(step(&world), 0.1);
-    say(&mut world, Command::SetTool(Tool::Push));
+    say(&mut world, ToolCommand::SetTool(Tool::Push));
     assert_eq!(step(&world), 0.1);
     let steps = world.resource::<ViewSettings>().gizmo.steps;
     assert_eq!(steps.length, None, "the next scene has a step of its own");
@@ -88,7 +89,7 @@ fn the_step_stays_while_one_builds_and_is_no_preference() {
             steps: Steps { length, ..steps },
             ..GizmoSettings::default()
         };
-        Command::SetGizmo(gizmo)
+        Command::from(ToolCommand::SetGizmo(gizmo))
     };
     say(&mut world, with(Some(0.3)));
     assert_eq!(step(&world), 0.3, "what is chosen counts");
@@ -103,14 +104,14 @@ fn what_is_built_has_short_numbers() {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     let ring = [low, corner(high.x, low.z), high, corner(low.x, high.z), low];
     for ends in ring.windows(2) {
-        say(&mut world, Command::Build(Box::new(Block::wall(ends[0], ends[1]))));
+        say(&mut world, SceneEdit::Build(Box::new(Block::wall(ends[0], ends[1]))));
     }
     let floor = Block {
         kind: BlockKind::Floor,
         height: 0.1,
         ..Block::wall(low, high)
     };
-    say(&mut world, Command::Build(Box::new(floor)));
+    say(&mut world, SceneEdit::Build(Box::new(floor)));
     let mut shapes = world.query::<(&Shape, &ToWorld)>();
     for (shape, ToWorld(pose)) in shapes.iter(&world) {
         let mut numbers = Vec3::from(pose.translation).to_array().to_vec();

@@ -3,6 +3,7 @@
 use super::full_film::{app, update_until};
 use super::*;
 use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::{DisplayCommand, OutlineEdit, ValueEdit, ViewCommand};
 use crate::app::editor::picture::carrying::{Carrying, ask_for_gbuffer, follow_carrying};
 use crate::app::editor::picture::painter::{Painter, Scales};
 use crate::app::editor::picture::texture::{Picture, create_picture, update_picture};
@@ -58,7 +59,7 @@ fn shown_and_film(world: &World) -> (Vec<u8>, Vec<u8>) {
 }
 
 /// Whether something was seen carried over until the picture was finished, after this command.
-fn is_carried_after(app: &mut App, command: Command) -> bool {
+fn is_carried_after(app: &mut App, command: impl Into<Command>) -> bool {
     let before = app.world().resource::<RenderFilm>().job;
     apply(app.world_mut(), command).expect("applied");
     let mut is_seen = false;
@@ -84,11 +85,11 @@ fn the_picture_before_is_shown_until_the_new_one_is_finished_and_not_longer() {
     let (mut app, ball) = watched();
     for turn in 1..4 {
         let pose = Affine3A::from_rotation_y(0.02 * turn as f32);
-        assert!(is_carried_after(&mut app, Command::MoveView(pose)));
+        assert!(is_carried_after(&mut app, ViewCommand::MoveView(pose)));
     }
     let light = AreaLight::default();
-    assert!(is_carried_after(&mut app, Command::SetAreaLight(ball, Some(light))));
-    assert!(is_carried_after(&mut app, Command::Hide(vec![ball], true)));
+    assert!(is_carried_after(&mut app, ValueEdit::SetAreaLight(ball, Some(light))));
+    assert!(is_carried_after(&mut app, OutlineEdit::Hide(vec![ball], true)));
     assert!(app.world().get::<Hidden>(ball).is_some());
 }
 
@@ -97,10 +98,10 @@ fn another_display_in_between_loses_nothing() {
     let (mut app, _) = watched();
     for (mode, turn) in [(DisplayMode::Headlight, 0.02), (DisplayMode::Normal, 0.04)] {
         let shown = |mode| {
-            Command::SetDisplay(DisplaySettings {
+            Command::from(DisplayCommand::SetDisplay(DisplaySettings {
                 mode,
                 ..DisplaySettings::default()
-            })
+            }))
         };
         apply(app.world_mut(), shown(mode)).expect("applied");
         (0..3).for_each(|_| app.update());
@@ -109,7 +110,7 @@ fn another_display_in_between_loses_nothing() {
         apply(app.world_mut(), shown(DisplayMode::Shaded)).expect("applied");
         app.update();
         let pose = Affine3A::from_rotation_y(turn);
-        assert!(is_carried_after(&mut app, Command::MoveView(pose)), "{mode:?}");
+        assert!(is_carried_after(&mut app, ViewCommand::MoveView(pose)), "{mode:?}");
     }
 }
 
@@ -117,7 +118,7 @@ fn another_display_in_between_loses_nothing() {
 fn a_finished_region_is_not_painted_again() {
     let (mut app, _) = watched();
     app.world_mut().resource_mut::<RenderControl>().region = Some(Rect::new(0.0, 0.0, 0.5, 0.5));
-    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.02))).expect("applied");
+    apply(app.world_mut(), ViewCommand::MoveView(Affine3A::from_rotation_y(0.02))).expect("applied");
     let before = app.world().resource::<RenderFilm>().job;
     update_until(&mut app, |world| {
         is_done(world) && world.resource::<RenderFilm>().job > before
@@ -138,6 +139,6 @@ fn a_preference_switches_it_off() {
     app.update();
     assert!(!app.world().resource::<RenderControl>().gbuffer);
     let pose = Affine3A::from_rotation_y(0.02);
-    assert!(!is_carried_after(&mut app, Command::MoveView(pose)));
+    assert!(!is_carried_after(&mut app, ViewCommand::MoveView(pose)));
     assert!(app.world().resource::<RenderFilm>().gbuffer.is_empty());
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::full_film::{app, update_until};
 use super::*;
 use crate::app::editor::command::light_mix::Channel;
+use crate::app::editor::command::{DisplayCommand, FileCommand, RenderCommand, ValueEdit, ViewCommand};
 use crate::app::editor::picture::denoiser::{DenoiserState, follow_denoiser};
 use crate::app::editor::picture::texture::{Picture, create_picture, update_picture};
 use crate::engine::{EngineSystems, RenderState, RenderStatus};
@@ -18,7 +19,7 @@ fn denoising_app(samples: u32) -> App {
     let mut app = app();
     app.add_systems(PostUpdate, follow_denoiser.after(EngineSystems::Report));
     app.world_mut().resource_mut::<RenderControl>().target_samples = Some(samples);
-    apply(app.world_mut(), Command::SetDenoising(true)).expect("it is built in");
+    apply(app.world_mut(), DisplayCommand::SetDenoising(true)).expect("it is built in");
     app
 }
 
@@ -62,7 +63,7 @@ fn no_label_calls_a_picture_denoised_that_is_shown_as_sampled() {
         .add_systems(Startup, create_picture)
         .add_systems(PreUpdate, write)
         .add_systems(PostUpdate, update_picture.after(follow_denoiser));
-    apply(app.world_mut(), Command::SetLightLayers(true)).expect("set");
+    apply(app.world_mut(), RenderCommand::SetLightLayers(true)).expect("set");
     // The texture is not written in every frame.
     let settle = |app: &mut App| {
         update_until(app, |world| {
@@ -74,7 +75,7 @@ fn no_label_calls_a_picture_denoised_that_is_shown_as_sampled() {
     // The picture is begun anew.
     for turn in 1..4 {
         let pose = Affine3A::from_rotation_y(0.2 * turn as f32);
-        apply(app.world_mut(), Command::MoveView(pose)).expect("moved");
+        apply(app.world_mut(), ViewCommand::MoveView(pose)).expect("moved");
         let before = job(app.world());
         while job(app.world()) == before || !is_best(app.world()) {
             let (says, is_denoised) = labels_and_picture(&mut app);
@@ -96,7 +97,7 @@ fn no_label_calls_a_picture_denoised_that_is_shown_as_sampled() {
             ..Channel::default()
         },
     );
-    apply(app.world_mut(), Command::SetLightMix(mix)).expect("mixed");
+    apply(app.world_mut(), DisplayCommand::SetLightMix(mix)).expect("mixed");
     // The labels of a frame are drawn before its command.
     let (_, mut was_denoised) = labels_and_picture(&mut app);
     while !is_best(app.world()) {
@@ -136,10 +137,10 @@ fn fresher_pictures_follow_until_the_best_of_all_samples() {
     assert!(denoised.radiance.iter().zip(&expected).all(is_same));
     assert_eq!(denoised.radiance.len(), expected.len());
     // Another view is another picture.
-    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+    apply(app.world_mut(), ViewCommand::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
     update_until(&mut app, |world| shown(world) != Some(256));
     update_until(&mut app, |world| shown(world) == Some(256) && is_best(world));
-    apply(app.world_mut(), Command::SetDenoising(false)).expect("it is off");
+    apply(app.world_mut(), DisplayCommand::SetDenoising(false)).expect("it is off");
     app.update();
     assert_eq!(shown(app.world()), None);
 }
@@ -155,7 +156,7 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     app.world_mut().entity_mut(camera).insert(Name::new("eye"));
     update_until(&mut app, is_best);
     // The window has fewer pixels than the film, of which none is denoised yet.
-    apply(app.world_mut(), Command::SaveImage(path.clone())).expect("it is begun");
+    apply(app.world_mut(), FileCommand::SaveImage(path.clone())).expect("it is begun");
     assert!(!path.exists());
     update_until(&mut app, |_| path.exists());
     let denoised = app.world().resource::<Denoiser>().picture().expect("it is shown");
@@ -187,14 +188,14 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     }
     // Saving it again replaces both files, and adds none.
     std::fs::write(folder.path().join("sky-noisy.exr"), "older").expect("can be written");
-    apply(app.world_mut(), Command::SaveImage(path.clone())).expect("saved");
+    apply(app.world_mut(), FileCommand::SaveImage(path.clone())).expect("saved");
     assert_eq!(pixels(&folder.path().join("sky-noisy.exr")), noisy);
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2);
     // Without it there is one file.
-    apply(app.world_mut(), Command::SetDenoising(false)).expect("it is off");
+    apply(app.world_mut(), DisplayCommand::SetDenoising(false)).expect("it is off");
     app.update();
     let plain = folder.path().join("plain.exr");
-    apply(app.world_mut(), Command::SaveImage(plain.clone())).expect("saved");
+    apply(app.world_mut(), FileCommand::SaveImage(plain.clone())).expect("saved");
     assert!(plain.exists() && !folder.path().join("plain-noisy.exr").exists());
     // Its colours have the precision that the film asks for.
     let precision = |path: &Path| {
@@ -206,9 +207,9 @@ fn what_is_saved_is_denoised_and_the_radiance_is_saved_as_sampled_too() {
     let mut film = *app.world().get::<Film>(camera).expect("it has a film");
     film.storage.components = Some(ComponentFormat::Float16);
     film.storage.compression = Some(ExrCompression::None);
-    apply(app.world_mut(), Command::SetFilm(camera, film)).expect("set");
+    apply(app.world_mut(), ValueEdit::SetFilm(camera, film)).expect("set");
     let halves = folder.path().join("halves.exr");
-    apply(app.world_mut(), Command::SaveImage(halves.clone())).expect("it is begun");
+    apply(app.world_mut(), FileCommand::SaveImage(halves.clone())).expect("it is begun");
     update_until(&mut app, |_| halves.exists());
     assert!(precision(&halves));
     let size = |path: &Path| std::fs::metadata(path).expect("a file").len();

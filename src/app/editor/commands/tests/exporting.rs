@@ -1,6 +1,7 @@
 //! Exports to glTF, with and without waiting for their end.
 
 use super::*;
+use crate::app::editor::command::FileCommand;
 use crate::app::editor::commands::exporting::{ExportUnderWay, go_on};
 use crate::app::editor::session::toasts::Toasts;
 use crate::scene::assets::scene_asset::read_scene;
@@ -37,7 +38,7 @@ fn what_is_hidden_is_left_out_and_losses_are_told_until_they_are_dismissed() {
 
     // A script waits for the end.
     let first = folder.path().join("first.glb");
-    apply_now(&mut world, Command::ExportScene(first.clone())).expect("it can be written");
+    apply_now(&mut world, FileCommand::ExportScene(first.clone())).expect("it can be written");
     assert_eq!(names(&first), ["ball"]);
     let told = |world: &World| world.resource::<Toasts>().texts().collect::<Vec<_>>().join("\n");
     for expected in ["light `sky` is left out", "shape `secret` is left out: hidden"] {
@@ -47,8 +48,8 @@ fn what_is_hidden_is_left_out_and_losses_are_told_until_they_are_dismissed() {
 
     // The window goes on meanwhile, and does not begin a second one.
     let second = folder.path().join("second.gltf");
-    say(&mut world, Command::ExportScene(second.clone()));
-    say(&mut world, Command::ExportScene(folder.path().join("third.glb")));
+    say(&mut world, FileCommand::ExportScene(second.clone()));
+    say(&mut world, FileCommand::ExportScene(folder.path().join("third.glb")));
     assert!(told(&world).contains("still under way"), "{}", told(&world));
     while world.contains_resource::<ExportUnderWay>() {
         go_on(&mut world);
@@ -60,8 +61,9 @@ fn what_is_hidden_is_left_out_and_losses_are_told_until_they_are_dismissed() {
     assert_eq!(history.len(), steps);
 
     let nowhere = folder.path().join("absent/level.glb");
-    let error = apply_now(&mut world, Command::ExportScene(nowhere)).expect_err("there is no folder");
+    let error = apply_now(&mut world, FileCommand::ExportScene(nowhere)).expect_err("there is no folder");
     assert!(error.to_string().contains("there is no folder"), "{error}");
-    let error = apply_now(&mut world, Command::ExportScene(folder.path().join("level.obj"))).expect_err("another kind");
+    let error =
+        apply_now(&mut world, FileCommand::ExportScene(folder.path().join("level.obj"))).expect_err("another kind");
     assert!(error.to_string().contains("ends with .glb"), "{error}");
 }

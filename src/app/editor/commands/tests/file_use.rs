@@ -4,6 +4,7 @@ use super::*;
 use crate::accel::Primitive;
 use crate::app::editor::camera::picking::tests::scene_of;
 use crate::app::editor::command::asset_kind::FileUse;
+use crate::app::editor::command::{HistoryCommand, OutlineEdit, SceneEdit, SelectionCommand};
 use crate::app::editor::picture::material_ball;
 use crate::render::camera::Camera;
 use crate::render::view::View;
@@ -41,7 +42,7 @@ fn written(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
 fn use_file(world: &mut World, path: &Path, at: Option<Vec2>) -> Result<(), CommandError> {
     let bounds = Some([Vec3::new(1.0, -1.0, 1.0), Vec3::new(3.0, 1.0, 3.0)]);
     let path = path.to_owned();
-    apply_now(world, Command::UseFile(Box::new(FileUse { path, at, bounds })))
+    apply_now(world, SceneEdit::UseFile(Box::new(FileUse { path, at, bounds })))
 }
 
 fn reflectance(world: &World, shape: Entity) -> Option<PathBuf> {
@@ -65,7 +66,7 @@ fn a_picture_covers_the_shape_or_is_all_around() {
         let (mut world, floor) = with_floor(material);
         use_file(&mut world, &picture, MIDDLE).expect("there is a floor");
         assert_eq!(reflectance(&world, floor), Some(picture.clone()));
-        say(&mut world, Command::Undo);
+        say(&mut world, HistoryCommand::Undo);
         assert_eq!(reflectance(&world, floor), None);
     }
     let (mut world, floor) = with_floor(None);
@@ -74,10 +75,10 @@ fn a_picture_covers_the_shape_or_is_all_around() {
     let mut skies = world.query::<&Emitter>();
     assert!(skies.single(&world).expect("one sky").is_environment());
     // The selection takes it where no place is given.
-    say(&mut world, Command::Select(vec![floor], Extend::Replace));
+    say(&mut world, SelectionCommand::Select(vec![floor], Extend::Replace));
     use_file(&mut world, &picture, None).expect("the floor is selected");
     assert_eq!(reflectance(&world, floor), Some(picture.clone()));
-    say(&mut world, Command::Lock(vec![floor], true));
+    say(&mut world, OutlineEdit::Lock(vec![floor], true));
     assert!(use_file(&mut world, &picture, MIDDLE).is_err());
     let gone = folder.path().join("gone.png");
     assert!(use_file(&mut world, &gone, SKY).is_err());
@@ -96,9 +97,9 @@ fn other_shapes_of_the_same_material_stay_as_they_are() {
         (Some(picture.clone()), None)
     );
     assert_eq!(world.get::<UsesMaterial>(wall).map(|uses| uses.0), Some(shared));
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     // Both are selected: they still share it afterwards.
-    say(&mut world, Command::Select(vec![floor, wall], Extend::Replace));
+    say(&mut world, SelectionCommand::Select(vec![floor, wall], Extend::Replace));
     use_file(&mut world, &picture, None).expect("both have a colour");
     assert_eq!(
         (reflectance(&world, floor), reflectance(&world, wall)),
@@ -129,7 +130,7 @@ fn a_mesh_stands_where_it_was_dropped() {
     // Its foot, at (2, -1, 2) of its own space, is in the middle of the floor.
     assert!(place.distance(Vec3::new(-2.0, 1.0, -2.0)) < 0.05, "{place}");
     // One step takes all of it back.
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert!(!ObjectState::is_in_scene(&world, made));
     // Without a place it is where its file says.
     use_file(&mut world, &mesh, None).expect("a mesh");
@@ -152,7 +153,7 @@ fn a_mesh_of_which_nothing_is_known_stands_on_its_lower_side_as_well() {
         at: MIDDLE,
         bounds: None,
     };
-    apply_now(&mut world, Command::UseFile(Box::new(file))).expect("a mesh");
+    apply_now(&mut world, SceneEdit::UseFile(Box::new(file))).expect("a mesh");
     let made = world.resource::<Selection>().active().expect("it is selected");
     let place = Vec3::from(world.get::<ToWorld>(made).expect("a pose").0.translation);
     assert!(place.distance(Vec3::Y) < 0.05, "{place}");

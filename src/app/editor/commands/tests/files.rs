@@ -3,6 +3,7 @@
 use super::*;
 use crate::app::editor::command::file_access::Question;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
+use crate::app::editor::command::{FileCommand, SceneEdit, ValueEdit};
 use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Tone;
@@ -19,7 +20,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     std::fs::write(&path, text).expect("a file");
     let mut world = bare_world();
     world.init_resource::<SceneStatus>();
-    let error = apply_now(&mut world, Command::Save)
+    let error = apply_now(&mut world, FileCommand::Save)
         .expect_err("there is no file")
         .to_string();
     assert!(error.contains("save-to FILE"), "{error}");
@@ -31,12 +32,12 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     world.resource_mut::<SceneStatus>().path = Some(path.clone());
     let mut shapes = world.query_filtered::<Entity, With<Shape>>();
     let ball = shapes.single(&world).expect("a ball");
-    let moved = Command::Transform(vec![(ball, Affine3A::from_translation(Vec3::X))]);
+    let moved = Command::from(ValueEdit::Transform(vec![(ball, Affine3A::from_translation(Vec3::X))]));
     apply_now(&mut world, moved).expect("it can be moved");
     let theirs = text.replace("id='a'/>", "id='a'><float name='radius' value='2'/></shape>");
     std::fs::write(&path, &theirs).expect("a file");
     // Another parameter of the same thing was edited: both edits stay.
-    apply_now(&mut world, Command::Save).expect("merged");
+    apply_now(&mut world, FileCommand::Save).expect("merged");
     let merged = read_text(&path, LARGEST_NOTE).expect("a file");
     assert!(merged.contains("radius") && merged.contains("center"), "{merged}");
 
@@ -47,10 +48,10 @@ fn a_question_that_nobody_can_answer_is_an_error() {
         },
         ..Shape::default()
     };
-    apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
+    apply_now(&mut world, ValueEdit::SetShape(ball, smaller)).expect("it can be changed");
     let theirs = merged.replace("value='2'", "value='3'");
     std::fs::write(&path, &theirs).expect("a file");
-    let error = apply_now(&mut world, Command::Save)
+    let error = apply_now(&mut world, FileCommand::Save)
         .expect_err("both changed the radius")
         .to_string();
     assert!(
@@ -72,8 +73,8 @@ fn a_fault_of_a_file_stays_until_it_is_mended() {
         let toasts = world.resource_mut::<Toasts>().current().to_vec();
         toasts.iter().map(|toast| toast.tone).collect::<Vec<Tone>>()
     };
-    let import = || Command::Import(mesh.clone());
-    let tones = tones_after(vec![Command::Delete, import()]);
+    let import = || Command::from(SceneEdit::Import(mesh.clone()));
+    let tones = tones_after(vec![Command::from(SceneEdit::Delete), import()]);
     assert_eq!(tones, [Tone::Warning, Tone::Error]);
     std::fs::write(&mesh, "v 0 0 0").expect("a file");
     assert_eq!(tones_after(vec![import()]), [Tone::Warning]);
@@ -101,7 +102,7 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     world.insert_resource(Trust::Folders(Vec::new()));
     world.init_resource::<SceneAccess>();
     world.init_resource::<TrustedFolders>();
-    let error = apply(&mut world, Command::Import(scene.clone()))
+    let error = apply(&mut world, SceneEdit::Import(scene.clone()))
         .expect_err("it may not be read")
         .to_string();
     assert!(error.contains("part.xml") && error.contains("outside"), "{error}");
@@ -125,8 +126,8 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
 
 #[test]
 fn an_opened_scene_is_not_behind_the_start_page() {
-    let opens = || Command::OpenScene(PathBuf::from("/there/scene.xml"));
-    for command in [opens(), Command::NewScene] {
+    let opens = || Command::from(FileCommand::OpenScene(PathBuf::from("/there/scene.xml")));
+    for command in [opens(), Command::from(FileCommand::NewScene)] {
         let mut world = bare_world();
         world.init_resource::<SceneDefines>();
         for (sheet, then) in [(Sheet::Start, None), (Sheet::Keys, Some(Sheet::Keys))] {

@@ -8,6 +8,7 @@ use bevy::asset::AssetPlugin;
 
 use super::*;
 use crate::app::editor::command::resolution::{FullFilm, Resolution};
+use crate::app::editor::command::{FileCommand, RenderCommand, ViewCommand};
 use crate::app::editor::commands::finished;
 use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
 use crate::app::editor::picture::awaited_image::AwaitedImage;
@@ -85,7 +86,7 @@ fn size(world: &World) -> (u32, u32) {
 fn begin_to_save(app: &mut App, path: &Path) {
     update_until(app, |world| world.resource::<RenderStatus>().samples >= 3);
     assert_eq!(size(app.world()), (60, 40));
-    apply(app.world_mut(), Command::SaveImage(path.to_owned())).expect("it is begun");
+    apply(app.world_mut(), FileCommand::SaveImage(path.to_owned())).expect("it is begun");
     assert!(app.world().contains_resource::<AwaitedImage>() && !path.exists());
 }
 
@@ -117,9 +118,9 @@ fn an_image_is_saved_with_all_pixels_of_the_film() {
     assert!(texts.iter().any(|text| text.contains(&told)), "{texts:?}");
     // Now the full film is there, so that the image is saved at once.
     let again = folder.path().join("again.png");
-    apply(app.world_mut(), Command::SaveImage(again.clone())).expect("saved");
+    apply(app.world_mut(), FileCommand::SaveImage(again.clone())).expect("saved");
     assert!(again.exists());
-    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    apply(app.world_mut(), RenderCommand::StopFull).expect("it is stopped");
     update_until(&mut app, |world| size(world) == (60, 40));
 }
 
@@ -155,7 +156,7 @@ fn an_image_without_its_motion_says_so_where_things_move() {
     update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 1);
     let told = |app: &mut App, name: &str| {
         let path = folder.path().join(name);
-        apply(app.world_mut(), Command::SaveImage(path)).expect("it is saved");
+        apply(app.world_mut(), FileCommand::SaveImage(path)).expect("it is saved");
         let toasts = app.world().resource::<Toasts>();
         let text = toasts.texts().find(|text| text.contains(name)).expect("it is told");
         text.contains("with 0 as motion")
@@ -182,7 +183,7 @@ fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
     assert_eq!(size(app.world()), (120, 80));
     let job = app.world().resource::<RenderFilm>().job;
     let path = folder.path().join("sky.png");
-    apply(app.world_mut(), Command::SaveImage(path)).expect("it is begun");
+    apply(app.world_mut(), FileCommand::SaveImage(path)).expect("it is begun");
     assert!(app.world().contains_resource::<AwaitedImage>());
     update_until(&mut app, |world| {
         world.resource::<RenderStatus>().state == RenderState::Paused
@@ -190,7 +191,7 @@ fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
     assert_eq!(app.world().resource::<RenderFilm>().job, job);
     assert!(app.world().resource::<RenderStatus>().samples >= 3);
     // Nothing filters it in this test. Without the demand rendering goes on.
-    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    apply(app.world_mut(), RenderCommand::StopFull).expect("it is stopped");
     update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
     assert!(!app.world().resource::<RenderControl>().paused);
     assert_eq!(app.world().resource::<RenderFilm>().job, job);
@@ -200,13 +201,13 @@ fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
 fn a_change_in_between_saves_nothing_and_says_so() {
     let changes: [fn(&mut World); 3] = [
         |world| {
-            apply(world, Command::StopFull).expect("it is stopped");
+            apply(world, RenderCommand::StopFull).expect("it is stopped");
         },
         |world| {
-            apply(world, Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+            apply(world, ViewCommand::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
         },
         |world| {
-            apply(world, Command::SetResolution(Resolution::View)).expect("set");
+            apply(world, RenderCommand::SetResolution(Resolution::View)).expect("set");
         },
     ];
     let folder = tempfile::tempdir().expect("a folder");
@@ -237,7 +238,7 @@ fn an_image_that_is_cancelled_leaves_the_samples_of_its_film() {
         size(world) == (120, 80) && world.resource::<RenderStatus>().samples >= 3
     });
     let job = app.world().resource::<RenderFilm>().job;
-    apply(app.world_mut(), Command::StopFull).expect("it is cancelled");
+    apply(app.world_mut(), RenderCommand::StopFull).expect("it is cancelled");
     for _ in 0..3 {
         app.update();
     }
@@ -248,7 +249,7 @@ fn an_image_that_is_cancelled_leaves_the_samples_of_its_film() {
     let texts: Vec<&str> = world.resource::<Toasts>().texts().collect();
     assert_eq!(texts, ["sky.png was not saved: it was cancelled."]);
     // Asked for again, it goes back to the pixels of the window.
-    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    apply(app.world_mut(), RenderCommand::StopFull).expect("it is stopped");
     update_until(&mut app, |world| size(world) == (60, 40));
 }
 
@@ -259,7 +260,7 @@ fn the_full_film_as_a_setting_hides_no_change() {
     let mut app = app();
     begin_to_save_for_long(&mut app, &path);
     update_until(&mut app, |world| size(world) == (120, 80));
-    apply(app.world_mut(), Command::SetResolution(Resolution::Full)).expect("set");
+    apply(app.world_mut(), RenderCommand::SetResolution(Resolution::Full)).expect("set");
     app.world_mut().resource_mut::<RenderControl>().view_size = None;
     update_until(&mut app, |world| world.resource::<RenderStatus>().samples >= 3);
     assert!(app.world().contains_resource::<AwaitedImage>());
@@ -269,10 +270,10 @@ fn the_full_film_as_a_setting_hides_no_change() {
         save_to: Some(other),
         is_confirmed: false,
     };
-    let refused = apply(app.world_mut(), Command::RenderFull(request)).expect_err("one at a time");
+    let refused = apply(app.world_mut(), RenderCommand::RenderFull(request)).expect_err("one at a time");
     assert!(refused.to_string().contains("sky.png"), "{refused}");
     assert!(app.world().contains_resource::<AwaitedImage>());
-    apply(app.world_mut(), Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+    apply(app.world_mut(), ViewCommand::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
     for _ in 0..3 {
         app.update();
     }
@@ -299,11 +300,11 @@ fn a_large_film_is_asked_about_and_one_that_is_too_large_refused() {
     let is_full = |world: &World| world.resource::<RenderControl>().full_until_change;
 
     let mut world = world_with_film(side_of(limit / 100));
-    apply(&mut world, Command::RenderFull(FullFilm::default())).expect("it is begun");
+    apply(&mut world, RenderCommand::RenderFull(FullFilm::default())).expect("it is begun");
     assert!(is_full(&world) && world.resource::<Requests>().full_film_question.is_none());
 
     let mut world = world_with_film(side_of(limit / 2));
-    apply(&mut world, Command::RenderFull(FullFilm::default())).expect("it is asked");
+    apply(&mut world, RenderCommand::RenderFull(FullFilm::default())).expect("it is asked");
     assert!(!is_full(&world));
     let question = world.resource::<Requests>().full_film_question.clone();
     let question = question.expect("a question");
@@ -312,12 +313,12 @@ fn a_large_film_is_asked_about_and_one_that_is_too_large_refused() {
     assert!(is_full(&world) && world.resource::<Requests>().full_film_question.is_none());
 
     let mut world = world_with_film(side_of(2 * limit));
-    let refused = apply(&mut world, Command::RenderFull(FullFilm::default()));
+    let refused = apply(&mut world, RenderCommand::RenderFull(FullFilm::default()));
     let reason = refused.expect_err("it is too large").to_string();
     assert!(reason.contains("of memory"), "{reason}");
     assert!(!is_full(&world));
 
     let mut world = world_with_film(300);
     world.resource_mut::<RenderControl>().paused = true;
-    assert!(apply(&mut world, Command::RenderFull(FullFilm::default())).is_err());
+    assert!(apply(&mut world, RenderCommand::RenderFull(FullFilm::default())).is_err());
 }

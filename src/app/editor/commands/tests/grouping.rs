@@ -11,7 +11,7 @@ fn ball(world: &mut World, name: &str, x: f32) -> Entity {
         size: Some(0.5),
         ..AdditionKind::Sphere.into()
     };
-    say(world, Command::Add(addition));
+    say(world, SceneEdit::Add(addition));
     active(world)
 }
 
@@ -28,14 +28,14 @@ fn pose(world: &World, entity: Entity) -> Affine3A {
 }
 
 fn select(world: &mut World, things: &[Entity]) {
-    say(world, Command::Select(things.to_vec(), Extend::Replace));
+    say(world, SelectionCommand::Select(things.to_vec(), Extend::Replace));
 }
 
 /// Two balls in a group, and the group.
 fn pair(world: &mut World) -> [Entity; 3] {
     let balls = [ball(world, "left", -1.0), ball(world, "right", 3.0)];
     select(world, &balls);
-    say(world, Command::Group);
+    say(world, OutlineEdit::Group);
     [balls[0], balls[1], active(world)]
 }
 
@@ -54,7 +54,7 @@ fn what_is_in_a_group_moves_with_it() {
     select(&mut world, &[group]);
     say(
         &mut world,
-        Command::OnSelection(Box::new(Command::Transform(vec![(group, turned)]))),
+        EditCommand::OnSelection(Box::new(ValueEdit::Transform(vec![(group, turned)]))),
     );
     let place = |world: &World, entity| Vec3::from(pose(world, entity).translation);
     assert!(
@@ -64,10 +64,10 @@ fn what_is_in_a_group_moves_with_it() {
     );
     assert!(place(&world, right).abs_diff_eq(Vec3::new(0.0, 1.0, -2.0), 1e-5));
     // A member that is moved as well is where it was put, and a locked one stays.
-    say(&mut world, Command::Undo);
-    say(&mut world, Command::Lock(vec![right], true));
+    say(&mut world, HistoryCommand::Undo);
+    say(&mut world, OutlineEdit::Lock(vec![right], true));
     let [to, own] = [5.0, 7.0].map(|x| Affine3A::from_translation(Vec3::X * x));
-    say(&mut world, Command::Transform(vec![(left, own), (group, to)]));
+    say(&mut world, ValueEdit::Transform(vec![(left, own), (group, to)]));
     assert_eq!((place(&world, left).x, place(&world, right).x), (7.0, 3.0));
 }
 
@@ -75,10 +75,10 @@ fn what_is_in_a_group_moves_with_it() {
 fn groups_are_in_groups_and_come_out_again() {
     let mut world = bare_world();
     let [left, right, inner] = pair(&mut world);
-    say(&mut world, Command::Rename(inner, "pair".into()));
+    say(&mut world, OutlineEdit::Rename(inner, "pair".into()));
     let other = ball(&mut world, "other", 9.0);
     select(&mut world, &[other, left, right, inner]);
-    say(&mut world, Command::Group);
+    say(&mut world, OutlineEdit::Group);
     let outer = active(&world);
     let names = |world: &World| [left, right, inner, other, outer].map(|it| name(world, it));
     let nested = [
@@ -91,35 +91,35 @@ fn groups_are_in_groups_and_come_out_again() {
     assert_eq!(names(&world), nested);
     let before = pose(&world, left).translation.x;
     let moved = Affine3A::from_translation(Vec3::X) * pose(&world, outer);
-    say(&mut world, Command::Transform(vec![(outer, moved)]));
+    say(&mut world, ValueEdit::Transform(vec![(outer, moved)]));
     assert_eq!(pose(&world, left).translation.x, before + 1.0);
     // The first selects the group of a ball, the next the group around that.
     select(&mut world, &[left]);
-    say(&mut world, Command::SelectGroup);
+    say(&mut world, SelectionCommand::SelectGroup);
     assert_eq!(
         (active(&world), world.resource::<Selection>().entities().len()),
         (inner, 3)
     );
-    say(&mut world, Command::SelectGroup);
+    say(&mut world, SelectionCommand::SelectGroup);
     assert_eq!(
         (active(&world), world.resource::<Selection>().entities().len()),
         (outer, 5)
     );
-    assert!(apply(&mut world, Command::SelectGroup).is_err());
+    assert!(apply(&mut world, SelectionCommand::SelectGroup).is_err());
     assert!(
         apply(
             &mut world,
-            Command::PutInto {
+            OutlineEdit::PutInto {
                 things: vec![outer],
                 folder: Some("group/pair".into())
             }
         )
         .is_err()
     );
-    say(&mut world, Command::Ungroup);
+    say(&mut world, OutlineEdit::Ungroup);
     assert_eq!(names(&world)[..4], ["pair/left", "pair/right", "pair/", "other"]);
     assert!(!ObjectState::is_in_scene(&world, outer));
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert_eq!(names(&world), nested);
 }
 
@@ -127,7 +127,7 @@ fn groups_are_in_groups_and_come_out_again() {
 fn a_copy_of_a_group_is_a_group() {
     let mut world = bare_world();
     pair(&mut world);
-    say(&mut world, Command::Duplicate);
+    say(&mut world, SceneEdit::Duplicate);
     let copies = world.resource::<Selection>().entities().to_vec();
     let names: Vec<String> = copies.iter().map(|it| name(&world, *it)).collect();
     assert_eq!(names, ["group-2/left", "group-2/right", "group-2/"]);
@@ -135,15 +135,18 @@ fn a_copy_of_a_group_is_a_group() {
 
 #[test]
 fn the_frame_of_a_group_is_copied_with_what_is_in_the_group() {
-    for command in [Command::Duplicate, Command::Copy] {
+    for command in [
+        Command::from(SceneEdit::Duplicate),
+        Command::from(SelectionCommand::Copy),
+    ] {
         let mut world = bare_world();
         let [.., group] = pair(&mut world);
         select(&mut world, &[group]);
-        let copies = command == Command::Copy;
+        let copies = command == Command::from(SelectionCommand::Copy);
         say(&mut world, command);
         let clipboard = world.resource::<Requests>().clipboard.clone();
         if let Some(text) = clipboard.filter(|_| copies) {
-            say(&mut world, Command::Paste(text));
+            say(&mut world, SceneEdit::Paste(text));
         }
         let selected = world.resource::<Selection>().entities().to_vec();
         let names: Vec<String> = selected.iter().map(|it| name(&world, *it)).collect();
@@ -155,16 +158,16 @@ fn the_frame_of_a_group_is_copied_with_what_is_in_the_group() {
 fn a_copy_of_a_group_can_be_pasted() {
     let mut world = bare_world();
     pair(&mut world);
-    say(&mut world, Command::Copy);
+    say(&mut world, SelectionCommand::Copy);
     let text = world.resource_mut::<Requests>().clipboard.take().expect("a text");
-    say(&mut world, Command::Paste(text.clone()));
+    say(&mut world, SceneEdit::Paste(text.clone()));
     let names = |world: &World| {
         let pasted = world.resource::<Selection>().entities().iter();
         pasted.map(|it| name(world, *it)).collect::<Vec<_>>()
     };
     assert_eq!(names(&world), ["group-2/left", "group-2/right", "group-2/"]);
     let mut elsewhere = bare_world();
-    say(&mut elsewhere, Command::Paste(text));
+    say(&mut elsewhere, SceneEdit::Paste(text));
     assert_eq!(names(&elsewhere), ["group/left", "group/right", "group/"]);
 }
 
@@ -176,16 +179,16 @@ fn a_group_that_comes_out_of_another_stays_whole() {
     let left = ball(&mut world, "ball", 9.0);
     let house = [inside[0], inside[1], inside[2], left];
     select(&mut world, &house);
-    say(&mut world, Command::Group);
+    say(&mut world, OutlineEdit::Group);
     let frame = active(&world);
-    say(&mut world, Command::Rename(frame, "house".into()));
-    say(&mut world, Command::Rename(inside[2], "house/group".into()));
+    say(&mut world, OutlineEdit::Rename(frame, "house".into()));
+    say(&mut world, OutlineEdit::Rename(inside[2], "house/group".into()));
     ball(&mut world, "ball", 12.0);
     let names = |world: &World, things: &[Entity]| things.iter().map(|it| name(world, *it)).collect::<Vec<_>>();
     let before = names(&world, &house);
     assert_eq!(before[2..], ["house/group/", "house/ball"]);
     select(&mut world, &[frame]);
-    say(&mut world, Command::Ungroup);
+    say(&mut world, OutlineEdit::Ungroup);
     let freed = names(&world, &house);
     assert!(
         freed[0].starts_with("group-2/") && freed[1].starts_with("group-2/"),
@@ -194,10 +197,10 @@ fn a_group_that_comes_out_of_another_stays_whole() {
     assert_eq!(freed[2..], ["group-2/", "ball-2"]);
     assert_eq!(names(&world, &outside), ["group/left", "group/right", "group/"]);
     // A group inside one of the same name takes its place.
-    say(&mut world, Command::Undo);
-    say(&mut world, Command::Rename(inside[2], "house/house".into()));
+    say(&mut world, HistoryCommand::Undo);
+    say(&mut world, OutlineEdit::Rename(inside[2], "house/house".into()));
     select(&mut world, &[frame]);
-    say(&mut world, Command::Ungroup);
+    say(&mut world, OutlineEdit::Ungroup);
     assert_eq!(names(&world, &house)[2..], ["house/", "ball-2"]);
 }
 
@@ -211,10 +214,10 @@ fn a_number_that_is_typed_is_for_all_that_is_selected() {
         select(&mut world, &[others[0], others[1], others[2], active]);
         let mut after = pose(&world, active);
         after.translation.x = 5.0;
-        let typed = Command::Transform(vec![(active, after)]);
-        say(&mut world, Command::OnSelection(Box::new(typed)));
+        let typed = ValueEdit::Transform(vec![(active, after)]);
+        say(&mut world, EditCommand::OnSelection(Box::new(typed)));
         assert_eq!(xs(&world), [5.0, 3.0, 7.0, 5.0]);
-        say(&mut world, Command::Undo);
+        say(&mut world, HistoryCommand::Undo);
         assert_eq!(xs(&world), [8.0, -1.0, 3.0, 1.0]);
     }
 }
@@ -226,26 +229,30 @@ fn members_keep_the_coordinates_along_which_a_group_does_not_move() {
     let odd = Vec3::new(-1.0, 0.123_456_79, 1.0 / 3.0);
     say(
         &mut world,
-        Command::Transform(vec![(left, Affine3A::from_translation(odd))]),
+        ValueEdit::Transform(vec![(left, Affine3A::from_translation(odd))]),
     );
     let moved = Affine3A::from_translation(Vec3::X) * pose(&world, group);
-    say(&mut world, Command::Transform(vec![(group, moved)]));
+    say(&mut world, ValueEdit::Transform(vec![(group, moved)]));
     let place = Vec3::from(pose(&world, left).translation);
     assert_eq!(place, Vec3::new(0.0, odd.y, odd.z));
 }
 
 #[test]
 fn a_group_becomes_instances_of_what_is_in_it() {
+    use crate::app::editor::command::HistoryCommand;
     use crate::app::editor::command::arrange::{Series, Way};
+
+    use crate::app::editor::command::SceneEdit;
+
     use crate::scene::MemberOf;
     let mut world = bare_world();
     let [left, right, group] = pair(&mut world);
     let series = |instances| {
-        Command::MakeSeries(Series {
+        Command::from(SceneEdit::MakeSeries(Series {
             count: 3,
             way: Way::Along(Vec3::Z),
             instances,
-        })
+        }))
     };
     say(&mut world, series(false));
     let copies: Vec<String> = world.resource::<Selection>().entities()[3..]
@@ -253,14 +260,14 @@ fn a_group_becomes_instances_of_what_is_in_it() {
         .map(|it| name(&world, *it))
         .collect();
     assert_eq!(copies[2..4], ["group-2/", "group-3/left"]);
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     select(&mut world, &[group]);
     say(&mut world, series(true));
     assert!(!ObjectState::is_in_scene(&world, group));
     assert!([left, right].iter().all(|it| world.get::<MemberOf>(*it).is_some()));
     let instances = world.resource::<Selection>().entities().to_vec();
     assert_eq!((instances.len(), &*name(&world, instances[0])), (3, "group-instance"));
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert!(ObjectState::is_in_scene(&world, group) && world.get::<MemberOf>(left).is_none());
 }
 
@@ -268,23 +275,23 @@ fn a_group_becomes_instances_of_what_is_in_it() {
 fn a_group_is_shown_alone_with_what_is_in_it() {
     let mut world = bare_world();
     let [left, right, group] = pair(&mut world);
-    say(&mut world, Command::Isolate(vec![group]));
+    say(&mut world, ViewCommand::Isolate(vec![group]));
     assert_eq!(world.resource::<RenderControl>().sight.only, [left, right]);
-    say(&mut world, Command::Ungroup);
+    say(&mut world, OutlineEdit::Ungroup);
     let empty = Shape {
         kind: ShapeKind::Frame,
         ..Shape::default()
     };
     let empty = world.spawn((empty, DocumentOrder(99), Name::new("empty/"))).id();
-    assert!(apply(&mut world, Command::Isolate(vec![empty])).is_err());
+    assert!(apply(&mut world, ViewCommand::Isolate(vec![empty])).is_err());
 }
 
 #[test]
 fn a_group_has_no_surface_and_is_in_the_file() {
     let mut world = bare_world();
     let [.., group] = pair(&mut world);
-    assert!(apply(&mut world, Command::GiveMaterial { shape: group }).is_err());
-    assert!(apply(&mut world, Command::SetAreaLight(group, Some(AreaLight::default()))).is_err());
+    assert!(apply(&mut world, MaterialEdit::GiveMaterial { shape: group }).is_err());
+    assert!(apply(&mut world, ValueEdit::SetAreaLight(group, Some(AreaLight::default()))).is_err());
     let scene = crate::scene::write::gather::describe(&mut world);
     let document = crate::scene::write::to_document(&scene, Path::new("/group.xml"));
     let text = crate::document::to_xml(&document).expect("it can be written");

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use super::full_film::{add_resources, update_until};
 use super::*;
 use crate::app::editor::command::kept_picture::KeptPicture;
+use crate::app::editor::command::{DisplayCommand, HistoryCommand, OutlineEdit, RenderCommand, ValueEdit, ViewCommand};
 use crate::app::editor::commands::kept_picture::follow;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning, kept_file};
 use crate::app::editor::session::options::SceneDefines;
@@ -117,12 +118,12 @@ fn look(app: &mut App) {
     let other = cameras.iter(world).max().expect("two cameras").1;
     let pose = Affine3A::from_translation(Vec3::new(0.3, 0.1, -4.0));
     for command in [
-        Command::LookThrough(other),
-        Command::MoveView(pose),
-        Command::SetTargetSamples(80),
-        Command::SetAdaptive(true),
-        Command::SetRegion(Some(Rect::new(0.0, 0.0, 1.0, 0.4))),
-        Command::SetLightLayers(true),
+        Command::from(ViewCommand::LookThrough(other)),
+        Command::from(ViewCommand::MoveView(pose)),
+        Command::from(RenderCommand::SetTargetSamples(80)),
+        Command::from(RenderCommand::SetAdaptive(true)),
+        Command::from(RenderCommand::SetRegion(Some(Rect::new(0.0, 0.0, 1.0, 0.4)))),
+        Command::from(RenderCommand::SetLightLayers(true)),
     ] {
         apply(world, command).expect("it can be done");
     }
@@ -156,7 +157,7 @@ fn a_kept_picture_goes_on_to_the_same_bits() {
         let history = second.world().resource::<History>();
         assert!(history.is_saved() && history.len() == (0, 0));
         // A change is of the window's size again.
-        apply(second.world_mut(), Command::MoveView(Affine3A::IDENTITY)).expect("moved");
+        apply(second.world_mut(), ViewCommand::MoveView(Affine3A::IDENTITY)).expect("moved");
         update_until(&mut second, |world| {
             let film = &world.resource::<RenderFilm>().film;
             (film.width(), film.height()) != size_of(&whole)
@@ -186,7 +187,7 @@ fn all_samples_are_there_at_once() {
     // From wherever the user looks now.
     apply(
         second.world_mut(),
-        Command::MoveView(Affine3A::from_translation(Vec3::Z)),
+        ViewCommand::MoveView(Affine3A::from_translation(Vec3::Z)),
     )
     .expect("moved");
     tell(&mut second, KeptPicture::Continue).expect("it is begun");
@@ -224,7 +225,7 @@ fn a_picture_of_a_changed_scene_begins_anew_and_says_why() {
     let mut second = desk.open(true, [50, 50]);
     // What the user looks at stays.
     let pose = Affine3A::from_translation(Vec3::Z);
-    apply(second.world_mut(), Command::MoveView(pose)).expect("moved");
+    apply(second.world_mut(), ViewCommand::MoveView(pose)).expect("moved");
     assert!(tell(&mut second, KeptPicture::Continue).is_err_and(|error| error.contains("another content")));
     assert_eq!(second.world().resource::<FreeView>().pose, Some(pose));
     let texts = texts(&second);
@@ -254,23 +255,23 @@ fn what_cannot_be_kept_is_refused_and_the_last_file_stays() {
         mode: DisplayMode::Clay,
         ..DisplaySettings::default()
     };
-    apply(world, Command::SetDisplay(mode)).expect("set");
+    apply(world, DisplayCommand::SetDisplay(mode)).expect("set");
     refused(&mut app, "whole scene");
-    apply(app.world_mut(), Command::SetDisplay(DisplaySettings::default())).expect("set");
-    apply(app.world_mut(), Command::Restart).expect("begun anew");
+    apply(app.world_mut(), DisplayCommand::SetDisplay(DisplaySettings::default())).expect("set");
+    apply(app.world_mut(), RenderCommand::Restart).expect("begun anew");
     let sphere = app
         .world_mut()
         .query_filtered::<Entity, With<Shape>>()
         .single(app.world())
         .expect("one");
-    apply(app.world_mut(), Command::Hide(vec![sphere], true)).expect("hidden");
+    apply(app.world_mut(), OutlineEdit::Hide(vec![sphere], true)).expect("hidden");
     refused(&mut app, "whole scene");
-    apply(app.world_mut(), Command::Undo).expect("undone");
+    apply(app.world_mut(), HistoryCommand::Undo).expect("undone");
     let pose = Affine3A::from_translation(Vec3::X);
-    apply(app.world_mut(), Command::Transform(vec![(sphere, pose)])).expect("moved");
+    apply(app.world_mut(), ValueEdit::Transform(vec![(sphere, pose)])).expect("moved");
     refused(&mut app, "not saved");
     assert!(tell(&mut app, KeptPicture::Continue).is_err_and(|error| error.contains("not saved")));
-    apply(app.world_mut(), Command::Undo).expect("undone");
+    apply(app.world_mut(), HistoryCommand::Undo).expect("undone");
     std::fs::write(desk.kept(), &kept[..kept.len() / 2]).expect("a file");
     assert!(tell(&mut app, KeptPicture::Continue).is_err_and(|error| error.contains("room.xml.unfinished.exr")));
 }

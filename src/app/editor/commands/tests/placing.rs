@@ -4,6 +4,9 @@ use bevy::math::{Affine3A, Quat};
 
 use super::*;
 use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
+use crate::app::editor::command::{
+    ArrangeEdit, HistoryCommand, OutlineEdit, SceneEdit, SelectionCommand, ValueEdit, ViewCommand,
+};
 use crate::scene::{InstanceOf, MemberOf, ShapeGroup};
 
 /// Cubes of these half sizes at these places along x, all selected.
@@ -14,11 +17,11 @@ fn cubes(world: &mut World, sizes_and_places: &[(f32, f32)]) -> Vec<Entity> {
             size: Some(*half),
             ..AdditionKind::Cube.into()
         };
-        say(world, Command::Add(addition));
+        say(world, SceneEdit::Add(addition));
         world.resource::<Selection>().active().expect("it was added")
     });
     let made: Vec<Entity> = made.collect();
-    say(world, Command::Select(made.clone(), Extend::Replace));
+    say(world, SelectionCommand::Select(made.clone(), Extend::Replace));
     made
 }
 
@@ -35,12 +38,12 @@ fn selected(world: &World) -> Vec<Entity> {
 fn a_camera_is_added_at_a_place_or_where_the_view_is() {
     let mut world = bare_world();
     let camera = add(&mut world, AdditionKind::Camera);
-    say(&mut world, Command::LookThrough(camera));
+    say(&mut world, ViewCommand::LookThrough(camera));
     let view = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.5), Vec3::new(1.0, 2.0, 3.0));
-    say(&mut world, Command::MoveView(view));
+    say(&mut world, ViewCommand::MoveView(view));
     for (at, expected) in [(None, Vec3::new(1.0, 2.0, 3.0)), (Some(Vec3::Y), Vec3::Y)] {
         let kind = AdditionKind::Camera;
-        say(&mut world, Command::Add(Addition { at, ..kind.into() }));
+        say(&mut world, SceneEdit::Add(Addition { at, ..kind.into() }));
         let added = world.resource::<Selection>().active().expect("it was added");
         let pose = world.get::<ToWorld>(added).expect("a pose").0;
         assert_eq!(Vec3::from(pose.translation), expected);
@@ -57,9 +60,9 @@ fn sides_are_brought_in_line() {
     ] {
         let mut world = bare_world();
         let things = cubes(&mut world, &[(0.1, 0.0), (0.2, -0.8), (0.5, 5.0)]);
-        say(&mut world, Command::Align(0, side, to));
+        say(&mut world, ArrangeEdit::Align(0, side, to));
         assert_eq!(places(&world, &things), expected, "{side:?} {to:?}");
-        say(&mut world, Command::Undo);
+        say(&mut world, HistoryCommand::Undo);
         assert_eq!(places(&world, &things), [0.0, -0.8, 5.0]);
     }
 }
@@ -70,16 +73,16 @@ fn a_group_is_aligned_as_one() {
     let [a, b] = cubes(&mut world, &[(0.5, 0.0), (0.5, 2.0)])[..] else {
         panic!("two cubes");
     };
-    say(&mut world, Command::Group);
+    say(&mut world, OutlineEdit::Group);
     let group = selected(&world);
     let far = cubes(&mut world, &[(0.5, 10.0)])[0];
     let all = group.iter().copied().chain([far]).collect();
-    say(&mut world, Command::Select(all, Extend::Replace));
-    say(&mut world, Command::Align(0, Side::High, Reference::Active));
+    say(&mut world, SelectionCommand::Select(all, Extend::Replace));
+    say(&mut world, ArrangeEdit::Align(0, Side::High, Reference::Active));
     assert_eq!(places(&world, &[a, b, group[2], far]), [8.0, 10.0, 9.0, 10.0]);
-    say(&mut world, Command::Select(vec![group[2]], Extend::Replace));
-    say(&mut world, Command::SnapToGrid);
-    say(&mut world, Command::Nudge(Direction::Up));
+    say(&mut world, SelectionCommand::Select(vec![group[2]], Extend::Replace));
+    say(&mut world, ArrangeEdit::SnapToGrid);
+    say(&mut world, ArrangeEdit::Nudge(Direction::Up));
     let heights = [a, b, group[2]].map(|it| world.get::<ToWorld>(it).expect("a pose").0.translation.y);
     assert_eq!(heights[0], heights[1]);
     assert!(heights[0] > 0.5, "{heights:?}");
@@ -90,7 +93,7 @@ fn gaps_or_distances_become_equal() {
     for (by, expected) in [(Spacing::Gaps, [0.0, 2.25, 6.0]), (Spacing::Middles, [0.0, 3.0, 6.0])] {
         let mut world = bare_world();
         let things = cubes(&mut world, &[(0.5, 0.0), (0.5, 1.2), (2.0, 6.0)]);
-        say(&mut world, Command::Distribute(0, by));
+        say(&mut world, ArrangeEdit::Distribute(0, by));
         assert_eq!(places(&world, &things), expected, "{by:?}");
     }
 }
@@ -99,22 +102,22 @@ fn gaps_or_distances_become_equal() {
 fn a_copy_stands_beside_its_original_and_the_next_ones_go_on_like_it() {
     let mut world = bare_world();
     let first = cubes(&mut world, &[(0.5, 0.0)])[0];
-    say(&mut world, Command::Duplicate);
+    say(&mut world, SceneEdit::Duplicate);
     let second = selected(&world)[0];
     let step = places(&world, &[second])[0].abs();
     assert!(step > 1.0 && step < 1.5, "{step}");
     // The copy is moved and turned, and the next copy is moved and turned from it in the same way.
     let turn = Quat::from_rotation_y(0.5);
     let pose = Affine3A::from_scale_rotation_translation(Vec3::splat(0.5), turn, Vec3::new(2.0, 0.5, 0.0));
-    say(&mut world, Command::Transform(vec![(second, pose)]));
-    say(&mut world, Command::Duplicate);
+    say(&mut world, ValueEdit::Transform(vec![(second, pose)]));
+    say(&mut world, SceneEdit::Duplicate);
     let third = selected(&world)[0];
     let poses = [first, second, third].map(|thing| world.get::<ToWorld>(thing).expect("a pose").0);
     let steps = [poses[1] * poses[0].inverse(), poses[2] * poses[1].inverse()];
     assert!(steps[0].abs_diff_eq(steps[1], 1e-3), "{steps:?}");
     // After something else a copy is beside its original again.
-    say(&mut world, Command::Rename(third, "last".into()));
-    say(&mut world, Command::Duplicate);
+    say(&mut world, OutlineEdit::Rename(third, "last".into()));
+    say(&mut world, SceneEdit::Duplicate);
     let fourth = world.get::<ToWorld>(selected(&world)[0]).expect("a pose").0;
     assert!(fourth.translation.distance(poses[2].translation) < 2.0);
 }
@@ -124,11 +127,11 @@ fn rows_and_rings_are_made() {
     let mut world = bare_world();
     cubes(&mut world, &[(0.5, 0.1)]);
     let series = |way, instances| {
-        Command::MakeSeries(Series {
+        Command::from(SceneEdit::MakeSeries(Series {
             count: 4,
             way,
             instances,
-        })
+        }))
     };
     say(&mut world, series(Way::Along(Vec3::X * 0.1), false));
     let row = places(&world, &selected(&world));
@@ -148,7 +151,7 @@ fn rows_and_rings_are_made() {
     assert!(
         apply(
             &mut world,
-            Command::MakeSeries(Series {
+            SceneEdit::MakeSeries(Series {
                 count: 1,
                 way: ring,
                 instances: false
@@ -167,14 +170,14 @@ fn instances_share_a_group_and_all_of_it_is_undone() {
         way: Way::Along(Vec3::Z),
         instances: true,
     };
-    say(&mut world, Command::MakeSeries(series));
+    say(&mut world, SceneEdit::MakeSeries(series));
     let instances = selected(&world);
     assert_eq!(instances.len(), 3);
     let group = world.get::<InstanceOf>(instances[2]).expect("an instance").0;
     assert!(world.get::<ShapeGroup>(group).is_some());
     for thing in &things {
         assert_eq!(world.get::<MemberOf>(*thing).map(|member| member.0), Some(group));
-        let light = Command::SetAreaLight(*thing, Some(AreaLight::default()));
+        let light = Command::from(ValueEdit::SetAreaLight(*thing, Some(AreaLight::default())));
         assert!(apply(&mut world, light).is_err());
     }
     // The members are where they were, as seen through the first instance.
@@ -194,12 +197,15 @@ fn instances_share_a_group_and_all_of_it_is_undone() {
         text.contains("shapegroup") && text.matches("type=\"instance\"").count() == 3,
         "{text}"
     );
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert!(world.get::<MemberOf>(things[0]).is_none());
     assert_eq!(places(&world, &things), [0.0, 3.0]);
     // A light cannot be an instance, and nothing is left of the attempt.
-    say(&mut world, Command::SetAreaLight(things[0], Some(AreaLight::default())));
+    say(
+        &mut world,
+        ValueEdit::SetAreaLight(things[0], Some(AreaLight::default())),
+    );
     let before = world.resource::<History>().len();
-    assert!(apply(&mut world, Command::MakeSeries(series)).is_err());
+    assert!(apply(&mut world, SceneEdit::MakeSeries(series)).is_err());
     assert_eq!(world.resource::<History>().len(), before);
 }

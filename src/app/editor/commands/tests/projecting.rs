@@ -5,6 +5,7 @@ use bevy::math::{Affine2, Vec2};
 use super::*;
 use crate::app::editor::command::texture_placing::texture_groups;
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
+use crate::app::editor::command::{FileCommand, HistoryCommand, TextureEdit};
 use crate::geometry::ply::load_ply;
 use crate::scene::{DocumentOrder, MeshFile, SceneStatus, Solid, Texture, spawn};
 
@@ -46,7 +47,7 @@ fn shape(world: &mut World, kind: ShapeKind, pose: Affine3A, material: Entity) -
 fn project(world: &mut World, shapes: &[Entity], from: ProjectedFrom, tile: f32) {
     let projection = Projection { from, tile };
     let shapes = shapes.to_vec();
-    apply(world, Command::ProjectTextures { shapes, projection }).expect("they have surfaces");
+    apply(world, TextureEdit::ProjectTextures { shapes, projection }).expect("they have surfaces");
 }
 
 /// How the texture of a shape lies.
@@ -81,7 +82,7 @@ fn walls_keep_their_numbers_and_get_tiles_of_one_size() {
             Some(ShapeKind::Solid(_))
         ));
     }
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert_eq!(to_uv(&world, walls[0]), Affine2::from_scale(Vec2::splat(3.0)));
     // A wall beside others gets a material of its own.
     project(&mut world, &walls[..1], ProjectedFrom::Box, 0.25);
@@ -168,7 +169,7 @@ fn other_shapes_become_meshes_in_files() {
             assert!((edge.length() - 0.5 * tiles).abs() < 1e-3, "{edge} is {tiles} tiles");
         }
     }
-    say(&mut world, Command::Undo);
+    say(&mut world, HistoryCommand::Undo);
     assert_eq!(world.get::<Shape>(ball).map(|shape| &shape.kind), Some(&sphere));
 }
 
@@ -179,7 +180,7 @@ fn what_has_no_surface_or_no_size_is_refused() {
     let refused = |world: &mut World, shapes: Vec<Entity>, tile| {
         let from = ProjectedFrom::Box;
         let projection = Projection { from, tile };
-        apply(world, Command::ProjectTextures { shapes, projection }).is_err()
+        apply(world, TextureEdit::ProjectTextures { shapes, projection }).is_err()
     };
     assert!(refused(&mut world, vec![board], 1.0));
     let cube = shape(&mut world, ShapeKind::Cube, Affine3A::IDENTITY, board);
@@ -212,7 +213,7 @@ fn a_scene_that_is_saved_elsewhere_takes_its_new_meshes_along() {
     let mut shapes = world.query_filtered::<Entity, With<Shape>>();
     let ball = shapes.single(&world).expect("a ball");
     project(&mut world, &[ball], ProjectedFrom::Box, 0.5);
-    apply(&mut world, Command::SaveScene(new.clone())).expect("it can be saved");
+    apply(&mut world, FileCommand::SaveScene(new.clone())).expect("it can be saved");
     let text = crate::files::read_text(&new, crate::files::LARGEST_NOTE).expect("a file");
     let name = text
         .split("scene-files/")

@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use super::*;
 use crate::app::editor::command::recovery_offer::Note;
+use crate::app::editor::command::{
+    FileCommand, HistoryCommand, MaterialEdit, OutlineEdit, SceneEdit, SelectionCommand, ValueEdit,
+};
 use crate::app::editor::commands::saving::{SaveUnderWay, copy, disturb, finish, go_on};
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::options::SceneDefines;
@@ -58,7 +61,7 @@ impl Large {
     fn place(&mut self, id: &str, x: f32) {
         let ball = self.ball(id);
         let pose = Affine3A::from_translation(Vec3::X * x);
-        say(&mut self.world, Command::Transform(vec![(ball, pose)]));
+        say(&mut self.world, ValueEdit::Transform(vec![(ball, pose)]));
     }
 
     fn is_saved(&self) -> bool {
@@ -84,15 +87,15 @@ fn read_scene(path: &Path) -> SceneDescription {
 fn a_save_has_what_was_there_when_it_was_copied() {
     let mut large = Large::new();
     large.place("ball-7", 1.5);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     assert!(copy(&mut large.world, usize::MAX));
     assert!(large.world.contains_resource::<SaveUnderWay>() && !large.is_saved());
     assert!(large.world.resource::<History>().is_being_saved());
     large.place("ball-7", 2.5);
     let gone = large.ball("ball-8");
-    say(&mut large.world, Command::Select(vec![gone], Extend::Replace));
-    say(&mut large.world, Command::Delete);
-    say(&mut large.world, Command::Add(AdditionKind::Cube.into()));
+    say(&mut large.world, SelectionCommand::Select(vec![gone], Extend::Replace));
+    say(&mut large.world, SceneEdit::Delete);
+    say(&mut large.world, SceneEdit::Add(AdditionKind::Cube.into()));
     assert!(!large.world.resource::<History>().is_being_saved());
     while large.world.contains_resource::<SaveUnderWay>() {
         go_on(&mut large.world);
@@ -111,14 +114,14 @@ fn a_save_has_what_was_there_when_it_was_copied() {
     let pose = pose_of(&large.world, ball).expect("it has a place");
     assert_eq!(pose.translation.x, 2.5);
     for _ in 0..3 {
-        say(&mut large.world, Command::Undo);
+        say(&mut large.world, HistoryCommand::Undo);
     }
     assert!(large.is_saved());
     assert!(large.reload().is_unchanged());
     for _ in 0..3 {
-        say(&mut large.world, Command::Redo);
+        say(&mut large.world, HistoryCommand::Redo);
     }
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     finish(&mut large.world).expect("saved");
     let text = large.text();
     assert!(text.contains("2.5") && text.contains("cube") && !text.contains("'ball-8'"));
@@ -130,7 +133,10 @@ fn the_end_waits_for_a_save_and_does_not_come_after_a_failure() {
     let mut large = Large::new();
     large.place("ball-7", 1.5);
     let nowhere = large.path.join("scene.xml");
-    large.world.resource_mut::<CommandQueue>().0 = vec![Command::SaveScene(nowhere), Command::Quit];
+    large.world.resource_mut::<CommandQueue>().0 = vec![
+        Command::from(FileCommand::SaveScene(nowhere)),
+        Command::from(FileCommand::Quit),
+    ];
     apply_commands(&mut large.world);
     assert!(large.world.resource::<Messages<AppExit>>().is_empty() && !large.is_saved());
     assert!(
@@ -140,7 +146,8 @@ fn the_end_waits_for_a_save_and_does_not_come_after_a_failure() {
             .texts()
             .any(|text| text.contains("scene.xml/scene.xml"))
     );
-    large.world.resource_mut::<CommandQueue>().0 = vec![Command::Save, Command::Quit];
+    large.world.resource_mut::<CommandQueue>().0 =
+        vec![Command::from(FileCommand::Save), Command::from(FileCommand::Quit)];
     apply_commands(&mut large.world);
     assert!(!large.world.resource::<Messages<AppExit>>().is_empty() && large.is_saved());
     assert!(large.text().contains("1.5"));
@@ -155,13 +162,13 @@ fn the_end_does_not_come_while_there_is_a_question_how_to_save() {
     };
     let (theirs, path) = (others("x='9'"), large.path.clone());
     large.place("ball-7", 1.5);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     disturb(&mut large.world, || std::fs::write(&path, &theirs).expect("a file"));
     let losing = [
-        Command::Quit,
-        Command::NewScene,
-        Command::OpenScene(path.clone()),
-        Command::RevertScene,
+        Command::from(FileCommand::Quit),
+        Command::from(FileCommand::NewScene),
+        Command::from(FileCommand::OpenScene(path.clone())),
+        Command::from(FileCommand::RevertScene),
     ];
     for command in losing {
         say(&mut large.world, command);
@@ -176,8 +183,8 @@ fn the_end_does_not_come_while_there_is_a_question_how_to_save() {
     };
     assert!(is_said(&large.world));
     large.world.resource_mut::<Requests>().save_question = None;
-    say(&mut large.world, Command::SaveChanged(path, OnChange::Overwrite));
-    say(&mut large.world, Command::Quit);
+    say(&mut large.world, FileCommand::SaveChanged(path, OnChange::Overwrite));
+    say(&mut large.world, FileCommand::Quit);
     assert!(!large.world.resource::<Messages<AppExit>>().is_empty() && large.is_saved());
     assert!(large.text().contains("1.5"));
 }
@@ -191,7 +198,7 @@ fn a_save_that_others_disturb_begins_again_beside_the_frames() {
     );
     let path = large.path.clone();
     large.place("ball-7", 1.5);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     disturb(&mut large.world, || std::fs::write(&path, theirs).expect("a file"));
     let original = large.text();
     large.place("ball-8", 3.5);
@@ -212,21 +219,21 @@ fn what_gets_the_id_of_a_thing_of_the_file_meanwhile_gives_way() {
     let first = large.ball("ball-0");
     let material = large.world.get::<UsesMaterial>(first).expect("its own").0;
     let shapes = vec![large.ball("ball-1")];
-    let share = Command::UseMaterial {
+    let share = Command::from(MaterialEdit::UseMaterial {
         shapes,
         material: Some(material),
-    };
+    });
     say(&mut large.world, share);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     assert!(copy(&mut large.world, usize::MAX));
     let other = large.ball("ball-2");
-    say(&mut large.world, Command::Rename(other, "material-1".into()));
+    say(&mut large.world, OutlineEdit::Rename(other, "material-1".into()));
     finish(&mut large.world).expect("saved");
     let id = |world: &World, entity| world.get::<SceneId>(entity).map(|id| id.0.clone());
     assert_eq!(id(&large.world, material).as_deref(), Some("material-1"));
     let given = id(&large.world, other).expect("it keeps an id");
     assert!(given != "material-1" && given != "ball-2", "{given}");
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     finish(&mut large.world).expect("saved");
     assert!(large.text().contains(&format!("id='{given}'")) && large.reload().is_unchanged());
 }
@@ -237,7 +244,10 @@ fn a_reload_that_is_asked_for_in_the_same_frame_is_not_met_by_a_save() {
     large.world.init_resource::<SceneDefines>();
     large.place("ball-7", 1.5);
     let text = large.text();
-    large.world.resource_mut::<CommandQueue>().0 = vec![Command::RevertScene, Command::Save];
+    large.world.resource_mut::<CommandQueue>().0 = vec![
+        Command::from(FileCommand::RevertScene),
+        Command::from(FileCommand::Save),
+    ];
     apply_commands(&mut large.world);
     assert!(!large.world.contains_resource::<SaveUnderWay>());
     assert!(!large.world.resource::<Messages<OpenScene>>().is_empty());
@@ -262,11 +272,11 @@ fn newer_edits_of_a_large_scene_are_asked_about_before_it_is_saved() {
     std::fs::write(copy.join("scene.xml"), "<scene/>").expect("a file");
     large.world.insert_resource(Recovery::new(Some(home.path())));
     large.place("ball-7", 1.5);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     assert!(!large.world.contains_resource::<SaveUnderWay>());
     let question = large.world.resource_mut::<Requests>().save_question.take();
     assert!(question.is_some_and(|question| question.copy.is_some()));
-    let command = Command::SaveChanged(large.path.clone(), OnChange::Refuse);
+    let command = Command::from(FileCommand::SaveChanged(large.path.clone(), OnChange::Refuse));
     say(&mut large.world, command);
     finish(&mut large.world).expect("saved");
     assert!(large.is_saved() && large.text().contains("1.5"));
@@ -287,24 +297,24 @@ fn a_copy_made_piece_by_piece_is_of_its_last_moment() {
     assert!(!step(&mut large.world));
     for id in ["ball-8", "ball-4001"] {
         let gone = large.ball(id);
-        say(&mut large.world, Command::Select(vec![gone], Extend::Replace));
-        say(&mut large.world, Command::Delete);
+        say(&mut large.world, SelectionCommand::Select(vec![gone], Extend::Replace));
+        say(&mut large.world, SceneEdit::Delete);
     }
-    say(&mut large.world, Command::Add(AdditionKind::Cube.into()));
+    say(&mut large.world, SceneEdit::Add(AdditionKind::Cube.into()));
     assert!(!step(&mut large.world));
     let (first, second) = (large.ball("ball-0"), large.ball("ball-1"));
     let shapes = vec![second];
     let material = None;
-    say(&mut large.world, Command::UseMaterial { shapes, material });
-    say(&mut large.world, Command::Rename(first, "zero".into()));
+    say(&mut large.world, MaterialEdit::UseMaterial { shapes, material });
+    say(&mut large.world, OutlineEdit::Rename(first, "zero".into()));
     let material = large.world.get::<UsesMaterial>(first).expect("its own").0;
     let red = Material::Diffuse {
         reflectance: Rgb::X.into(),
     };
-    say(&mut large.world, Command::SetMaterial(material, Box::new(red)));
+    say(&mut large.world, ValueEdit::SetMaterial(material, Box::new(red)));
     assert!(!step(&mut large.world));
-    say(&mut large.world, Command::Undo);
-    say(&mut large.world, Command::Redo);
+    say(&mut large.world, HistoryCommand::Undo);
+    say(&mut large.world, HistoryCommand::Redo);
     let despawned = large.ball("ball-9");
     large.world.despawn(despawned);
     assert!(step(&mut large.world));
@@ -335,7 +345,7 @@ fn a_copy_ends_though_everything_changes_all_the_time() {
 fn edits_while_a_scene_is_copied_are_in_the_file() {
     let mut large = Large::new();
     large.place("ball-7", 1.5);
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     let is_copied = copy(&mut large.world, 1);
     large.place("ball-7", 2.5);
     finish(&mut large.world).expect("saved");
@@ -372,18 +382,18 @@ fn no_id_is_given_twice_whatever_is_undone_around_saves() {
         match random(14) {
             0..4 => say(
                 &mut large.world,
-                Command::Rename(thing, names[random(names.len())].into()),
+                OutlineEdit::Rename(thing, names[random(names.len())].into()),
             ),
-            4..7 => say(&mut large.world, Command::Undo),
-            7..9 => say(&mut large.world, Command::Redo),
+            4..7 => say(&mut large.world, HistoryCommand::Undo),
+            7..9 => say(&mut large.world, HistoryCommand::Redo),
             9 | 10 => {
                 let shapes = vec![balls[random(balls.len())]];
                 let material = Some(materials[random(materials.len())]);
-                say(&mut large.world, Command::UseMaterial { shapes, material });
+                say(&mut large.world, MaterialEdit::UseMaterial { shapes, material });
             }
             // All of it is copied at once, or most of it later.
             11 => {
-                say(&mut large.world, Command::Save);
+                say(&mut large.world, FileCommand::Save);
                 copy(&mut large.world, random(2) * BALLS);
             }
             12 => finish(&mut large.world).expect("saved"),
@@ -398,7 +408,7 @@ fn no_id_is_given_twice_whatever_is_undone_around_saves() {
         assert_eq!(twice, None, "after {time}");
     }
     finish(&mut large.world).expect("saved");
-    say(&mut large.world, Command::Save);
+    say(&mut large.world, FileCommand::Save);
     finish(&mut large.world).expect("saved");
     assert!(large.is_saved() && large.reload().is_unchanged());
 }

@@ -2,7 +2,6 @@
 
 use bevy_egui::egui::Key;
 
-use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
@@ -11,8 +10,10 @@ use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{Command, DisplayCommand, RenderCommand, TimeCommand, ToolCommand, ViewCommand};
 
 /// The state that actions toggle, step or refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,9 +136,9 @@ impl Action {
     /// plain.
     pub(in crate::app::editor::input) fn refused(&self) -> Option<Command> {
         match self.name {
-            "continue-picture" => Some(Command::KeptPicture(KeptPicture::Continue)),
-            "discard-picture" => Some(Command::KeptPicture(KeptPicture::Discard)),
-            "place-texture" => Some(Command::SetTool(Tool::PlaceTexture)),
+            "continue-picture" => Some(KeptPicture::Continue.into()),
+            "discard-picture" => Some(KeptPicture::Discard.into()),
+            "place-texture" => Some(ToolCommand::SetTool(Tool::PlaceTexture).into()),
             _ => None,
         }
     }
@@ -173,10 +174,10 @@ impl Action {
             // They have no state to be in.
             "gizmo-axes" | "select-none" => false,
             _ => match (self.command)(context) {
-                Some(Command::SetGizmo(settings)) => settings == context.gizmo,
+                Some(Command::Tool(ToolCommand::SetGizmo(settings))) => settings == context.gizmo,
                 // A tool that is in use is put away by its own action.
-                Some(Command::SetTool(Tool::Select)) => context.tool != Tool::Select,
-                Some(Command::SetTool(tool)) => tool == context.tool,
+                Some(Command::Tool(ToolCommand::SetTool(Tool::Select))) => context.tool != Tool::Select,
+                Some(Command::Tool(ToolCommand::SetTool(tool))) => tool == context.tool,
                 _ => false,
             },
         }
@@ -184,8 +185,8 @@ impl Action {
 }
 
 impl ActionContext<'_> {
-    pub(super) fn with_selection(&self, command: Command) -> Option<Command> {
-        (!self.selection.is_empty()).then_some(command)
+    pub(super) fn with_selection(&self, command: impl Into<Command>) -> Option<Command> {
+        (!self.selection.is_empty()).then_some(command.into())
     }
 
     pub(super) fn with_kept_picture(&self, what: KeptPicture) -> Option<Command> {
@@ -193,29 +194,29 @@ impl ActionContext<'_> {
     }
 
     pub(super) fn exposed(&self, stops: f32) -> Command {
-        Command::SetDisplay(DisplaySettings {
+        Command::from(DisplayCommand::SetDisplay(DisplaySettings {
             exposure: self.display.exposure + stops,
             ..self.display
-        })
+        }))
     }
 
     /// Updates the state after a command, for the next one.
     pub fn follow(&mut self, command: &Command) {
         match command {
-            Command::SetDisplay(display) => self.display = *display,
-            Command::SetOverlay(overlay) => self.overlay = *overlay,
-            Command::SetGizmo(settings) => self.gizmo = *settings,
-            Command::SetPaused(paused) => self.paused = *paused,
-            Command::SetDenoising(denoising) => self.denoising = *denoising,
-            Command::SetTool(tool) => self.tool = *tool,
-            Command::SetSeeing(seeing) => self.seeing = *seeing,
-            Command::Isolate(entities) => self.isolated = !entities.is_empty(),
-            Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
-            Command::SetGrid(grid) => self.grid = *grid,
-            Command::ShowDimensions(shown) => self.dimensions = *shown,
-            Command::ShowPanels(shown) => self.panels_shown = *shown,
-            Command::ShowTimeline(shown) => self.timeline_shown = *shown,
-            Command::SetPlaying(plays) => self.playing = *plays,
+            Command::Display(DisplayCommand::SetDisplay(display)) => self.display = *display,
+            Command::Display(DisplayCommand::SetOverlay(overlay)) => self.overlay = *overlay,
+            Command::Tool(ToolCommand::SetGizmo(settings)) => self.gizmo = *settings,
+            Command::Render(RenderCommand::SetPaused(paused)) => self.paused = *paused,
+            Command::Display(DisplayCommand::SetDenoising(denoising)) => self.denoising = *denoising,
+            Command::Tool(ToolCommand::SetTool(tool)) => self.tool = *tool,
+            Command::View(ViewCommand::SetSeeing(seeing)) => self.seeing = *seeing,
+            Command::View(ViewCommand::Isolate(entities)) => self.isolated = !entities.is_empty(),
+            Command::Display(DisplayCommand::ShowSafeFrame(shown)) => self.safe_frame = *shown,
+            Command::Display(DisplayCommand::SetGrid(grid)) => self.grid = *grid,
+            Command::Display(DisplayCommand::ShowDimensions(shown)) => self.dimensions = *shown,
+            Command::Shell(ShellCommand::ShowPanels(shown)) => self.panels_shown = *shown,
+            Command::Time(TimeCommand::ShowTimeline(shown)) => self.timeline_shown = *shown,
+            Command::Time(TimeCommand::SetPlaying(plays)) => self.playing = *plays,
             _ => {}
         }
     }

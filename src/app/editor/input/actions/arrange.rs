@@ -4,12 +4,13 @@
 use bevy_egui::egui::Key;
 
 use super::action::{Action, ActionContext, Group, action, plain, shift};
+use crate::app::editor::command::arrange::Direction;
 use crate::app::editor::command::arrange::{Reference, Side, Spacing};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Pivot};
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, Direction};
+use crate::app::editor::command::{ArrangeEdit, Command, ToolCommand};
 
 macro_rules! snap_to {
     ($name:literal, $label:literal, $to:ident) => {
@@ -25,10 +26,13 @@ macro_rules! snap_to {
 macro_rules! pivot {
     ($name:literal, $label:literal, $pivot:ident) => {
         action(Group::Arrange, $name, $label, &[], |context| {
-            Some(Command::SetGizmo(GizmoSettings {
-                pivot: Pivot::$pivot,
-                ..context.gizmo
-            }))
+            Some(
+                ToolCommand::SetGizmo(GizmoSettings {
+                    pivot: Pivot::$pivot,
+                    ..context.gizmo
+                })
+                .into(),
+            )
         })
     };
 }
@@ -36,7 +40,7 @@ macro_rules! pivot {
 macro_rules! nudge {
     ($name:literal, $label:literal, $key:expr, $direction:ident) => {
         action(Group::Arrange, $name, $label, &[plain($key)], |context| {
-            context.with_selection(Command::Nudge(Direction::$direction))
+            context.with_selection(ArrangeEdit::Nudge(Direction::$direction))
         })
     };
 }
@@ -56,7 +60,7 @@ macro_rules! alignments {
             concat!($name, "-", $letter, "-", $side_name),
             concat!("Align ", $sides, $with, " along ", $title),
             &[],
-            |context| context.with_selection(Command::Align($axis, Side::$side, Reference::$to)),
+            |context| context.with_selection(ArrangeEdit::Align($axis, Side::$side, Reference::$to)),
         )
     };
 }
@@ -64,7 +68,7 @@ macro_rules! alignments {
 macro_rules! distribute {
     ($name:literal, $label:literal, $axis:literal, $by:ident) => {
         action(Group::Arrange, $name, $label, &[], |context| {
-            context.with_selection(Command::Distribute($axis, Spacing::$by))
+            context.with_selection(ArrangeEdit::Distribute($axis, Spacing::$by))
         })
     };
 }
@@ -77,12 +81,14 @@ pub const ACTIONS: &[Action] = &[
         "Place texture",
         &[plain(Key::U)],
         |context| match context.tool {
-            Tool::PlaceTexture => Some(Command::SetTool(Tool::Select)),
-            _ => context.has_textures.then_some(Command::SetTool(Tool::PlaceTexture)),
+            Tool::PlaceTexture => Some(ToolCommand::SetTool(Tool::Select).into()),
+            _ => context
+                .has_textures
+                .then_some(Command::from(ToolCommand::SetTool(Tool::PlaceTexture))),
         },
     ),
     action(Group::Arrange, "project-texture", "Project texture…", &[], |context| {
-        context.with_selection(Command::Shell(ShellCommand::ShowSheet(Sheet::Projection)))
+        context.with_selection(ShellCommand::ShowSheet(Sheet::Projection))
     }),
     snap_to!("snap-increments", "Snap to increments", Increments),
     snap_to!("snap-grid", "Snap to the grid", Grid),
@@ -114,7 +120,7 @@ pub const ACTIONS: &[Action] = &[
         "selection-to-grid",
         "Put onto the grid",
         &[],
-        |context| context.with_selection(Command::SnapToGrid),
+        |context| context.with_selection(ArrangeEdit::SnapToGrid),
     ),
     pivot!("pivot-middle", "Turn about the middle", Middle),
     pivot!("pivot-median", "Turn about the median", Median),
@@ -132,13 +138,13 @@ pub const ACTIONS: &[Action] = &[
         "drop",
         "Drop to the surface below",
         &[plain(Key::End)],
-        |context| context.with_selection(Command::Drop),
+        |context| context.with_selection(ArrangeEdit::Drop),
     ),
     action(Group::Arrange, "series", "Series of copies…", &[], |context| {
-        context.with_selection(Command::Shell(ShellCommand::ShowSheet(Sheet::Series)))
+        context.with_selection(ShellCommand::ShowSheet(Sheet::Series))
     }),
     action(Group::Arrange, "fit-to-view", "Fit to view", &[], |context| {
-        context.with_selection(Command::FitToView(context.selection.entities().to_vec()))
+        context.with_selection(ArrangeEdit::FitToView(context.selection.entities().to_vec()))
     }),
 ];
 
@@ -164,8 +170,8 @@ pub const DISTRIBUTE: &[Action] = &[
 ];
 
 fn snapping(context: &ActionContext, change: impl Fn(Snapping) -> Snapping) -> Command {
-    Command::SetGizmo(GizmoSettings {
+    Command::from(ToolCommand::SetGizmo(GizmoSettings {
         snap: change(context.gizmo.snap),
         ..context.gizmo
-    })
+    }))
 }

@@ -13,17 +13,23 @@ use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::command::{
+    CameraEdit, Command, DisplayCommand, FileCommand, FileDialogKind, HistoryCommand, MediumEdit, OutlineEdit,
+    RenderCommand, SceneEdit, SelectionCommand, SettingsEdit, TimeEdit, ToolCommand,
+};
 use crate::scene::LengthUnit;
 
 macro_rules! gizmo_mode {
     ($name:literal, $label:literal, $key:expr, $mode:ident) => {
         action(Group::Edit, $name, $label, &[plain($key)], |context| {
-            Some(Command::SetGizmo(GizmoSettings {
-                mode: Mode::$mode,
-                is_hidden: false,
-                ..context.gizmo
-            }))
+            Some(
+                ToolCommand::SetGizmo(GizmoSettings {
+                    mode: Mode::$mode,
+                    is_hidden: false,
+                    ..context.gizmo
+                })
+                .into(),
+            )
         })
     };
 }
@@ -32,7 +38,7 @@ macro_rules! tool {
     ($name:literal, $label:literal, $key:expr, $tool:ident $(($kind:expr))?) => {
         action(Group::Add, $name, $label, &[shift($key)], |context| {
             let tool = Tool::$tool $(($kind))?;
-            Some(Command::SetTool(if context.tool == tool { Tool::Select } else { tool }))
+            Some(ToolCommand::SetTool(if context.tool == tool { Tool::Select } else { tool }).into())
         })
     };
 }
@@ -40,7 +46,7 @@ macro_rules! tool {
 macro_rules! unit {
     ($name:literal, $label:literal, $unit:ident) => {
         action(Group::Edit, $name, $label, &[], |_| {
-            Some(Command::SetUnit(LengthUnit::$unit))
+            Some(SettingsEdit::SetUnit(LengthUnit::$unit).into())
         })
     };
 }
@@ -48,55 +54,57 @@ macro_rules! unit {
 /// The menu *File*.
 pub const FILE: &[Action] = &[
     action(Group::File, "new", "New scene", &[command(Key::N)], |_| {
-        Some(Command::NewScene)
+        Some(FileCommand::NewScene.into())
     }),
     action(Group::File, "start-page", "Start page", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Start)))
+        Some(ShellCommand::ShowSheet(Sheet::Start).into())
     }),
     action(Group::File, "open", "Open…", &[command(Key::O)], |_| {
-        Some(Command::ShowDialog(FileDialogKind::OpenScene))
+        Some(FileCommand::ShowDialog(FileDialogKind::OpenScene).into())
     }),
     action(
         Group::File,
         "reload",
         "Reload, keeping edits",
         &[plain(Key::F5)],
-        |_| Some(Command::ReloadScene),
+        |_| Some(FileCommand::ReloadScene.into()),
     ),
     action(Group::File, "revert", "Revert to the file", &[], |context| {
-        context.can_revert.then_some(Command::RevertScene)
+        context.can_revert.then_some(Command::from(FileCommand::RevertScene))
     }),
     action(Group::File, "recover", "Recover…", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowRecovery))
+        Some(ShellCommand::ShowRecovery.into())
     }),
     action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
-        Some(Command::ShowDialog(FileDialogKind::Import))
+        Some(FileCommand::ShowDialog(FileDialogKind::Import).into())
     }),
     action(Group::File, "missing-files", "Missing files…", &[], |context| {
         let list = Command::Shell(ShellCommand::ShowSheet(Sheet::Missing));
         context.has_missing.then_some(list)
     }),
-    action(Group::File, "save", "Save", &[command(Key::S)], |_| Some(Command::Save)),
+    action(Group::File, "save", "Save", &[command(Key::S)], |_| {
+        Some(FileCommand::Save.into())
+    }),
     action(Group::File, "save-as", "Save as…", &[command_shift(Key::S)], |_| {
-        Some(Command::ShowDialog(FileDialogKind::SaveScene))
+        Some(FileCommand::ShowDialog(FileDialogKind::SaveScene).into())
     }),
     action(Group::File, "export", "Export to glTF…", &[], |_| {
-        Some(Command::ShowDialog(FileDialogKind::ExportScene))
+        Some(FileCommand::ShowDialog(FileDialogKind::ExportScene).into())
     }),
     action(Group::File, "bake-lightmaps", "Bake lightmaps…", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Bake)))
+        Some(ShellCommand::ShowSheet(Sheet::Bake).into())
     }),
     action(Group::File, "stop-bake", "Stop the bake", &[], |_| {
-        Some(Command::Bake(BakeCommand::Stop))
+        Some(BakeCommand::Stop.into())
     }),
     action(Group::File, "discard-bake", "Discard the bake", &[], |_| {
-        Some(Command::Bake(BakeCommand::Discard))
+        Some(BakeCommand::Discard.into())
     }),
     action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
-        Some(Command::ShowDialog(FileDialogKind::SaveImage))
+        Some(FileCommand::ShowDialog(FileDialogKind::SaveImage).into())
     }),
     action(Group::File, "keep-picture", "Keep rendering later", &[], |_| {
-        Some(Command::KeptPicture(KeptPicture::Keep))
+        Some(KeptPicture::Keep.into())
     }),
     action(
         Group::File,
@@ -112,44 +120,48 @@ pub const FILE: &[Action] = &[
         &[],
         |context| context.with_kept_picture(KeptPicture::Discard),
     ),
-    action(Group::File, "quit", "Quit", &[command(Key::Q)], |_| Some(Command::Quit)),
+    action(Group::File, "quit", "Quit", &[command(Key::Q)], |_| {
+        Some(FileCommand::Quit.into())
+    }),
 ];
 
 /// The menu *Edit*.
 pub const EDIT: &[Action] = &[
-    action(Group::Edit, "undo", "Undo", &[command(Key::Z)], |_| Some(Command::Undo)),
+    action(Group::Edit, "undo", "Undo", &[command(Key::Z)], |_| {
+        Some(HistoryCommand::Undo.into())
+    }),
     action(
         Group::Edit,
         "redo",
         "Redo",
         &[command_shift(Key::Z), command(Key::Y)],
-        |_| Some(Command::Redo),
+        |_| Some(HistoryCommand::Redo.into()),
     ),
     action(Group::Edit, "duplicate", "Duplicate", &[command(Key::D)], |context| {
-        context.with_selection(Command::Duplicate)
+        context.with_selection(SceneEdit::Duplicate)
     }),
     action(Group::Edit, "delete", "Delete", &[plain(Key::Delete)], |context| {
-        context.with_selection(Command::Delete)
+        context.with_selection(SceneEdit::Delete)
     }),
     action(Group::Edit, "group", "Group", &[command(Key::G)], |context| {
-        context.with_selection(Command::Group)
+        context.with_selection(OutlineEdit::Group)
     }),
     action(Group::Edit, "ungroup", "Ungroup", &[command_shift(Key::G)], |context| {
-        context.with_selection(Command::Ungroup)
+        context.with_selection(OutlineEdit::Ungroup)
     }),
     action(
         Group::Edit,
         "select-group",
         "Select the group",
         &[shift(Key::G)],
-        |context| context.with_selection(Command::SelectGroup),
+        |context| context.with_selection(SelectionCommand::SelectGroup),
     ),
     action(
         Group::Edit,
         "select-all",
         "Select everything",
         &[command(Key::A)],
-        |_| Some(Command::SelectAll),
+        |_| Some(SelectionCommand::SelectAll.into()),
     ),
     action(
         Group::Edit,
@@ -157,31 +169,34 @@ pub const EDIT: &[Action] = &[
         "Select nothing",
         &[plain(Key::Escape)],
         |context| match context.tool {
-            Tool::Select => context.with_selection(Command::Select(Vec::new(), Extend::Replace)),
-            _ => Some(Command::SetTool(Tool::Select)),
+            Tool::Select => context.with_selection(SelectionCommand::Select(Vec::new(), Extend::Replace)),
+            _ => Some(ToolCommand::SetTool(Tool::Select).into()),
         },
     ),
     action(Group::Edit, "hide", "Hide", &[plain(Key::H)], |context| {
-        context.with_selection(Command::Hide(context.selection.entities().to_vec(), true))
+        context.with_selection(OutlineEdit::Hide(context.selection.entities().to_vec(), true))
     }),
     action(
         Group::Edit,
         "hide-others",
         "Hide the others",
         &[command(Key::H)],
-        |context| context.with_selection(Command::HideOthers),
+        |context| context.with_selection(OutlineEdit::HideOthers),
     ),
     action(Group::Edit, "show-all", "Show everything", &[alt(Key::H)], |_| {
-        Some(Command::ShowAll)
+        Some(OutlineEdit::ShowAll.into())
     }),
     gizmo_mode!("gizmo-move", "Move with the gizmo", Key::G, Move),
     gizmo_mode!("gizmo-rotate", "Rotate with the gizmo", Key::R, Rotate),
     gizmo_mode!("gizmo-scale", "Scale with the gizmo", Key::T, Scale),
     action(Group::Edit, "gizmo-hide", "Select without handles", &[], |context| {
-        Some(Command::SetGizmo(GizmoSettings {
-            is_hidden: true,
-            ..context.gizmo
-        }))
+        Some(
+            ToolCommand::SetGizmo(GizmoSettings {
+                is_hidden: true,
+                ..context.gizmo
+            })
+            .into(),
+        )
     }),
     action(
         Group::Edit,
@@ -194,7 +209,7 @@ pub const EDIT: &[Action] = &[
                 Axes::Local => Axes::World,
             };
             let settings = GizmoSettings { axes, ..context.gizmo };
-            Some(Command::SetGizmo(settings))
+            Some(ToolCommand::SetGizmo(settings).into())
         },
     ),
     unit!("unit-none", "Unit: none", None),
@@ -268,7 +283,7 @@ pub const ADD: &[Action] = &[
         Some(addition(AdditionKind::Emitter("constant")))
     }),
     action(Group::Add, "add-envmap", "Environment map…", &[], |_| {
-        Some(Command::ShowDialog(FileDialogKind::OpenEnvironment))
+        Some(FileCommand::ShowDialog(FileDialogKind::OpenEnvironment).into())
     }),
     action(Group::Add, "add-sunsky", "Sun and sky", &[], |_| {
         Some(addition(AdditionKind::Emitter("sunsky")))
@@ -283,48 +298,48 @@ pub const ADD: &[Action] = &[
         Some(addition(AdditionKind::Camera))
     }),
     action(Group::Add, "add-turntable", "Turntable", &[], |_| {
-        Some(Command::AddTurntable)
+        Some(TimeEdit::AddTurntable.into())
     }),
 ];
 
 /// The menu *Render*.
 pub const RENDER: &[Action] = &[
     action(Group::Render, "focus", "Focus by a click", &[], |_| {
-        Some(Command::SetTool(Tool::Focus))
+        Some(ToolCommand::SetTool(Tool::Focus).into())
     }),
     action(Group::Render, "draw-region", "Draw the region to render", &[], |_| {
-        Some(Command::SetTool(Tool::Region))
+        Some(ToolCommand::SetTool(Tool::Region).into())
     }),
     action(
         Group::Render,
         "pause",
         "Pause or go on",
         &[plain(Key::Space)],
-        |context| Some(Command::SetPaused(!context.paused)),
+        |context| Some(RenderCommand::SetPaused(!context.paused).into()),
     ),
     action(Group::Render, "restart", "Start again", &[shift(Key::R)], |_| {
-        Some(Command::Restart)
+        Some(RenderCommand::Restart.into())
     }),
     action(Group::Render, "render-full", "Render full film", &[], |_| {
-        Some(Command::RenderFull(FullFilm::default()))
+        Some(RenderCommand::RenderFull(FullFilm::default()).into())
     }),
     action(Group::Render, "stop-full", "Stop the full film", &[], |_| {
-        Some(Command::StopFull)
+        Some(RenderCommand::StopFull.into())
     }),
     action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |context| {
-        Some(Command::SetDenoising(!context.denoising))
+        Some(DisplayCommand::SetDenoising(!context.denoising).into())
     }),
     action(Group::Render, "keep-limits", "Keep limits with the camera", &[], |_| {
-        Some(Command::KeepLimits)
+        Some(CameraEdit::KeepLimits.into())
     }),
     action(Group::Render, "bake-lights", "Bake the light mix", &[], |_| {
-        Some(Command::BakeLights)
+        Some(SettingsEdit::BakeLights.into())
     }),
     action(Group::Render, "take-snapshot", "Take snapshot", &[], |_| {
-        Some(Command::TakeSnapshot)
+        Some(DisplayCommand::TakeSnapshot.into())
     }),
     action(Group::Render, "measure", "Measure against snapshot", &[], |_| {
-        Some(Command::Measure)
+        Some(DisplayCommand::Measure.into())
     }),
 ];
 
@@ -335,44 +350,44 @@ pub const WINDOW: &[Action] = &[
         "panels",
         "Show or hide panels",
         &[command(Key::B)],
-        |context| Some(Command::ShowPanels(!context.panels_shown)),
+        |context| Some(ShellCommand::ShowPanels(!context.panels_shown).into()),
     ),
     action(Group::Window, "palette", "Commands…", &[command(Key::P)], |_| {
-        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Palette)))
+        Some(ShellCommand::ShowSheet(Sheet::Palette).into())
     }),
     action(
         Group::Window,
         "shortcuts",
         "Keys and mouse",
         &[plain(Key::F1), shift(Key::Questionmark)],
-        |_| Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Shortcuts))),
+        |_| Some(ShellCommand::ShowSheet(Sheet::Shortcuts).into()),
     ),
     action(
         Group::Window,
         "preferences",
         "Preferences…",
         &[command(Key::Comma)],
-        |_| Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Preferences))),
+        |_| Some(ShellCommand::ShowSheet(Sheet::Preferences).into()),
     ),
     action(Group::Window, "choose-keys", "Choose keys…", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Keys)))
+        Some(ShellCommand::ShowSheet(Sheet::Keys).into())
     }),
     action(Group::Window, "tutorial", "Tutorial", &[], |_| {
-        Some(Command::Shell(ShellCommand::ShowTutorial(Some(0))))
+        Some(ShellCommand::ShowTutorial(Some(0)).into())
     }),
     action(Group::Window, "reset-layout", "Reset layout", &[], |_| {
-        Some(Command::Shell(ShellCommand::ResetLayout))
+        Some(ShellCommand::ResetLayout.into())
     }),
     action(Group::Window, "full-screen", "Full screen", &[plain(Key::F11)], |_| {
-        Some(Command::Shell(ShellCommand::ToggleFullScreen))
+        Some(ShellCommand::ToggleFullScreen.into())
     }),
 ];
 
 fn filled(context: &ActionContext, with: Filling) -> Option<Command> {
     let shapes = context.selection.entities().to_vec();
-    context.with_selection(Command::Fill { shapes, with })
+    context.with_selection(MediumEdit::Fill { shapes, with })
 }
 
 fn addition(kind: AdditionKind) -> Command {
-    Command::Add(kind.into())
+    Command::from(SceneEdit::Add(kind.into()))
 }

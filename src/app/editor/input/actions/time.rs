@@ -3,14 +3,14 @@
 use bevy_egui::egui::Key;
 
 use super::action::{Action, Group, action, alt, plain, shift};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::timeline::TimeStep;
+use crate::app::editor::command::{TimeCommand, TimeEdit};
 use crate::scene::KeyEdit;
 
 macro_rules! step {
     ($name:literal, $label:literal, $keys:expr, $step:ident) => {
         action(Group::Time, $name, $label, $keys, |_| {
-            Some(Command::StepTime(TimeStep::$step))
+            Some(TimeCommand::StepTime(TimeStep::$step).into())
         })
     };
 }
@@ -18,7 +18,7 @@ macro_rules! step {
 macro_rules! key {
     ($name:literal, $label:literal, $keys:expr, $edit:ident) => {
         action(Group::Time, $name, $label, $keys, |context| {
-            context.with_selection(Command::Key(Vec::new(), KeyEdit::$edit))
+            context.with_selection(TimeEdit::Key(Vec::new(), KeyEdit::$edit))
         })
     };
 }
@@ -26,10 +26,10 @@ macro_rules! key {
 /// The actions in the order of the menu.
 pub const ACTIONS: &[Action] = &[
     action(Group::Time, "timeline-shown", "Timeline", &[alt(Key::T)], |context| {
-        Some(Command::ShowTimeline(!context.timeline_shown))
+        Some(TimeCommand::ShowTimeline(!context.timeline_shown).into())
     }),
     action(Group::Time, "play", "Play or hold", &[shift(Key::Space)], |context| {
-        Some(Command::SetPlaying(!context.playing))
+        Some(TimeCommand::SetPlaying(!context.playing).into())
     }),
     step!("first-frame", "First frame", &[], FirstFrame),
     step!("last-frame", "Last frame", &[], LastFrame),

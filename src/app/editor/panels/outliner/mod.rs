@@ -10,8 +10,8 @@ use std::sync::Arc;
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Response, Sense, Stroke, Ui};
 
-use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::Dragged;
+use crate::app::editor::command::{Command, OutlineEdit, SelectionCommand};
 use crate::app::editor::model::{Item, Model, Outline};
 use crate::app::editor::panels::drag_start::is_drag_of;
 use lines::{Folding, Line, LineList, folders_of, leaf};
@@ -178,7 +178,7 @@ fn heading(
     // A drop on the heading takes things out of every folder.
     let target = ui.interact(row.response.rect, ui.id().with(("heading", name)), Sense::hover());
     if let Some(Dragged(things)) = dropped(ui, &target) {
-        commands.push(Command::PutInto { things, folder: None });
+        commands.push(OutlineEdit::PutInto { things, folder: None }.into());
     }
 }
 
@@ -220,14 +220,14 @@ impl Folder<'_> {
             if let (Some(frame), true) = (self.frame, response.double_clicked()) {
                 state.renaming = Some(Renaming::new(frame, leaf(self.path)));
             } else if response.clicked() {
-                commands.push(Command::Select(self.members.to_vec(), how(ui)));
+                commands.push(SelectionCommand::Select(self.members.to_vec(), how(ui)).into());
             }
             if is_drag_of(ui, &response) {
                 egui::DragAndDrop::set_payload(ui.ctx(), Dragged(self.members.to_vec()));
             }
             if let Some(Dragged(things)) = dropped(ui, &response) {
                 let folder = Some(self.path.to_owned());
-                commands.push(Command::PutInto { things, folder });
+                commands.push(OutlineEdit::PutInto { things, folder }.into());
             }
             if let Some(hidden) = self.hidden {
                 let help = match hidden {
@@ -235,14 +235,14 @@ impl Folder<'_> {
                     false => "Hide everything in the folder",
                 };
                 if marks::mark(ui, help, !hidden, marks::eye).clicked() {
-                    commands.push(Command::Hide(self.members.to_vec(), !hidden));
+                    commands.push(OutlineEdit::Hide(self.members.to_vec(), !hidden).into());
                 }
                 let help = match self.locked {
                     true => "Unlock everything in the folder",
                     false => "Lock everything in the folder",
                 };
                 if marks::mark(ui, help, self.locked, marks::padlock).clicked() {
-                    commands.push(Command::Lock(self.members.to_vec(), !self.locked));
+                    commands.push(OutlineEdit::Lock(self.members.to_vec(), !self.locked).into());
                 }
             }
         });
@@ -262,7 +262,7 @@ impl Folder<'_> {
         if let Some(name) = typed {
             let outer = self.path.rsplit_once('/').map(|(outer, _)| outer);
             let name = outer.map_or(name.clone(), |outer| format!("{outer}/{name}"));
-            commands.push(Command::Rename(frame, name));
+            commands.push(OutlineEdit::Rename(frame, name).into());
         }
     }
 }

@@ -6,9 +6,9 @@ use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText
 use super::lines::{Line, LineList, leaf};
 use super::marks::{self, BUTTON, eye, mark, padlock};
 use super::state::{OutlinerState, Renaming, how};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{Command, OutlineEdit, SceneEdit, SelectionCommand, ViewCommand};
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
 use crate::app::editor::panels::drag_start::is_drag_of;
@@ -139,7 +139,7 @@ impl Row<'_> {
         if let Some(name) = typed {
             let folder = self.item.name.rsplit_once('/').map(|(folder, _)| folder);
             let name = folder.map_or(name.clone(), |folder| format!("{folder}/{name}"));
-            commands.push(Command::Rename(self.item.entity, name));
+            commands.push(OutlineEdit::Rename(self.item.entity, name).into());
         }
     }
 
@@ -168,10 +168,10 @@ impl Row<'_> {
         } else if response.clicked() {
             let range = self.range(ui, state);
             match range {
-                Some(range) => commands.push(Command::Select(range, Extend::Add)),
+                Some(range) => commands.push(SelectionCommand::Select(range, Extend::Add).into()),
                 None => {
                     state.anchor = Some(item.entity);
-                    commands.push(Command::Select(vec![item.entity], how(ui)));
+                    commands.push(SelectionCommand::Select(vec![item.entity], how(ui)).into());
                 }
             }
         }
@@ -208,10 +208,10 @@ impl Row<'_> {
             ui.painter().rect_filled(edge, 0.0, ui.visuals().selection.stroke.color);
         }
         let Dragged(moved) = (*response.dnd_release_payload::<Dragged>()?).clone();
-        (!moved.contains(&self.item.entity)).then_some(Command::Reorder {
+        (!moved.contains(&self.item.entity)).then_some(Command::from(OutlineEdit::Reorder {
             moved,
             before: Some(self.item.entity),
-        })
+        }))
     }
 
     /// The whole selection, if this is of it.
@@ -231,7 +231,7 @@ impl Row<'_> {
         }
         let help = if item.hidden { "Show" } else { "Hide" };
         if mark(ui, help, !item.hidden, eye).clicked() {
-            commands.push(Command::Hide(self.meant(), !item.hidden));
+            commands.push(OutlineEdit::Hide(self.meant(), !item.hidden).into());
         }
         let help = if item.locked {
             "Unlock"
@@ -239,7 +239,7 @@ impl Row<'_> {
             "Lock: cannot be picked in the picture, moved or deleted"
         };
         if mark(ui, help, item.locked, padlock).clicked() {
-            commands.push(Command::Lock(self.meant(), !item.locked));
+            commands.push(OutlineEdit::Lock(self.meant(), !item.locked).into());
         }
     }
 
@@ -248,17 +248,17 @@ impl Row<'_> {
         let mut entry = |ui: &mut Ui, name: &str, command: Command| {
             if ui.button(name).clicked() {
                 if !self.model.selection.contains(entity) {
-                    commands.push(Command::Select(vec![entity], Extend::Replace));
+                    commands.push(SelectionCommand::Select(vec![entity], Extend::Replace).into());
                 }
                 commands.push(command);
                 ui.close();
             }
         };
-        entry(ui, "Frame", Command::FrameSelection);
-        entry(ui, "Duplicate", Command::Duplicate);
-        entry(ui, "Copy as XML", Command::Copy);
-        entry(ui, "Group", Command::Group);
-        entry(ui, "Delete", Command::Delete);
+        entry(ui, "Frame", ViewCommand::FrameSelection.into());
+        entry(ui, "Duplicate", SceneEdit::Duplicate.into());
+        entry(ui, "Copy as XML", SelectionCommand::Copy.into());
+        entry(ui, "Group", OutlineEdit::Group.into());
+        entry(ui, "Delete", SceneEdit::Delete.into());
         let meant = self.meant();
         let shapes = self.model.outline.shapes.iter();
         let shapes = shapes.filter(|item| item.kind != "group" && meant.contains(&item.entity));

@@ -7,9 +7,9 @@ use super::hand::{BlockTarget, BlockingModel, Hand, is_drag};
 use super::{marks, spot};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::openings::{self, Cut, Side};
 use crate::app::editor::command::blocking::{OpeningKind, Reshaping};
+use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::{LengthUnit, Shape};
 
@@ -102,7 +102,7 @@ impl CutState {
                 kind,
                 ..begun.target.shape
             };
-            commands.push(Command::Reshape(begun.target.entity, shape, pose, Reshaping::Cut));
+            commands.push(SceneEdit::Reshape(begun.target.entity, shape, pose, Reshaping::Cut).into());
         }
     }
 

@@ -10,9 +10,9 @@ use super::marks;
 use super::spot::{self, Spot};
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::block::{Block, EDGES, Plane, corners};
 use crate::app::editor::command::blocking::{BlockKind, snapped};
+use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::LengthUnit;
 
@@ -231,7 +231,7 @@ impl DrawState {
                 if kind != BlockKind::Floor {
                     self.heights[usize::from(kind == BlockKind::Wall)] = Some(block.height);
                 }
-                commands.push(Command::Build(Box::new(block)));
+                commands.push(SceneEdit::Build(Box::new(block)).into());
             }
         }
     }

@@ -7,9 +7,9 @@ use super::hand::{BlockTarget, BlockingModel, Hand, along_line, is_drag};
 use super::marks;
 use crate::app::editor::camera::picking::SeenSurface;
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::blocking::faces::{Face, extent_across, pushed};
 use crate::app::editor::command::blocking::{Reshaping, snapped};
+use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::Shape;
 
@@ -66,7 +66,7 @@ impl PushState {
     pub fn cancel(&mut self, commands: &mut Vec<Command>) {
         if let Some(held) = self.held.take().filter(|held| held.by != 0.0) {
             let BlockTarget { entity, shape, pose } = held.target;
-            commands.push(Command::Reshape(entity, shape, pose, Reshaping::Push));
+            commands.push(SceneEdit::Reshape(entity, shape, pose, Reshaping::Push).into());
         }
     }
 
@@ -109,7 +109,7 @@ impl PushState {
                 kind,
                 ..held.target.shape.clone()
             };
-            commands.push(Command::Reshape(held.target.entity, shape, pose, Reshaping::Push));
+            commands.push(SceneEdit::Reshape(held.target.entity, shape, pose, Reshaping::Push).into());
         }
         let was_dragged = held.is_dragged;
         if !hand.down && was_dragged {

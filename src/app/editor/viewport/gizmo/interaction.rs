@@ -18,11 +18,11 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::snapping::{self, SnapPoint};
 use crate::app::editor::camera::solid::{Solid, solids_of};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::snapping::SnapTo;
+use crate::app::editor::command::{Command, ValueEdit};
 use crate::app::editor::input::actions;
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
@@ -243,7 +243,7 @@ impl GizmoState {
             && held.change.is_some()
         {
             let before = held.drag.targets.iter().map(|target| (target.entity, target.to_world));
-            commands.push(Command::Transform(before.collect()));
+            commands.push(ValueEdit::Transform(before.collect()).into());
         }
     }
 
@@ -341,7 +341,7 @@ impl Held {
             if self.change.take().is_some() {
                 // The number was deleted again.
                 let before = self.drag.targets.iter().map(|target| (target.entity, target.to_world));
-                commands.push(Command::Transform(before.collect()));
+                commands.push(ValueEdit::Transform(before.collect()).into());
             }
             return;
         }
@@ -373,7 +373,7 @@ impl Held {
         let is_begun = self.change.is_some() || change.is_some_and(|change| !change.is_none());
         if is_begun && change != self.change {
             self.change = change;
-            commands.extend(change.map(|change| Command::Transform(self.drag.apply(change))));
+            commands.extend(change.map(|change| Command::from(ValueEdit::Transform(self.drag.apply(change)))));
         }
     }
 }

@@ -7,8 +7,8 @@ use bevy_egui::egui::{
 };
 
 use super::{TextureTarget, TexturingModel, TexturingState};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::texture_placing::Placing;
+use crate::app::editor::command::{Command, TextureEdit};
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::viewport::marks::bar_frame;
 
@@ -57,11 +57,14 @@ pub(crate) fn bar(
 
 fn place_as(target: &TextureTarget, before: Affine2, after: Affine2, commands: &mut Vec<Command>) {
     if after != before && after.is_finite() {
-        commands.push(Command::PlaceTextures {
-            owner: target.entity,
-            before,
-            after,
-        });
+        commands.push(
+            TextureEdit::PlaceTextures {
+                owner: target.entity,
+                before,
+                after,
+            }
+            .into(),
+        );
     }
 }
 

@@ -17,9 +17,9 @@ use super::marks::tag;
 use super::over_picture::is_over;
 use crate::app::editor::camera::picking::{self, MappedSurface};
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::command::Command;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::texture_placing::TextureGroup;
+use crate::app::editor::command::{Command, SelectionCommand, TextureEdit};
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 use crate::math::Ray;
@@ -255,7 +255,7 @@ impl TexturingState {
         (self.anchor, self.focus) = (Some(Anchor::of(&seen)), None);
         if Some(seen.entity) != target.map(|target| target.entity) {
             self.chosen = 0;
-            commands.push(Command::Select(vec![seen.entity], Extend::Replace));
+            commands.push(SelectionCommand::Select(vec![seen.entity], Extend::Replace).into());
         }
     }
 
@@ -283,11 +283,13 @@ impl TexturingState {
         match press.key {
             Key::Escape => {
                 let before = held.drag.start.to_uv;
-                commands.extend((held.now != before).then_some(Command::PlaceTextures {
-                    owner: held.entity,
-                    before: held.now,
-                    after: before,
-                }));
+                commands.extend(
+                    (held.now != before).then_some(Command::from(TextureEdit::PlaceTextures {
+                        owner: held.entity,
+                        before: held.now,
+                        after: before,
+                    })),
+                );
                 self.held = None;
                 true
             }
@@ -346,11 +348,14 @@ impl Held {
         if down && target.groups.iter().any(|group| group.to_uv == after) {
             return;
         }
-        commands.push(Command::PlaceTextures {
-            owner: self.entity,
-            before: self.now,
-            after,
-        });
+        commands.push(
+            TextureEdit::PlaceTextures {
+                owner: self.entity,
+                before: self.now,
+                after,
+            }
+            .into(),
+        );
         self.now = after;
     }
 }

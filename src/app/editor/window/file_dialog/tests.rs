@@ -4,7 +4,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::*;
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
 
 const SCENES: &[&str] = &["xml"];
@@ -288,7 +288,7 @@ fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
         let outcome = window.dialog.as_mut().map(|dialog| dialog.show(&context));
         if let Some(Outcome::Picked(path)) = outcome {
             window.dialog = None;
-            commands.push(Command::OpenScene(path));
+            commands.push(FileCommand::OpenScene(path).into());
         }
         window.question.hold(&mut commands, true);
         let unsaved = UnsavedState {
@@ -346,6 +346,6 @@ fn enter_in_the_dialog_does_not_answer_the_question_that_follows() {
         harness.run_steps(2);
         harness.event(key(true));
         harness.run_steps(2);
-        assert_eq!(harness.state().said, [Command::Save]);
+        assert_eq!(harness.state().said, [Command::from(FileCommand::Save)]);
     }
 }

@@ -1,0 +1,31 @@
+//! Edits of the settings of the whole scene.
+
+use super::traits::Traits;
+use crate::scene::{AccelMethod, IntegratorSettings, LengthUnit, SamplerSettings};
+
+/// An edit of the settings of the whole scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SettingsEdit {
+    /// Sets the lengths of paths and the strategy.
+    SetIntegrator(IntegratorSettings),
+    /// Sets the kind and seed of random numbers.
+    SetSampler(SamplerSettings),
+    /// Sets the unit of length of the scene. No length changes.
+    SetUnit(LengthUnit),
+    /// Sets how acceleration structures are built.
+    SetAccel(AccelMethod),
+    /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
+    BakeLights,
+}
+
+impl SettingsEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::SetIntegrator(_) => Traits::drag("Edit light transport"),
+            Self::SetSampler(_) => Traits::drag("Edit sampler"),
+            Self::SetUnit(_) => Traits::edit("Set unit of length").keeping_picture(),
+            Self::SetAccel(_) => Traits::edit("Edit hierarchy"),
+            Self::BakeLights => Traits::edit("Bake light mix"),
+        }
+    }
+}

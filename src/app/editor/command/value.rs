@@ -1,0 +1,52 @@
+//! Edits that give one component of a thing a new value. They can be carried to everything that is selected.
+
+use bevy::math::Affine3A;
+use bevy::prelude::Entity;
+
+use super::traits::Traits;
+use crate::scene::{AreaLight, Emitter, EulerAngles, Film, Material, Medium, Sensor, Shape};
+
+/// An edit that gives one component of a thing a new value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueEdit {
+    /// Places several things at once, each by world from a space whose origin is the thing's place: that is its own
+    /// space, but for shapes such as spheres, whose centre may be elsewhere there.
+    Transform(Vec<(Entity, Affine3A)>),
+    /// Places a thing as [`Self::Transform`] does, with the angles by which its rotation was given.
+    Turn(Entity, Affine3A, EulerAngles),
+    /// Sets the geometry of a shape.
+    SetShape(Entity, Shape),
+    /// Sets the parameters of a material; the materials nested in it stay.
+    SetMaterial(Entity, Box<Material>),
+    /// Sets the parameters of a medium.
+    SetMedium(Entity, Box<Medium>),
+    /// Sets the emission of a shape; None for a shape that does not shine.
+    SetAreaLight(Entity, Option<AreaLight>),
+    /// Sets kind and parameters of a light that is no surface.
+    SetEmitter(Entity, Emitter),
+    /// Sets the lens and field of view of a camera.
+    SetSensor(Entity, Sensor),
+    /// Sets size, crop, filter and samples of a camera.
+    SetFilm(Entity, Film),
+}
+
+impl ValueEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::Transform(poses) => {
+                let things: Vec<Entity> = poses.iter().map(|(thing, _)| *thing).collect();
+                Traits::drag("Move").of(&things)
+            }
+            Self::Turn(thing, ..) => Traits::drag("Move").of(&[*thing]),
+            Self::SetShape(shape, _) => Traits::drag("Edit shape").of(&[*shape]),
+            Self::SetMaterial(material, _) => Traits::drag("Edit material").of(&[*material]),
+            Self::SetMedium(medium, _) => Traits::drag("Edit medium").of(&[*medium]),
+            // What is known of the picture is multiplied by what lights become stronger.
+            Self::SetAreaLight(light, _) | Self::SetEmitter(light, _) => {
+                Traits::drag("Edit light").of(&[*light]).scaling_picture()
+            }
+            Self::SetSensor(camera, _) => Traits::drag("Edit camera").of(&[*camera]),
+            Self::SetFilm(camera, _) => Traits::drag("Edit film").of(&[*camera]),
+        }
+    }
+}

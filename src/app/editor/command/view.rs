@@ -1,0 +1,79 @@
+//! Commands that move the view, and edits of the camera in use.
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::Entity;
+
+use super::axis_view::AxisView;
+use super::seeing::Seeing;
+use super::traits::Traits;
+
+/// An edit of the camera in use.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraEdit {
+    /// Puts the sensor in use to where the view is.
+    MoveCameraToView,
+    /// Focuses the camera in use on what is seen at a place of the picture: (0, 0) is top left, (1, 1) bottom right. A
+    /// pinhole camera becomes a thin lens.
+    FocusAt(Vec2),
+    /// Writes the samples, the limit of noise and the adaptive sampling of the window into the film of the camera.
+    KeepLimits,
+}
+
+impl CameraEdit {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::MoveCameraToView => Traits::edit("Move camera to view"),
+            Self::FocusAt(_) => Traits::edit("Focus"),
+            Self::KeepLimits => Traits::edit("Keep limits"),
+        }
+    }
+}
+
+/// A command that moves the view or chooses the things that it shows. None of them edits the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ViewCommand {
+    /// Moves back or forth until the selection fills the view.
+    FrameSelection,
+    /// Moves back or forth until the scene fills the view.
+    FrameAll,
+    /// Flies to a pose of the camera, given as world from camera.
+    MoveView(Affine3A),
+    /// Renders from this sensor, at its place.
+    LookThrough(Entity),
+    /// Remembers the point that the view is turned about; views along an axis keep it in the middle.
+    TurnAbout(Vec3),
+    /// Looks along an axis of the world, at the selection, the point that the view was turned about, or what is ahead.
+    LookAlong(AxisView),
+    /// Switches between perspective and orthographic, so that what is in the middle keeps its size.
+    SwitchProjection,
+    /// Keeps the view under a number from 1 to 9.
+    StoreView(usize),
+    /// Goes back to a view that was kept.
+    RecallView(usize),
+    /// Sets the flying speed as a multiple of the one that suits the scene's size.
+    SetSpeed(f32),
+    /// Sets what the view leaves out.
+    SetSeeing(Seeing),
+    /// Puts a cut plane through the middle of the selection, or of the scene, facing the camera.
+    CutOpen,
+    /// Shows these shapes alone; without any, everything again.
+    Isolate(Vec<Entity>),
+}
+
+impl ViewCommand {
+    pub(super) fn traits(&self) -> Traits {
+        match self {
+            Self::MoveView(_) => Traits::VIEW.moving_picture(),
+            Self::FrameSelection
+            | Self::FrameAll
+            | Self::LookThrough(_)
+            | Self::LookAlong(_)
+            | Self::SwitchProjection
+            | Self::RecallView(_)
+            | Self::SetSeeing(_)
+            | Self::CutOpen
+            | Self::Isolate(_) => Traits::VIEW,
+            Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) => Traits::NONE,
+        }
+    }
+}
