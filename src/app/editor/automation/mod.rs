@@ -6,6 +6,7 @@ pub(crate) mod exit_door;
 pub mod finish;
 pub(crate) mod latency;
 pub mod monkey;
+pub(crate) mod plugin;
 pub mod screenshot;
 pub mod script;
 pub(crate) mod settling;

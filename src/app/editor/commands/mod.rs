@@ -31,6 +31,7 @@ mod media_upkeep;
 mod mixing;
 mod pictures;
 mod placing;
+pub(crate) mod plugin;
 mod preset_media;
 mod projection;
 pub(crate) mod saving;

@@ -14,6 +14,7 @@ pub(crate) mod leaks;
 pub mod mixed;
 pub(crate) mod outline;
 pub mod panel_textures;
+pub(crate) mod plugin;
 pub mod thumbnails;
 pub mod timeline;
 

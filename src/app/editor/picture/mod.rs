@@ -23,6 +23,7 @@ pub mod overlay;
 pub(crate) mod pacing;
 pub mod painter;
 pub mod paths;
+pub(crate) mod plugin;
 pub(crate) mod resolution;
 pub(crate) mod texture;
 pub mod wireframe;

@@ -12,6 +12,7 @@ pub mod options;
 pub mod panel_sizes;
 pub(crate) mod picture_cache;
 pub mod playback;
+pub(crate) mod plugin;
 pub mod preferences;
 pub mod recovery;
 pub(crate) mod recovery_words;

@@ -14,6 +14,7 @@ mod guards;
 pub(crate) mod late_quit;
 pub mod palette;
 pub mod picture_question;
+pub(crate) mod plugin;
 pub(crate) mod preview;
 mod preview_work;
 mod question;

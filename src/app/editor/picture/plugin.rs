@@ -1,0 +1,42 @@
+//! The resources of the picture, and the systems that no other room has to be ordered with.
+
+use bevy::prelude::*;
+
+use super::baking::Baking;
+use super::carrying::Carrying;
+use super::compare::Comparison;
+use super::denoiser::Denoiser;
+use super::frame_times::{self, FrameTimes};
+use super::motion::Motion;
+use super::noise_trend::NoiseTrend;
+use super::outline_pass::OutlinePass;
+use super::pacing::{self, Pacing};
+use super::paths::PathInspector;
+use super::resolution::PicturePlace;
+use super::texture;
+
+/// Adds the resources of the picture.
+pub(crate) struct PicturePlugin {
+    /// Whether a camera that moves lowers the resolution and old pictures are carried over, as for a user.
+    pub is_live: bool,
+    /// Whether the window's pixels are not drawn.
+    pub undrawn: bool,
+}
+
+impl Plugin for PicturePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Baking>()
+            .init_resource::<Comparison>()
+            .init_resource::<FrameTimes>()
+            .init_resource::<NoiseTrend>()
+            .init_resource::<OutlinePass>()
+            .init_resource::<PathInspector>()
+            .init_resource::<PicturePlace>()
+            .insert_resource(Carrying::new(self.is_live))
+            .insert_resource(Denoiser::new())
+            .insert_resource(Motion::new(self.is_live))
+            .insert_resource(Pacing::new(self.undrawn))
+            .add_systems(Startup, (texture::create_picture, pacing::connect_wake_up));
+        frame_times::time_drawing(app);
+    }
+}
