@@ -107,7 +107,7 @@ fn window(groups: &[Affine2]) -> Harness<'static, Window> {
             let mut commands = Vec::new();
             window
                 .state
-                .follow(ui, &response, &screen, &model, &presses, &mut commands);
+                .follow_tile(ui, &response, &screen, &model, &presses, &mut commands);
             for command in &commands {
                 if let (
                     Command::Edit(EditCommand::Texture(TextureEdit::PlaceTextures { before, after, .. })),

@@ -33,9 +33,9 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// Whether the tool measures distances.
-    pub fn measures(self) -> bool {
-        self == Self::Ruler
+    /// Whether the handles of the selection are hidden, because they would take the clicks.
+    pub fn hides_handles(self) -> bool {
+        matches!(self, Self::Ruler | Self::PlaceTexture)
     }
 
     /// The instruction that is shown over the picture.

@@ -27,6 +27,7 @@ pub mod stand_ins;
 pub mod state;
 pub mod steer_cursor;
 pub mod texturing;
+mod tool;
 pub mod tool_icons;
 pub mod toolbar;
 mod volume_boxes;
@@ -41,7 +42,6 @@ use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::display::DisplayMode;
-use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::keys;
@@ -72,8 +72,7 @@ const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 /// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let mut model = *model;
-    if model.keys.tool.measures() || model.keys.tool == Tool::PlaceTexture {
-        // Handles would take the clicks.
+    if model.keys.tool.hides_handles() {
         model.gizmo.targets = &[];
     }
     let model = &model;
@@ -124,12 +123,8 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         toolbar(ui, panel, model, commands);
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
-        if model.keys.tool == Tool::PlaceTexture {
-            let cut = model.keys.seeing.cut.map_or(0.0, |_| cut_handle::BAR_HEIGHT + 6.0);
-            let foot = cut.max(model.legend.map_or(0.0, legend::height));
-            let texturing = &mut state.texturing;
-            texturing::bar(ui, picture, foot, &model.texturing(), texturing, commands);
-        }
+        let tool = state.tool_mut(model.keys.tool);
+        tool.bar(ui, picture, model, commands);
     }
     state.bar = None;
     if !state.gizmo.is_dragging() {
@@ -208,23 +203,9 @@ fn act(
     let mut look = Vec2::ZERO;
     let mut moved = model.pose;
     if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
-        if !model.keys.tool.blocks_out() {
-            state.blocking.leave();
-        }
-        if model.keys.tool != Tool::PlaceTexture {
-            state.texturing.leave();
-        }
-        rest = if model.keys.tool.blocks_out() {
-            let blocking = &mut state.blocking;
-            blocking.follow(ui, response, screen, &model.blocking(), presses, commands)
-        } else if model.keys.tool == Tool::PlaceTexture {
-            let texturing = &mut state.texturing;
-            texturing.follow(ui, response, screen, &model.texturing(), presses, commands)
-        } else {
-            state
-                .gizmo
-                .follow(ui, response, screen, &model.gizmo, presses, commands)
-        };
+        state.leave_other_tools(model.keys.tool);
+        let tool = state.tool_mut(model.keys.tool);
+        rest = tool.follow(ui, response, screen, model, presses, commands);
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let is_over_axes = pointer.is_some_and(|pointer| axes_widget::place(panel).contains(pointer));
         let is_free = rest.pointer && !is_over_axes;
@@ -343,13 +324,8 @@ fn paint_over(
         }
         let begun = state.pointer.measured_from;
         rulers::paint(&painter, screen, model, begun, pointer, &mut tags);
-        if model.keys.tool.blocks_out() {
-            state.blocking.paint(&painter, screen, &model.blocking());
-        } else if model.keys.tool == Tool::PlaceTexture {
-            state.texturing.paint(&painter, screen, &model.texturing(), pointer);
-        } else {
-            state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
-        }
+        let tool = state.tool(model.keys.tool);
+        tool.paint(&painter, screen, model, pointer);
         state.pointer.paint(&painter, pointer);
         if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
             tag(
@@ -368,7 +344,7 @@ fn paint_over(
     if model.keys.safe_frame {
         safe_frame(&painter, picture);
     }
-    let next = state.blocking.hint(&model.blocking());
+    let next = state.tool(model.keys.tool).hint(model);
     let hint = next.as_deref().or(model.keys.tool.hint()).map(|hint| {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
         tag(&painter, at, Align2::CENTER_TOP, hint)

@@ -120,7 +120,7 @@ impl PointerState {
         } else {
             Vec2::ZERO
         };
-        if !model.keys.tool.measures() {
+        if model.keys.tool != Tool::Ruler {
             self.measured_from = None;
         }
         let mut look = Vec2::ZERO;

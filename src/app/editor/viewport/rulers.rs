@@ -10,6 +10,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::snapping;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::snapping::SnapTo;
+use crate::app::editor::command::tool::Tool;
 use crate::scene::LengthUnit;
 
 const COLOR: Color32 = Color32::from_rgb(255, 214, 90);
@@ -37,7 +38,7 @@ pub(super) fn paint(
     for ruler in model.rulers {
         paint_ruler(painter, screen, ruler, model.gizmo.unit, tags);
     }
-    if !model.keys.tool.measures() {
+    if model.keys.tool != Tool::Ruler {
         return;
     }
     let under = pointer

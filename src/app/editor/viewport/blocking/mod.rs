@@ -60,7 +60,7 @@ impl BlockingState {
     }
 
     /// What can be done next with what is being drawn, pushed or cut.
-    pub(super) fn hint(&self, model: &BlockingModel) -> Option<String> {
+    pub(super) fn next_step(&self, model: &BlockingModel) -> Option<String> {
         match model.tool {
             Tool::Draw(kind) => self.draw.hint(kind, model.unit),
             Tool::Push => self.push.hint().map(str::to_owned),
@@ -70,7 +70,7 @@ impl BlockingState {
     }
 
     /// Follows the mouse and the keys of one frame.
-    pub fn follow(
+    pub fn follow_blocks(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -213,7 +213,7 @@ impl BlockingState {
     }
 
     /// Draws what is being drawn, the face under the pointer or the opening there.
-    pub fn paint(&self, painter: &Painter, screen: &Screen, model: &BlockingModel) {
+    pub fn paint_blocks(&self, painter: &Painter, screen: &Screen, model: &BlockingModel) {
         match model.tool {
             Tool::Draw(kind) => self.draw.paint(painter, screen, kind, model),
             Tool::Push => self.push.paint(painter, screen, self.seen.as_ref(), model),

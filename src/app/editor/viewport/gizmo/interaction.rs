@@ -122,7 +122,7 @@ impl GizmoState {
     }
 
     /// Follows the mouse and the keys of one frame.
-    pub fn follow(
+    pub fn follow_handles(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -292,7 +292,7 @@ impl GizmoState {
     }
 
     /// Draws the handles, or the drag that is under way. `pointer` lights the handle below it.
-    pub fn paint(&self, painter: &Painter, screen: &Screen, model: &GizmoModel, pointer: Option<Pos2>) {
+    pub fn paint_handles(&self, painter: &Painter, screen: &Screen, model: &GizmoModel, pointer: Option<Pos2>) {
         match &self.held {
             Some(held) if held.by != Hold::Keys || held.change.is_some() => {
                 paint::paint_drag(painter, &held.drag, held.change, screen, pointer);

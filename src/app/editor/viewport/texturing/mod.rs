@@ -116,7 +116,7 @@ impl TexturingState {
     }
 
     /// Follows the mouse and the keys of one frame.
-    pub fn follow(
+    pub fn follow_tile(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -299,7 +299,7 @@ impl TexturingState {
     }
 
     /// Draws the tile, the figures of a drag, or what is missing for them.
-    pub fn paint(&self, painter: &Painter, screen: &Screen, model: &TexturingModel, pointer: Option<Pos2>) {
+    pub fn paint_tile(&self, painter: &Painter, screen: &Screen, model: &TexturingModel, pointer: Option<Pos2>) {
         if let Some(tile) = &self.tile {
             let lit = self.held.as_ref().map(|held| held.drag.part).or(self.lit);
             paint::paint(painter, screen, tile, lit);
