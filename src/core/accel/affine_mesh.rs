@@ -1,5 +1,5 @@
-//! Meshes that are an affine image of a square or of a cube, as most walls, floors and boxes are. One test finds the
-//! face that a ray meets, and the place on the face says which of its two triangles is hit.
+//! Meshes that are an affine image of a square or a cube, as most walls, floors and boxes are. One test finds the face
+//! that a ray meets, and the face's coordinates at the hit tell which of its two triangles is hit.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
@@ -8,14 +8,14 @@ use crate::geometry::mesh::MeshData;
 /// The image of the square [-1, 1]² in the plane z = 0, or of the cube [-1, 1]³.
 #[derive(Clone, Debug)]
 pub(super) struct AffineMesh {
-    /// The transform into the mesh's space. A square's third axis is a normal of any length.
+    /// The transform from the square's or cube's space to the mesh's. A square's third axis is a normal of any length.
     pub placed: DAffine3,
-    /// The only face of a square, or those of a cube at x = -1, x = 1, y = -1, and so on.
+    /// The only face of a square, or the faces of a cube in the order x = -1, x = 1, y = -1, and so on.
     pub faces: Vec<Face>,
 }
 
-/// Two triangles that make up a parallelogram. A place on it is given by two coordinates: on a cube's face across an
-/// axis those along the two axes that follow it in turn, on the square x and y.
+/// Two triangles that make up a parallelogram. A point on it has two coordinates: on a cube's face across an axis those
+/// along the next two axes in turn, on the square x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face([Half; 2]);
 
@@ -25,15 +25,15 @@ struct Half {
     triangle: u32,
     /// The corner of the face that the triangle does not have.
     lacks: Vec2,
-    /// The weights of its corners 1 and 2 are the dot products of these with (place, 1).
+    /// The weights of its corners 1 and 2 are the dot products of `u` and `v` with (point, 1).
     u: Vec3,
     v: Vec3,
 }
 
 impl AffineMesh {
-    /// None if the mesh is neither within the rounding of its corners, or has a triangle twice.
+    /// None if the mesh is not such an image within the rounding of its corners, or has a triangle twice.
     pub fn of(mesh: &MeshData) -> Option<Self> {
-        // Triangles that no ray can hit may be there, too.
+        // Besides 2 or 12 triangles there may be some that no ray can hit.
         if mesh.triangles.len() > 2 * 12 {
             return None;
         }
@@ -57,7 +57,7 @@ impl AffineMesh {
             (12, 8) => true,
             _ => return None,
         };
-        // One of the first triangle's corners lies between two edges of the parallelogram.
+        // One corner of the first triangle joins two edges of the parallelogram; each of the three is tried.
         let [a, b, c] = triangles[0].1.map(|corner| points[corner]);
         [[a, b, c], [b, c, a], [c, a, b]].into_iter().find_map(|corners| {
             let (placed, signs) = fit(&points, corners, is_cube)?;
@@ -85,7 +85,7 @@ fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(
     let largest = points.iter().fold(DVec3::ZERO, |largest, p| largest.max(p.abs()));
     let fits = |(&p, &sign): (&DVec3, &DVec3)| {
         let off = (linear * sign + middle - p).abs();
-        // Surfaces are those of the triangles; that much is within the bounds on their rounding.
+        // A hit's position is that of the triangles; a deviation this small is within the bounds on their rounding.
         off.cmple(f64::from(f32::EPSILON) * largest).all()
             && (inverse * (p - middle) - sign).abs().max_element() < MOST_OFF
     };
@@ -125,7 +125,7 @@ fn faces(triangles: &[(u32, [usize; 3])], signs: &[DVec3]) -> Option<Vec<Face>> 
 }
 
 impl Face {
-    /// The triangle at `place`, and the weights of its corners 1 and 2 there.
+    /// The triangle at the point `place`, and the weights of its corners 1 and 2 there.
     #[inline(always)]
     pub fn at(&self, place: Vec2) -> (u32, f32, f32) {
         let half = &self.0[usize::from(place.dot(self.0[0].lacks) > 0.0)];

@@ -68,7 +68,7 @@ pub(super) struct Bins {
     pub counts: [[i32; 4]; MAX_BINS],
 }
 
-/// A place to split at: between a bin and the one before it.
+/// A plane to split at, between a bin and the one before it.
 pub(super) struct Boundary {
     pub axis: usize,
     pub bin: usize,
@@ -92,7 +92,7 @@ impl Bins {
         bins
     }
 
-    /// One more on each axis.
+    /// Adds one primitive to the count of the bin `at` on each axis.
     #[inline(always)]
     pub fn count(&mut self, at: [usize; 3]) {
         for (axis, &bin) in at.iter().enumerate() {
@@ -124,8 +124,8 @@ impl Bins {
         self
     }
 
-    /// Finds the cheapest boundary. `of_left` has the bins of what lies on its left side, `of_right` those of its
-    /// right. None if no cost is a number.
+    /// Finds the cheapest boundary. `of_left` are the bins to sum up on its left side, `of_right` those on its right.
+    /// None if no cost is a number.
     pub fn cheapest([of_left, of_right]: [&Self; 2], grid: &Grid, align: usize, scale: f32) -> Option<Boundary> {
         let mut right_costs = [f32x4::ZERO; MAX_BINS];
         let mut side = Side::EMPTY;

@@ -18,7 +18,7 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
 use crate::math::{Aabb, Ray};
 
-/// The most that the expected work may grow by refitting, as a factor of that of the built hierarchy.
+/// The factor by which refitting may at most raise the expected work above that of the built hierarchy.
 const MOST_COST_REFITTED: f32 = 1.2;
 
 /// One mesh's acceleration structure, in the mesh's local space.
@@ -29,9 +29,9 @@ pub struct Blas {
     blocks: Table<TriangleBlock>,
     /// The expected work of a ray when the hierarchy was built, before any refitting.
     cost_when_built: f32,
-    /// Rays that begin in this box prefetch triangles and go on while they wait. It is the box around everything, or
-    /// empty if the mesh fits into a cache. Rays from outside are coherent and hit what they meet first, so they
-    /// do not profit.
+    /// Rays that begin in this box prefetch triangles and visit other nodes meanwhile. It is the box around all
+    /// triangles, or empty if the mesh fits into a cache. Rays from outside are coherent and hit the first triangles
+    /// that they meet, so they gain nothing.
     prefetch_within: Aabb,
     /// Whether the vertex normals equal those of the triangles, so that they need not be looked up.
     pub(super) has_flat_normals: bool,
@@ -40,8 +40,8 @@ pub struct Blas {
 }
 
 impl Blas {
-    /// Triangles without area are left out, and so are those with corners that are not finite or do not exist: no ray
-    /// can hit them.
+    /// Leaves out triangles without area, and those with corners that are not finite or do not exist: no ray can hit
+    /// them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
         let cut = |index, part: &Aabb, plane| cut_triangle(mesh.corners(index as usize), part, plane);
         let bvh = Bvh::over(
@@ -117,7 +117,7 @@ impl Blas {
         self.bvh.bounds()
     }
 
-    /// Figures of the hierarchy; `bytes` includes the triangles in leaf order, but not the mesh.
+    /// Statistics of the hierarchy; `bytes` includes the triangles in leaf order, but not the mesh.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
         stats.bytes = self.bytes();
@@ -154,7 +154,7 @@ impl Blas {
             if boxes.len() == 1 && boxes[0].contains(&around) {
                 continue;
             }
-            // The rounding of points between the corners.
+            // Covers the rounding of points between the corners.
             let margin = 4.0 * f32::EPSILON * around.min.abs().max(around.max.abs());
             let is_held = |point: Vec3| {
                 let holds =
@@ -199,7 +199,7 @@ impl Blas {
         nearest.hit
     }
 
-    /// Whether anything is hit with t_min < t < t_max.
+    /// Whether the ray hits any triangle with t_min < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         if self.prefetch_within.contains_point(ray.origin) {
@@ -222,7 +222,6 @@ impl Blas {
         blocks.iter().any(|block| block.any(ray, t_max))
     }
 
-    /// Prefetches a leaf's first block.
     #[inline(always)]
     fn prefetch(&self, leaf: &Range<usize>) {
         if let Some(block) = self.blocks().get(leaf.start / LANES) {
@@ -246,14 +245,14 @@ impl Blas {
         &self.blocks
     }
 
-    /// The blocks of the leaf whose triangles are in `range` of the order.
+    /// The blocks of the leaf whose triangles are in `range` of the leaf order.
     #[inline(always)]
     pub(super) fn blocks_of(range: Range<usize>) -> Range<usize> {
         range.start / LANES..range.end.div_ceil(LANES)
     }
 }
 
-/// The nearest hit that a single ray has found so far.
+/// The nearest hit so far of a single ray.
 struct Nearest<'a> {
     blocks: &'a [TriangleBlock],
     ray: TriangleRay,
@@ -289,7 +288,7 @@ fn has_flat_normals(mesh: &MeshData) -> bool {
             return false;
         };
         let normal = (b - a).cross(c - a).try_normalize();
-        // A few roundings of numbers below 1.
+        // The tolerance covers a few roundings of numbers below 1.
         let is_like = |vertex: &u32| match (mesh.normals.get(*vertex as usize), normal) {
             (Some(own), Some(normal)) => own.abs_diff_eq(normal, 4.0 * f32::EPSILON),
             _ => false,

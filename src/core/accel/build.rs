@@ -15,27 +15,27 @@ use crate::math::Aabb;
 /// How sets of primitives are divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SplitMethod {
-    /// They are not divided: all primitives are one list within one box.
+    /// No division: all primitives are one list within one box.
     Linear,
-    /// They are divided into halves of equal count along the axis on which the centres spread most.
+    /// Into halves of equal count, along the axis on which the centres spread most.
     Median,
-    /// They are divided where the surface area heuristic expects the least work.
+    /// Where the surface area heuristic expects the least work.
     #[default]
     Sah,
 }
 
-/// From this depth of the binary tree on sets are halved by count, which ends within [`MAX_DEPTH`] for any u32 number
-/// of primitives.
+/// From this depth of the binary tree on, sets are halved by count, so that no u32 number of primitives gets deeper
+/// than [`MAX_DEPTH`].
 const MEDIAN_DEPTH: usize = 64;
 /// No wide node is deeper than the binary tree.
 pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 33;
 
-/// Sets at least this large are worth another thread.
+/// Sets at least this large are built on another thread.
 const PARALLEL: usize = 4096;
 const PARALLEL_BINNING: usize = 1 << 16;
 
-/// A spatial split is only tried if at least this share of a set's cost would be saved by cutting the overlap of its
-/// halves in the middle. The search for planes takes long, and most sets gain little.
+/// A spatial split is only tried if cutting the overlap of the halves in the middle would save at least this share of a
+/// set's cost. The search for planes is slow, and most sets gain little.
 const WORTH_CUTTING: f32 = 0.07;
 /// Smaller sets are not split by planes either, since their leaves would be filled less.
 const LEAST_CUT: usize = 256;
@@ -43,7 +43,7 @@ const LEAST_CUT: usize = 256;
 struct Builder<'a> {
     method: SplitMethod,
     leaf_size: usize,
-    /// Cuts primitives, where leaves may hold parts of them.
+    /// Cuts primitives by planes; Some where leaves may hold parts of primitives.
     cut: Option<&'a Cut<'a>>,
     /// A factor that makes areas independent of the scene's unit, so that they stay within f32 in huge and tiny
     /// scenes.
@@ -90,11 +90,11 @@ pub(super) fn build(
     collapse(&tree, leaf_size)
 }
 
-/// The two halves of a set. Their references replace those of the set, the left half's first.
+/// The two halves of a set. Their references replace the set's, the left half's first.
 struct Halves {
     left: PrimSet,
     right: PrimSet,
-    /// If it is not empty, the left half's references are here, and only the right half's are in place of the set's.
+    /// If not empty, it holds the left half's references, and only the right half's replace the set's.
     cut_off: Vec<PrimRef>,
 }
 
@@ -180,7 +180,7 @@ impl Builder<'_> {
         cost(&before, left) + cost(&behind, right) < (1.0 - WORTH_CUTTING) * boundary.cost
     }
 
-    /// Splits the set by a plane. None if that costs more than `most` or adds more than `spare` references.
+    /// Splits the set by a plane. None if the cost exceeds `most` or the split adds more than `spare` references.
     fn split_by_plane(
         &self,
         prims: &mut [PrimRef],
@@ -218,8 +218,8 @@ impl Builder<'_> {
         let boundary = Bins::cheapest([&bins, &bins], &grid, self.leaf_size, self.scale)?;
         let Boundary { axis, bin, .. } = boundary;
 
-        // Every step exchanges two references, needed or not: a branch would cost more, since processors cannot predict
-        // the side.
+        // Every step exchanges two references, needed or not: a branch on the side would cost more, because processors
+        // cannot predict it.
         let (mut left, mut right) = (PrimSet::EMPTY, PrimSet::EMPTY);
         for next in 0..prims.len() {
             let prim = prims[next];

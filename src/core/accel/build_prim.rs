@@ -6,7 +6,7 @@ use wide::{f32x4, f32x8};
 
 use crate::math::Aabb;
 
-/// Coordinates are clamped to this when centres are taken, so that sums of two and differences of sums stay finite.
+/// Coordinates are clamped to this for centres, so that sums of two and differences of sums stay finite.
 const LIMIT: f32x4 = f32x4::splat(f32::MAX / 8.0);
 
 /// A reference to a primitive: its box and its index.
@@ -61,7 +61,7 @@ impl SimdAabb {
         PrimRef::new(bounds, 0).bounds()
     }
 
-    /// Does what [`SimdAabb::of`] does, but gives [`SimdAabb::EMPTY`] for a box that is empty on any axis.
+    /// [`SimdAabb::of`], but [`SimdAabb::EMPTY`] for a box that is empty on any axis.
     pub fn of_part(part: &Aabb) -> Self {
         match part.is_empty() {
             true => Self::EMPTY,

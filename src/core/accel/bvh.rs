@@ -1,4 +1,4 @@
-//! The hierarchy itself: what it stores, its figures, its check. It is built in `build` and traversed in `traverse`.
+//! The hierarchy: its nodes, its statistics and its validation. It is built in `build` and traversed in `traverse`.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub struct Bvh {
     pub(super) depth: usize,
 }
 
-/// Figures of a built hierarchy.
+/// Statistics of a built hierarchy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BvhStats {
     /// Inner nodes, each of up to eight children.
@@ -47,17 +47,17 @@ pub struct BvhStats {
 pub struct BvhBox {
     /// The box, in the space of the hierarchy.
     pub bounds: Aabb,
-    /// 0 for the box around everything, 1 for the root's children, and so on.
+    /// 0 for the box around all primitives, 1 for the root's children, and so on.
     pub depth: usize,
-    /// Whether there are primitives in it and no further boxes.
+    /// Whether it holds primitives rather than further boxes.
     pub is_leaf: bool,
     /// The number of primitives of a leaf; zero for other boxes.
     pub primitives: u32,
 }
 
 impl Bvh {
-    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested
-    /// together. Boxes that are empty or have a NaN hold nothing that a ray could hit and are left out.
+    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), whose tests are assumed to cost as
+    /// much as one. Empty boxes and boxes with a NaN cannot be hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
         Self::over(bounds.len(), |index| bounds[index], None, method, leaf_size)
     }
@@ -88,7 +88,7 @@ impl Bvh {
         self.linear.is_some()
     }
 
-    /// The range of the order that the leaf `child` holds.
+    /// The range of the leaf order that the leaf `child` holds.
     #[inline(always)]
     pub(super) fn leaf_range(&self, child: Child) -> Range<usize> {
         let start = child.index() * self.leaf_size;
@@ -100,7 +100,7 @@ impl Bvh {
         &self.order
     }
 
-    /// The number of primitives in the order; one that several leaves hold is counted in each.
+    /// The number of primitives in the leaf order; a primitive in several leaves counts once for each.
     pub(super) fn listed(&self) -> usize {
         self.order
             .par_iter()
@@ -109,8 +109,8 @@ impl Bvh {
     }
 
     /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using
-    /// dynamic bounding volume hierarchies, 2007). No box that the tree holds may be empty or have a NaN. The tree
-    /// is the slower the more the boxes moved apart.
+    /// dynamic bounding volume hierarchies, 2007). No box in the tree may be empty or have a NaN. The farther the boxes
+    /// have moved apart, the slower the tree.
     pub(super) fn refit(&self, bounds: impl Fn(usize) -> Aabb + Sync) -> Self {
         let mut fitted = self.clone();
         fitted.nodes.par_iter_mut().for_each(|node| {
@@ -136,12 +136,12 @@ impl Bvh {
         fitted
     }
 
-    /// The box around everything.
+    /// The box around all primitives.
     pub fn bounds(&self) -> Aabb {
         self.nodes[0].all_bounds()
     }
 
-    /// Calls `visit` for the box around everything and then for every child box, parents before children.
+    /// Calls `visit` for the box around all primitives and then for every child box, parents before children.
     pub fn visit_boxes(&self, mut visit: impl FnMut(BvhBox)) {
         let bounds = self.bounds();
         if bounds.is_empty() {
@@ -175,7 +175,7 @@ impl Bvh {
         }
     }
 
-    /// Whether `is_sought` says so of any primitive in boxes that `touches` says so of.
+    /// Whether `is_sought` is true for any primitive; boxes for which `touches` is false are skipped.
     pub(super) fn any_item(&self, touches: impl Fn(&Aabb) -> bool, mut is_sought: impl FnMut(u32) -> bool) -> bool {
         let mut pending = vec![0usize];
         while let Some(index) = pending.pop() {
@@ -199,7 +199,7 @@ impl Bvh {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())
     }
 
-    /// Walks the whole hierarchy for its figures.
+    /// Computes the statistics in a walk over the whole hierarchy.
     pub fn stats(&self) -> BvhStats {
         let mut stats = BvhStats {
             nodes: self.nodes.len(),
@@ -222,9 +222,9 @@ impl Bvh {
         stats
     }
 
-    /// The work that the surface area heuristic expects of a random ray that meets the box around everything. It sums
-    /// over all child boxes the share of the box's area in that of the whole, times 1 for a node, or times the sum
-    /// of `of_primitive` for a leaf. Zero if that is no number.
+    /// The work that the surface area heuristic expects of a random ray that meets the root's box: the sum over all
+    /// child boxes of (box area / root area), times 1 for a node, or times the sum of `of_primitive` for a leaf. Zero
+    /// if the sum is not a number.
     pub fn expected_work(&self, of_primitive: impl Fn(u32) -> f64) -> f64 {
         let root_area = f64::from(self.bounds().half_area());
         let mut work = 0.0;
@@ -248,8 +248,7 @@ impl Bvh {
     }
 
     /// Checks the structure against the boxes it was built from: every box that can be hit is in exactly one leaf, each
-    /// child is within its parent's box, there is no cycle, and the depth is within what the traversal's stack
-    /// holds.
+    /// child is within its parent's box, there is no cycle, and the depth fits the traversal's stack.
     pub fn validate(&self, bounds: &[Aabb]) -> Result<(), String> {
         let mut seen = vec![false; bounds.len()];
         self.validate_structure(|primitive, leaf| {
@@ -272,7 +271,7 @@ impl Bvh {
         Ok(())
     }
 
-    /// [`Bvh::validate`] without the content of leaves. `visit` checks that: it gets each primitive with its leaf's
+    /// [`Bvh::validate`] without the content of leaves, which `visit` checks: it gets each primitive with its leaf's
     /// box.
     pub(super) fn validate_structure(
         &self,
@@ -317,7 +316,7 @@ impl Bvh {
                 }
             }
         }
-        // Edits leave behind nodes that are empty.
+        // Edits leave empty nodes behind.
         let is_lost = |index: &usize| !reached[*index] && self.nodes[*index].slots_used() > 0;
         if let Some(index) = (0..self.nodes.len()).find(is_lost) {
             return Err(format!("node {index} is not reached"));
@@ -329,7 +328,7 @@ impl Bvh {
     }
 }
 
-/// Whether the box is neither empty nor NaN. It is computed in another way than in the build, which it checks.
+/// Whether the box is neither empty nor NaN. This does not share the build's test, which it checks.
 fn is_hittable(bounds: &Aabb) -> bool {
     bounds.min.cmple(bounds.max).all()
 }

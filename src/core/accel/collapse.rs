@@ -1,9 +1,8 @@
 //! Turns a binary tree into one of wide nodes.
 //!
-//! There are many ways to merge a binary tree's inner nodes into nodes of eight children. This takes the one whose
-//! nodes have the least total surface, found from the leaves up by dynamic programming (Ylitie, Karras and Laine,
-//! Efficient incoherent ray traversal on GPUs through compressed wide BVHs, 2017, section 3.3). Leaves stay as they
-//! are.
+//! A binary tree's inner nodes can be merged into nodes of eight children in many ways. This picks the one with the
+//! least total surface of nodes, found from the leaves up by dynamic programming (Ylitie, Karras and Laine, Efficient
+//! incoherent ray traversal on GPUs through compressed wide BVHs, 2017, section 3.3). Leaves stay as they are.
 
 use std::ops::Range;
 
@@ -33,20 +32,20 @@ impl Tree {
     }
 }
 
-/// The index that fills a leaf up to its size.
+/// The index in the unused places of a leaf.
 pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// The binary tree that is made wide.
+/// The binary tree before it is made wide.
 #[derive(Default)]
 pub(super) struct BinaryTree {
     /// The nodes. Each inner node is followed by its left child.
     pub branches: Vec<Branch>,
-    /// The primitives, of which each leaf holds a run.
+    /// The primitives in leaf order.
     pub order: Vec<u32>,
 }
 
 impl BinaryTree {
-    /// Appends a tree, whose indices count from its own start.
+    /// Appends a tree whose indices count from its own start.
     pub fn append(&mut self, tree: Self) {
         let (branches, order) = (self.branches.len(), self.order.len());
         self.branches.extend(tree.branches.into_iter().map(|mut branch| {
@@ -117,7 +116,7 @@ impl Branch {
         costs
     }
 
-    /// Adds the offsets of lists that this branch is appended to.
+    /// Adds to the indices the lengths of the lists that this branch is appended to.
     fn advance(&mut self, branches: usize, order: usize) {
         match &mut self.kind {
             BranchKind::Inner { right, .. } => *right += branches as u32,
@@ -126,7 +125,7 @@ impl Branch {
     }
 }
 
-/// Wide nodes over `binary`. The children of a node lie side by side, its leaves too.
+/// The wide tree made from `binary`. The children of a node are adjacent, and so are its leaves.
 pub(super) fn collapse(binary: &BinaryTree, leaf_size: usize) -> Tree {
     let collapse = Collapse { binary, leaf_size };
     let mut tree = Tree::childless();
@@ -198,7 +197,7 @@ impl Collapse<'_> {
         tree.depth = tree.depth.max(subtree.depth);
     }
 
-    /// Collects the branches that fill up to `slots` slots for branch `index`.
+    /// Collects the branches that take up to `slots` slots of a wide node in place of branch `index`.
     fn gather(&self, index: usize, slots: usize, children: &mut ArrayVec<usize, WIDTH>) {
         match self.binary.branches[index].kind {
             BranchKind::Inner { right, left_slots } if slots > 1 && left_slots[slots - 2] > 0 => {
@@ -215,7 +214,7 @@ impl Collapse<'_> {
         let block = order.len() / self.leaf_size;
         order.extend_from_slice(&self.binary.order[start..start + len]);
         order.resize(order.len().next_multiple_of(self.leaf_size), NO_PRIMITIVE);
-        // A linear list keeps its length elsewhere.
+        // A linear list has its length in `Bvh::linear`.
         Child::leaf(block, len.min(self.leaf_size))
     }
 }

@@ -1,11 +1,11 @@
-//! A hierarchy over shapes that follows edits of some of them, so that an edit costs what it changes.
+//! Edits single shapes of a hierarchy at a cost that grows with the edit, not with the scene.
 //!
-//! Shapes that an edit changes are taken out of the hierarchy that was built and put into a small one beside it, which
-//! is built anew for every edit. Rays hit the same as in a hierarchy that is built anew over everything. Only distances
-//! may be rounded otherwise, because other shapes share a block.
+//! The shapes that an edit changes are removed from the built hierarchy and put into a small one beside it, which is
+//! built anew for every edit. Rays hit the same shapes as in a hierarchy rebuilt over the whole scene. Only distances
+//! may be rounded differently, because other shapes share a block.
 //!
-//! The more shapes are beside it, the longer rays take. A hierarchy that [is worn](Tlas::is_worn) is [built
-//! anew](Tlas::rebuilt) on another thread, and edits that were made meanwhile are made again on the result
+//! The more shapes the small hierarchy has, the slower rays are. A hierarchy that [is worn](Tlas::is_worn) is [built
+//! anew](Tlas::rebuilt) on another thread, and the edits made meanwhile are repeated on the result
 //! ([`Tlas::after_edits`]).
 
 use super::build::SplitMethod;
@@ -17,13 +17,13 @@ use super::tlas::{LEAF_SIZE, Tlas};
 use super::tree_edit::LeafEdit;
 use crate::math::Aabb;
 
-/// With more shapes than these beside the hierarchy as it was built, a new one is worth its time.
+/// With more edited shapes than this, rebuilding the hierarchy pays off.
 const WORN: usize = 1024;
-/// The most shapes beside the hierarchy as it was built. Each edit builds over all of them.
+/// The most edited shapes. Each edit builds the small hierarchy over all of them.
 const MOST_EDITED: usize = 4096;
-/// The share of the memory of all shapes that removed ones take, above which a new hierarchy is worth its time.
+/// The share of removed shapes in the memory of all shapes above which rebuilding the hierarchy pays off.
 const MUCH_WASTE: f32 = 0.25;
-/// The largest share of the memory of all shapes that removed ones may take.
+/// The largest share of removed shapes in the memory of all shapes.
 const MOST_WASTE: f32 = 0.5;
 
 impl Tlas {
@@ -33,26 +33,26 @@ impl Tlas {
         !self.bvh.is_linear() && items >= FEWEST_EDITED
     }
 
-    /// Whether so much has been edited that a hierarchy built anew would be quicker, and smaller.
+    /// Whether so much has been edited that a rebuilt hierarchy would be faster, and smaller.
     pub fn is_worn(&self) -> bool {
         let edited = self.edited.as_ref().map_or(0, |edited| edited.shapes.len());
         edited > WORN || self.instances.waste() > MUCH_WASTE
     }
 
-    /// A hierarchy built anew over the same shapes, in memory of its own.
+    /// A hierarchy built anew over the same shapes, without shared memory.
     pub fn rebuilt(&self, method: SplitMethod) -> Self {
         let instances = self.instances.clone();
         Self::over(instances, self.groups.clone(), self.placements.clone(), method)
     }
 
     /// This hierarchy, which was [rebuilt](Self::rebuilt) from `old`, after the edits that lead from `old` to `now`.
-    /// None as in [`Self::edited`].
+    /// None where [`Self::edited`] gives None.
     pub fn after_edits(&self, old: &Self, now: &Self) -> Option<Self> {
         self.edited(&now.instances.edits_since(&old.instances))
     }
 
-    /// The hierarchy after edits of single shapes. None where it is better built anew: it is small, or much of it has
-    /// been edited.
+    /// The hierarchy after edits of single shapes. None where a rebuild is better: the hierarchy is small, or many of
+    /// its shapes are edited.
     pub fn edited(&self, edits: &ShapeEdits) -> Option<Self> {
         let count = self.instances.len();
         if !self.is_edited_in_place() {
@@ -73,7 +73,7 @@ impl Tlas {
             .collect();
         beside.sort_unstable();
         beside.dedup();
-        // Shapes that are edited already are not in the hierarchy as it was built.
+        // Shapes edited before are not in the built hierarchy.
         touched.retain(|number| before.binary_search(number).is_err());
         let instances = self.instances.edited(edits);
         if beside.len() > MOST_EDITED.min(instances.len() / 2) || instances.waste() > MOST_WASTE {
@@ -113,9 +113,8 @@ impl Tlas {
         edited.put_beside(beside).then(|| edited.counted(self, edits))
     }
 
-    /// Takes the shapes `touched`, by their old numbers, out of their blocks, and gives the others their new numbers.
-    /// Returns the places of the blocks that have changed, counted with the placements before them, and their
-    /// bounds.
+    /// Removes the shapes `touched`, given by their old numbers, from their blocks, and renumbers the others. Returns
+    /// the changed blocks with their bounds; a block's index follows those of the placements.
     fn leave_blocks(&mut self, old: &Self, edits: &ShapeEdits, touched: &[u32]) -> Vec<(u32, Aabb)> {
         if let Some(edited) = &old.edited {
             self.blocks.truncate(edited.blocks);
@@ -138,7 +137,7 @@ impl Tlas {
         fitted
     }
 
-    /// Puts these shapes beside the hierarchy as it was built. False if the result would be too deep.
+    /// Puts these shapes into the hierarchy beside the built one. False if the result would be too deep.
     fn put_beside(&mut self, shapes: Vec<u32>) -> bool {
         let edited = EditedPart {
             nodes: self.bvh.nodes.len(),
@@ -163,7 +162,7 @@ impl Tlas {
         self.bvh.put_beside(&beside)
     }
 
-    /// Completes what follows from the shapes.
+    /// Updates the figures that depend on the number and kind of shapes.
     fn counted(mut self, old: &Self, edits: &ShapeEdits) -> Self {
         let (count, before) = (self.instances.len(), old.instances.len());
         self.first_shape = old.first_shape.iter().map(|first| first - before + count).collect();

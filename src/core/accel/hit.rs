@@ -12,7 +12,7 @@ pub struct Hit {
     pub t: f32,
     /// Index into [`super::Tlas::instances`], or beyond them into [`super::Tlas::placements`].
     pub instance: u32,
-    /// Index into the instances of the group that is placed there; zero if it is none.
+    /// Index into the instances of the placed group; zero for a shape outside groups.
     pub member: u32,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
@@ -66,7 +66,7 @@ pub struct MeshHit {
     pub u: f32,
     /// The weight of corner 2, in [0, 1]; `u + v` is at most 1 but for rounding.
     pub v: f32,
-    /// The triangle's number in the order of the leaves, with empty places between some.
+    /// The triangle's number in the order of the leaves, unused places counted.
     pub slot: u32,
 }
 
@@ -75,14 +75,13 @@ pub struct MeshHit {
 pub struct SurfacePoint {
     /// The point on the surface, which rays that leave it move off by `error`.
     pub position: Vec3,
-    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin`
-    /// wants.
+    /// Bound, per coordinate, on the distance of `position` from the surface that rays meet; for `math::offset_origin`.
     pub error: f32,
     /// Unit length.
     pub geometric_normal: Vec3,
-    /// Unit length; may lie on the other side than the geometric one.
+    /// Unit length; may be on the other side than the geometric one.
     pub shading_normal: Vec3,
-    /// Zero, as the derivatives, with [`Detail::Plain`].
+    /// Texture coordinates; zero, as the derivatives, with [`Detail::Plain`].
     pub uv: Vec2,
     /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of
     /// spheres (`dp_du`) and the centres of disks; any two tangents where a mesh's texture coordinates are
@@ -92,8 +91,8 @@ pub struct SurfacePoint {
     pub dp_dv: Vec3,
 }
 
-/// The parts of a [`SurfacePoint`] that are wanted. Those that depend on texture coordinates can cost as much as all
-/// the rest.
+/// The parts of a [`SurfacePoint`] that a caller needs. Those that depend on texture coordinates can cost as much as
+/// all the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// Position and normals alone.

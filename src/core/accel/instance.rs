@@ -14,7 +14,7 @@ use crate::geometry::local::LocalHit;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
 use crate::math::{Aabb, Ray, gamma};
 
-/// A shape in its own local space; see the files in [`crate::geometry`] for where each lies there.
+/// A shape in its own local space; the files in [`crate::geometry`] say where each lies in that space.
 #[derive(Clone, Debug)]
 pub enum Primitive {
     /// Triangles with their own hierarchy.
@@ -34,7 +34,7 @@ pub enum Primitive {
 pub struct Instance {
     /// The shape that is placed.
     pub primitive: Primitive,
-    /// Invertible.
+    /// The transform from local to world space; invertible.
     pub world_from_local: Affine3A,
     /// Its inverse, rounded once.
     pub local_from_world: Affine3A,
@@ -42,9 +42,9 @@ pub struct Instance {
     pub face_normals: bool,
     /// Whether both normals are turned around.
     pub flip_normals: bool,
-    /// Whether the transform turns a right hand into a left one.
+    /// Whether the transform mirrors: it turns a right-handed frame into a left-handed one.
     pub(super) mirrored: bool,
-    /// One over the scale, if the transform keeps angles.
+    /// One over the scale, if the transform preserves angles.
     pub(super) similarity: Option<f32>,
     pub(super) rounding: Rounding,
     /// Unit world normal of the local plane z = 0, on the side of its +z.
@@ -63,7 +63,7 @@ impl Instance {
             && (self.face_normals, self.flip_normals) == (other.face_normals, other.flip_normals)
     }
 
-    /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
+    /// None if the transform is singular, not finite, or has an inverse beyond f32.
     pub fn new(primitive: Primitive, world_from_local: Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.
         let wide = world_from_local.as_daffine3();
@@ -104,8 +104,8 @@ impl Instance {
 
     /// `ray` in local space, with the same `t`.
     ///
-    /// The translation is taken off first: for an origin near the instance that is exact, however far both are from the
-    /// world's origin.
+    /// The translation is subtracted first: for an origin near the instance that is exact, however far both are from
+    /// the world's origin.
     #[inline(always)]
     pub(crate) fn local_ray(&self, ray: &Ray) -> Ray {
         let linear = &self.local_from_world.matrix3;
@@ -125,13 +125,13 @@ impl Instance {
         local_to(rays, &rows, self.world_from_local.translation.into())
     }
 
-    /// World bounds without a margin for rounding, for people to see and to measure by. Of a mesh they are those of its
-    /// local box.
+    /// World bounds without a margin for rounding, for display and measurement. For a mesh they are those of its local
+    /// box.
     pub fn exact_bounds(&self) -> Aabb {
         let linear = &self.world_from_local.matrix3;
         let center = Vec3::from(self.world_from_local.translation);
         let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
-        // Half the extents of the image of the local box's, sphere's, disk's points around the translation.
+        // Half the extents of the transformed local box, sphere or disk around the translation.
         let around = |half: Vec3A| Aabb {
             min: center - Vec3::from(half),
             max: center + Vec3::from(half),
@@ -187,7 +187,7 @@ impl Instance {
     }
 }
 
-/// One over the scale if the matrix keeps angles, but for rounding.
+/// One over the scale if the matrix preserves angles up to rounding.
 fn similarity(linear: &DMat3) -> Option<f32> {
     let products = linear.transpose() * *linear;
     let scale_squared = products.x_axis.x;

@@ -1,4 +1,4 @@
-//! The list of the shapes of a hierarchy, and how it follows edits of single shapes.
+//! The list of a hierarchy's shapes, and edits of single shapes in it.
 
 use std::iter::Peekable;
 use std::ops::{Index, Range};
@@ -6,23 +6,23 @@ use std::ops::{Index, Range};
 use super::instance::Instance;
 use super::shared_list::SharedList;
 
-/// Shapes by their numbers. Copies that differ in few shapes share the memory of the others, and of removed shapes.
+/// Shapes by their numbers. Copies that differ in few shapes share the memory of all others, removed ones included.
 #[derive(Clone, Debug, Default)]
 pub struct Instances(SharedList<Instance>);
 
 /// The difference between two lists of shapes.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeEdits {
-    /// The numbers that shapes had which are gone, ascending.
+    /// The old numbers of the shapes that are gone, ascending.
     pub removed: Vec<u32>,
-    /// What takes the place of shapes, by their numbers in the old list, ascending and not among those removed.
+    /// Replacements for shapes, by their numbers in the old list, ascending; none of them is in `removed`.
     pub replaced: Vec<(u32, Instance)>,
     /// New shapes by their numbers in the new list, ascending.
     pub inserted: Vec<(u32, Instance)>,
 }
 
 impl ShapeEdits {
-    /// Whether shapes that stay get other numbers. `count`: of the old list.
+    /// Whether shapes that stay get other numbers. `count` is the length of the old list.
     pub(super) fn renumbers(&self, count: usize) -> bool {
         let left = (count - self.removed.len()) as u32;
         self.removed.first().is_some_and(|&first| first < left)
@@ -40,9 +40,9 @@ impl ShapeEdits {
         left + self.inserted_before(left)
     }
 
-    /// The number of new shapes before the one that is the `left`-th of those that stay.
+    /// The number of new shapes before the `left`-th of the shapes that stay.
     fn inserted_before(&self, left: u32) -> u32 {
-        // The n-th new shape is before it if at most `left` of those that stay are before that.
+        // The n-th new shape comes before it if at most `left` shapes that stay come before the new one.
         let (mut low, mut high) = (0, self.inserted.len());
         while low < high {
             let middle = low.midpoint(high);
@@ -67,7 +67,7 @@ impl Instances {
         self.len() == 0
     }
 
-    /// The shape of a number; None beyond the last.
+    /// The shape with this number; None beyond the last.
     #[inline(always)]
     pub fn get(&self, number: usize) -> Option<&Instance> {
         self.0.get(number)
@@ -77,7 +77,7 @@ impl Instances {
         Self(self.0.made_anew())
     }
 
-    /// The shapes as the list was made: all, until it is edited.
+    /// The shapes that the list was made of; they are all shapes until the list is edited.
     pub(super) fn made(&self) -> &[Instance] {
         self.0.made()
     }
@@ -87,7 +87,7 @@ impl Instances {
         self.0.iter()
     }
 
-    /// The list after the edits. Removed shapes take memory until a list is made anew.
+    /// The list after the edits. Removed shapes take memory until the hierarchy is rebuilt.
     pub(super) fn edited(&self, edits: &ShapeEdits) -> Self {
         let mut edited = self.0.clone();
         for (number, shape) in &edits.replaced {
@@ -97,7 +97,7 @@ impl Instances {
         Self(edited)
     }
 
-    /// The edits that lead from `old` to this list, which must have become of it by [`Self::edited`].
+    /// The edits that lead from `old` to this list, which must come from `old` by [`Self::edited`].
     pub(super) fn edits_since(&self, old: &Self) -> ShapeEdits {
         let mut edits = ShapeEdits::default();
         let (made, first_new) = (old.0.made().len(), old.0.stored());
@@ -112,7 +112,7 @@ impl Instances {
             let place = old.0.place(number);
             match now.next_if(|&now| self.0.place(now) == place) {
                 None => edits.removed.push(number as u32),
-                // Entries that were replaced before are replaced in place.
+                // An entry that was replaced before keeps its place, so its value has to be compared.
                 Some(now) if place >= made && !self[now].is_same(&old[number]) => {
                     edits.replaced.push((number as u32, self[now].clone()));
                 }
@@ -123,7 +123,7 @@ impl Instances {
         edits
     }
 
-    /// The memory of removed shapes, as a share of all.
+    /// The share of removed shapes in the memory of all.
     pub(super) fn waste(&self) -> f32 {
         1.0 - self.len() as f32 / self.0.stored().max(1) as f32
     }

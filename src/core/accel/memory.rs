@@ -1,4 +1,4 @@
-//! Memory that is read in no order: it lies in large pages where the system has them, and is prefetched.
+//! Memory with random access: large pages where the system has them, and prefetches.
 
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
-/// Prefetches the cache line at the start of `value`. It only saves time, and does nothing on processors other than
+/// Prefetches the cache line at the start of `value`. A mere optimisation, which does nothing on processors other than
 /// x86.
 #[inline(always)]
 pub(super) fn prefetch<T>(value: &T) {
@@ -16,14 +16,14 @@ pub(super) fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
-/// The bytes of cache that a core reads from without a long wait.
+/// The bytes of cache that a core reads with little delay.
 pub(super) const CACHE: usize = 4 << 20;
 
 /// The bytes of cache that all cores share.
 pub(super) const SHARED_CACHE: usize = 64 << 20;
 
-/// A list of fixed length. A large one lies in large pages, since the processor's table of pages (TLB) covers too few
-/// of the usual size.
+/// A list of fixed length. A large one is in large pages, since the processor's cache of page addresses (TLB) covers
+/// too few small ones.
 #[derive(Debug)]
 pub(super) enum Table<T> {
     Small(Vec<T>),
@@ -38,7 +38,7 @@ impl<T: Pod> Table<T> {
         let bytes = len * size_of::<T>();
         match (bytes >= LARGE).then(|| MmapMut::map_anon(bytes)) {
             Some(Ok(map)) => {
-                // Where the system has no large pages, those of the usual size do.
+                // A system without large pages uses small ones.
                 #[cfg(target_os = "linux")]
                 let _ = map.advise(memmap2::Advice::HugePage);
                 Self::Large(map, PhantomData)

@@ -13,19 +13,19 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
 use crate::math::{LanesOf, Mask, Matrix, Real, Vector, gamma, real_struct};
 
 real_struct! {
-    /// What the surface of a placed shape depends on beside the shape.
+    /// The transforms and signs of a placed shape.
     pub(super) struct Place<R> {
         pub world_from_local: Matrix<R>,
         pub translation: R::Vec3,
         pub local_from_world: Matrix<R>,
-        /// The bound on the rounding of the translation, as in [`super::rounding::Rounding`]. Its other bounds follow
+        /// The bound on the rounding of the translation, as in [`super::rounding::Rounding`], whose other bounds follow
         /// from the matrices.
         pub of_translation: R::Vec3,
-        /// -1 where the geometric normal of a triangle is turned around by a mirror, else 1.
+        /// -1 where a mirroring transform turns the geometric normal of a triangle around, else 1.
         pub hand: R,
         /// -1 where normals are flipped, else 1.
         pub side: R,
-        /// Whether the transform keeps angles.
+        /// Whether the transform preserves angles.
         pub keeps_angles: R::Mask,
     }
 }
@@ -48,16 +48,16 @@ real_struct! {
         a: R::Vec3,
         b: R::Vec3,
         c: R::Vec3,
-        /// -1 where a mirror turns them around, else 1.
+        /// -1 where a mirroring transform turns them around, else 1.
         hand: R,
-        /// Whether there are any.
+        /// Whether the shape is shaded by vertex normals.
         are_there: R::Mask,
     }
 }
 
 /// The surfaces at sixteen hits, as [`SurfacePoint`] without texture coordinates.
 pub(crate) struct SurfaceLanes {
-    /// The lanes that have one, a bit each.
+    /// The lanes with a surface, a bit each.
     pub lanes: u32,
     pub position: Vec3Lanes,
     pub error: Lanes,
@@ -66,7 +66,7 @@ pub(crate) struct SurfaceLanes {
 }
 
 impl Tlas {
-    /// The surfaces at those of the hits `asked`, a bit each, that are on meshes in no group.
+    /// The surfaces at the hits whose bits are set in `asked` and that are on meshes outside groups.
     #[inline(never)]
     pub(crate) fn mesh_surfaces(&self, hits: &[Option<Hit>; LANES], asked: u32) -> Option<SurfaceLanes> {
         let mut found: Option<(Place<Lanes>, Triangle<Lanes>, VertexNormals<Lanes>)> = None;
@@ -147,7 +147,7 @@ impl VertexNormals {
         are_there: false,
     };
 
-    /// The normals at the corners of a triangle. There are none if the shape is shaded by its geometric normals.
+    /// The normals at the corners of a triangle. None if the shape is shaded by its geometric normals.
     #[inline(always)]
     fn at(shape: &Instance, triangle: u32) -> Option<Self> {
         let mesh: &MeshData = shape.with_vertex_normals()?.mesh();
@@ -164,13 +164,13 @@ impl VertexNormals {
 }
 
 impl<R: Real> VertexNormals<R> {
-    /// The interpolated normal, not flipped, or `geometric` where there is none. Each normal is taken to the world and
-    /// normalised first, as if the mesh had been stored transformed.
+    /// The interpolated normal, not flipped, or `geometric` where there is none. Each normal is transformed to the
+    /// world and normalised first, as if the mesh had been stored transformed.
     #[inline(always)]
     fn at_weights(&self, place: &Place<R>, [u, v]: [R; 2], geometric: R::Vec3) -> R::Vec3 {
         let mean = |[a, b, c]: [R::Vec3; 3]| a * (R::ONE - u - v) + b * u + c * v;
         let normals = [self.a, self.b, self.c];
-        // Where angles are kept the lengths stay in proportion, so that one transform suffices.
+        // Where angles are preserved, all lengths scale alike, so that one transform suffices.
         let mut world = place.world_normal(mean(normals));
         if (self.are_there & !place.keeps_angles).any() {
             let unit = |normal: R::Vec3| {
@@ -185,7 +185,7 @@ impl<R: Real> VertexNormals<R> {
 }
 
 impl Instance {
-    /// What the surface depends on beside the shape.
+    /// The shape's transforms and signs.
     #[inline(always)]
     pub(super) fn place(&self) -> Place {
         Place {
@@ -199,8 +199,8 @@ impl Instance {
         }
     }
 
-    /// The unit shading normal of the triangle of a mesh at the weights of its corners 1 and 2, not flipped. None where
-    /// that is the geometric normal.
+    /// The unit shading normal of a mesh's triangle at the weights of its corners 1 and 2, not flipped. None where it
+    /// is the geometric normal.
     #[inline(always)]
     pub(super) fn vertex_normal(&self, triangle: u32, weights: [f32; 2]) -> Option<Vec3> {
         let normals = VertexNormals::at(self, triangle)?;
@@ -240,7 +240,7 @@ impl<R: Real> Place<R> {
     }
 }
 
-/// The vector at unit length, and whether it has one.
+/// The normalised vector, and whether its length is neither zero nor infinite.
 #[inline(always)]
 fn unit<R: Real>(v: R::Vec3) -> (R::Vec3, R::Mask) {
     let inverse = R::ONE / v.length_squared().sqrt();

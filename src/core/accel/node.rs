@@ -1,8 +1,8 @@
 //! The wide node and its box test.
 //!
-//! Eight child boxes in structure-of-arrays form, one per vector lane. The test is the slab method, made conservative
-//! by widening the exit distance (PBR 4th ed. section 6.8.2). Directions are inverted so that no component is infinite,
-//! hence no product is NaN.
+//! The node has eight child boxes in structure-of-arrays form, one per vector lane. The test is the slab method, made
+//! conservative by widening the exit distance (PBR 4th ed. section 6.8.2). Directions are inverted so that no component
+//! is infinite, hence no product is NaN.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -27,7 +27,7 @@ pub(super) struct Node {
     pub children: [Child; WIDTH],
 }
 
-/// What a slot of a node holds, in 32 bits.
+/// The content of a node's slot, in 32 bits: an inner node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Child(pub u32);
@@ -39,14 +39,14 @@ impl Child {
     pub const NONE: Self = Self(u32::MAX);
     pub const ROOT: Self = Self(0);
     const LEAF: u32 = 1 << 31;
-    /// Below the number of a leaf's primitives, less one.
+    /// The number of a leaf's primitives, less one, is in the bits from this one on.
     const COUNT_SHIFT: u32 = 27;
 
     pub fn node(index: usize) -> Self {
         Self(index as u32)
     }
 
-    /// The `block`-th leaf, of 1 to [`MAX_LEAF`] primitives.
+    /// A leaf of 1 to [`MAX_LEAF`] primitives in the `block`-th place of the leaf order.
     pub fn leaf(block: usize, count: usize) -> Self {
         Self(Self::LEAF | (count as u32 - 1) << Self::COUNT_SHIFT | block as u32)
     }
@@ -88,13 +88,13 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// Empties a slot, after which no other may be in use.
+    /// Empties a slot, after which no slot in use may follow.
     pub fn clear(&mut self, slot: usize) {
         let [min, max] = [Vec3::INFINITY; 2];
         self.set(slot, &Aabb { min, max }, Child::NONE);
     }
 
-    /// Moves the indices of children back: of nodes by `nodes`, of leaves by `blocks`.
+    /// Shifts the indices of children: of nodes by `nodes`, of leaves by `blocks`.
     pub fn advance(&mut self, nodes: usize, blocks: usize) {
         let used = self.slots_used();
         for child in &mut self.children[..used] {
@@ -126,7 +126,7 @@ impl Node {
         Vec3Lanes::of(plane(0), plane(1), plane(2))
     }
 
-    /// Prefetches the node, which is four cache lines wherever it begins.
+    /// Prefetches the node, which takes four cache lines from any start.
     #[inline(always)]
     pub fn prefetch(&self) {
         self.planes.iter().for_each(prefetch);
@@ -151,8 +151,8 @@ impl Node {
     }
 }
 
-/// The farthest distance at which a box may begin that holds a hit at `t_max`, whatever the rounding of both. Without
-/// the padding the order of the traversal would decide which of two triangles is found where they touch.
+/// The farthest entry distance of a box that can hold a hit at `t_max`, whatever the rounding of both. Without the
+/// padding the order of the traversal would decide which of two touching triangles is found.
 #[inline(always)]
 pub(super) fn padded(t_max: f32) -> f32 {
     t_max * T_MAX_PADDING
@@ -170,10 +170,10 @@ pub(super) struct RaySlabs {
 }
 
 impl RaySlabs {
-    /// `None` if the ray can hit nothing: it is not finite, has no direction, or its interval is empty.
+    /// None if the ray can hit nothing: it is not finite, has no direction, or its interval is empty.
     ///
     /// A zero direction component gets the largest finite inverse. A ray that runs within a face must not leave the box
-    /// at 0 * inverse = 0, so on such an axis both faces lie a little farther out. The distances to them are then
+    /// at 0 * inverse = 0, so on such an axis both faces are moved outwards a little. The distances to them are then
     /// beyond all others, with the right signs.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {

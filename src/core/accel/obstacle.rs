@@ -1,18 +1,18 @@
-//! What is in the way of rays, where light may pass straight through some shapes, which are called clear.
+//! The obstacles of shadow rays. Shapes that light may pass straight through are called clear.
 
-/// What a ray meets.
+/// The obstacle on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     /// Nothing.
     Nothing,
-    /// Shapes that are called clear, and none other that has been found.
+    /// Only clear shapes, as far as the search went.
     Clear,
     /// A shape that is not clear.
     Opaque,
 }
 
-/// What rays meet, a bit for each lane. Of a ray that meets an opaque shape it is not known whether it meets clear
-/// ones.
+/// The obstacles on sixteen rays, a bit each. A ray that meets an opaque shape may or may not have its bit set in
+/// `clear`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obstacles {
     /// The rays that meet a shape that is not clear.
@@ -22,7 +22,7 @@ pub struct Obstacles {
 }
 
 impl Obstacles {
-    /// Notes that the rays of `lanes`, a bit each, meet a shape.
+    /// Records that the rays of `lanes`, a bit each, meet a shape.
     #[inline(always)]
     pub(super) fn add(&mut self, lanes: u32, is_clear: bool) {
         match is_clear {
@@ -31,14 +31,14 @@ impl Obstacles {
         }
     }
 
-    /// Notes what the ray of a lane meets.
+    /// Records the obstacle on the ray of one lane.
     #[inline(always)]
     pub(super) fn add_lane(&mut self, lane: usize, obstacle: Obstacle) {
         self.opaque |= u32::from(obstacle == Obstacle::Opaque) << lane;
         self.clear |= u32::from(obstacle == Obstacle::Clear) << lane;
     }
 
-    /// The rays that meet shapes of which all are clear.
+    /// The rays that meet clear shapes alone.
     pub fn only_clear(self) -> u32 {
         self.clear & !self.opaque
     }

@@ -1,8 +1,8 @@
-//! Whether anything is in the way of rays, and whether light may pass straight through all of it.
+//! Tests whether shadow rays are blocked, and whether light may pass straight through all obstacles.
 //!
 //! Most shadow rays that meet a pane of glass meet a wall as well. The search for any hit therefore goes on behind
-//! shapes that are called clear, and only rays that meet nothing but these have to be followed from one hit to the
-//! next. Shapes are counted as by [`Tlas::shape_index`].
+//! clear shapes, and only rays that meet nothing else have to be traced from one hit to the next. Shapes have the
+//! numbers of [`Tlas::shape_index`].
 
 use super::obstacle::{Obstacle, Obstacles};
 use super::placement::Placement;
@@ -11,17 +11,17 @@ use super::tlas::{Item, Tlas};
 use crate::math::Ray;
 use crate::math::lanes::each_lane;
 
-/// The search for an opaque shape is given up after so many clear ones: in a tree of leaves with holes it would go
-/// through all of them.
+/// The search for an opaque shape ends after this many clear ones: in a tree of leaves with holes it would go through
+/// all of them.
 const MOST_CLEAR: u32 = 4;
 
 impl Tlas {
-    /// Whether anything is hit with t_min < t < t_max.
+    /// Whether the ray hits any shape with t_min < t < t_max.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.obstacle(ray, |_| false) == Obstacle::Opaque
     }
 
-    /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
+    /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; all other bits are zero.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         if self.small_scene.is_none() && self.waits_for_memory {
             return self.occluded_interleaved(&rays.rays(), active & rays.valid_mask());
@@ -29,8 +29,8 @@ impl Tlas {
         self.obstacles(rays, active, |_| false).opaque
     }
 
-    /// What is hit with t_min < t < t_max, where `is_clear` tells which shapes light may pass straight through. Behind
-    /// [`MOST_CLEAR`] of these it may miss an opaque one.
+    /// The obstacle with t_min < t < t_max, where `is_clear` is true for shapes that light may pass straight through.
+    /// Behind [`MOST_CLEAR`] clear shapes it may miss an opaque one.
     pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         self.obstacle_from(0, ray, &is_clear)
     }
@@ -53,7 +53,7 @@ impl Tlas {
         met
     }
 
-    /// [`Self::obstacle`] where `first` shapes are counted before those of this hierarchy.
+    /// [`Self::obstacle`] where this hierarchy's first shape has the number `first`.
     fn obstacle_from(&self, first: usize, ray: &Ray, is_clear: &impl Fn(usize) -> bool) -> Obstacle {
         let (mut found, mut clear) = (Obstacle::Nothing, 0);
         self.bvh.any(ray, |range| {

@@ -7,7 +7,7 @@ use wide::{f32x8, u32x4, u32x8};
 
 use super::node::WIDTH;
 
-/// Sorted children. Those that are met come first in both arrays; what follows is arbitrary.
+/// Sorted children. Those that the ray meets come first in both arrays; the remaining entries are arbitrary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FarToNear {
     /// The distances at which the ray enters, rounded down by at most 7 units in the last place.
@@ -15,14 +15,13 @@ pub(super) struct FarToNear {
     pub children: [u32; WIDTH],
 }
 
-/// The lowest bits of an entry distance, which hold the number of a lane instead.
+/// The lowest bits of an entry distance, which are replaced by the number of the lane.
 const LANE: u32 = WIDTH as u32 - 1;
-/// Flips the bits of a distance, which has no sign, so that the order of distances is reversed. The bits of the lane
-/// stay.
+/// Flips all bits of a distance but the sign and the lane, so that the order of distances is reversed.
 const REVERSED: u32 = !LANE & i32::MAX as u32;
 
-/// Sorts `children` by `entries`, which are not negative. `met` has all bits set in the lanes that count and none in
-/// others.
+/// Sorts `children` by `entries`, which are not negative. `met` has all bits set in the lanes whose box the ray meets
+/// and none in the others.
 #[inline(always)]
 pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) -> FarToNear {
     let met: u32x8 = bytemuck::cast(met);
@@ -57,7 +56,7 @@ pub(super) fn nearest(entries: f32x8, met: f32x8) -> usize {
     (a.max(b).max(c.max(d)) & LANE) as usize
 }
 
-/// Keys for sorting: they are greater for nearer children and all different, since the lane is in the lowest bits.
+/// Sort keys: greater for nearer children, and all different, since the lane is in the lowest bits.
 #[inline(always)]
 fn keys(entries: f32x8) -> u32x8 {
     let distance: u32x8 = bytemuck::cast(entries);
@@ -65,14 +64,14 @@ fn keys(entries: f32x8) -> u32x8 {
     ((distance & !LANE) | lanes) ^ REVERSED
 }
 
-/// Puts the children whose bits are set in `met` first, in their order; what follows is arbitrary.
+/// Puts the children whose bits are set in `met` first, in their order; the remaining entries are arbitrary.
 #[inline(always)]
 pub(super) fn met_first(met: u32, children: [u32; WIDTH]) -> [u32; WIDTH] {
     let lanes = u32x8::new(LANES_OF[met as usize % LANES_OF.len()]);
     u32x8::new(children).shuffle_wrapping(lanes).to_array()
 }
 
-/// For each byte the positions of the bits that are set, followed by zeros.
+/// The positions of the bits set in each byte, followed by zeros.
 static LANES_OF: [[u32; WIDTH]; 1 << WIDTH] = {
     let mut table = [[0; WIDTH]; 1 << WIDTH];
     let mut mask = 0;

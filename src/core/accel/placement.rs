@@ -1,6 +1,6 @@
-//! A group of shapes placed in the world. A placement is small, since a scene may have millions.
+//! A group of shapes placed in the world. It is kept small, since a scene may have millions.
 //!
-//! Only the transform into the group is stored. The inverse is needed once per hit, and computed then.
+//! Only the transform into the group is stored. Its inverse is computed once per hit.
 
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3, Vec3A};
 
@@ -18,7 +18,7 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
+    /// None if the transform is singular, not finite, or has an inverse beyond f32.
     pub fn new(group: u32, world_from_group: &Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.
         let wide = DMat3::from_cols(
@@ -50,7 +50,7 @@ impl Placement {
         }
     }
 
-    /// The exact inverse of the transform that rays are taken through.
+    /// The exact inverse of the transform applied to rays.
     fn exact_world_from_group(&self) -> DAffine3 {
         DAffine3 {
             matrix3: self.group_from_world.as_dmat3().inverse(),
@@ -58,7 +58,7 @@ impl Placement {
         }
     }
 
-    /// The way out of the group, rounded to single precision.
+    /// The transform from the group to the world, rounded to single precision.
     pub fn world_from_group(&self) -> Affine3A {
         let exact = self.exact_world_from_group();
         Affine3A::from_mat3_translation(exact.matrix3.as_mat3(), exact.translation.as_vec3())
@@ -80,7 +80,7 @@ impl Placement {
         }
     }
 
-    /// The [`exact_bounds`](Self::exact_bounds), a little wider.
+    /// The [`exact_bounds`](Self::exact_bounds) with a margin for rounding.
     pub(super) fn world_bounds(&self, group: &Aabb) -> Aabb {
         let Aabb { min, max } = self.exact_bounds(group);
         if group.is_empty() {

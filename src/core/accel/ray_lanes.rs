@@ -3,7 +3,7 @@
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
 use crate::math::{PerLane, Ray};
 
-/// Rays in lanes; the fields mean what those of [`Ray`] do.
+/// Rays in lanes; the fields are those of [`Ray`].
 #[derive(Clone, Copy, Debug)]
 pub struct RayLanes {
     /// The origins.
@@ -44,7 +44,7 @@ impl RayLanes {
         t_max: Lanes::ZERO,
     };
 
-    /// Takes at most as many rays as there are lanes; the other lanes are [`Self::NOWHERE`].
+    /// At most as many rays as there are lanes; the other lanes are [`Self::NOWHERE`].
     pub fn of(rays: &[Ray]) -> Self {
         let mut lanes = Self::NOWHERE;
         for (lane, ray) in rays.iter().enumerate() {

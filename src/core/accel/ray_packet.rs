@@ -1,9 +1,9 @@
 //! Packet traversal: each box that any of sixteen rays may meet is tested against all of them at once.
 //!
-//! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are
-//! then fetched once for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing,
+//! Rays of one pixel, and shadow rays from their hits to one light, visit nearly the same nodes and triangles, which
+//! are then fetched once for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing,
 //! Eurographics 2001). Incoherent rays are slower than with [`super::interleaved`]. Where surfaces coincide, a ray may
-//! hit another one of them than it would if traced by itself.
+//! hit another of them than if traced by itself.
 
 use std::ops::Range;
 
@@ -34,7 +34,7 @@ struct StackEntry {
 }
 
 impl StackEntry {
-    /// The stack before the first step of a traversal.
+    /// The stack with the root alone.
     #[inline(always)]
     fn at_root(rays: u32) -> ArrayVec<Self, STACK> {
         let mut stack = ArrayVec::new();
@@ -217,9 +217,9 @@ fn triangle_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
 }
 
 impl Bvh {
-    /// Traverses the hierarchy with the rays in `active`. `leaf` gets the range of a leaf's primitives in the order,
-    /// the rays that may meet them, and each ray's t_max, which it lowers to a hit; it returns the rays that hit
-    /// something. With `ANY` these are done. Returns all rays that hit something.
+    /// Traverses the hierarchy with the rays in `active`. `leaf` gets the range of a leaf's primitives in the leaf
+    /// order, the rays that may meet them, and each ray's t_max, which it lowers to a hit; it returns the rays that hit
+    /// a primitive. With `ANY` these rays are finished. Returns all rays that hit a primitive.
     #[inline(always)]
     fn walk_packet<const ANY: bool>(
         &self,
@@ -259,8 +259,8 @@ impl Bvh {
         met
     }
 
-    /// Descends with the rays in `active` together as long as [`CROWD`] of them meet the same child. Calls `alone` with
-    /// the lane, the child and the entry distance where a ray has to go on by itself.
+    /// Descends with the rays in `active` together while at least [`CROWD`] of them meet the same child. Calls `alone`
+    /// with the lane, the child and the entry distance where a ray has to continue by itself.
     #[inline(always)]
     pub(super) fn descend_packet(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
         let slabs = SlabLanes::new(rays);
@@ -283,7 +283,7 @@ impl Bvh {
             );
             let mut crowds = 0;
             for slot in each_lane(boxes.slots) {
-                // The compiler does not know that the slot is less.
+                // Tells the compiler that the slot is in range.
                 let slot = slot % WIDTH;
                 if is_crowd(node.children[slot], boxes.rays[slot]) {
                     crowds |= 1 << slot;
@@ -298,13 +298,13 @@ impl Bvh {
     }
 }
 
-/// From this number of rays on, a node costs less for all together than for one after the other.
+/// From this number of rays on, one packet test of a node is cheaper than a test per ray.
 const CROWD: u32 = 8;
 
-/// So few rays, or none, go through a mesh one by one: a packet has to be prepared.
+/// Up to this number, rays go through a mesh one by one: preparing a packet has a cost.
 const FEW: u32 = 4;
 
-/// The boxes of a node that a packet meets.
+/// The boxes of a node that rays of a packet meet.
 struct BoxesMet {
     /// The distances at which each ray enters each box.
     enters: [Lanes; WIDTH],
@@ -347,8 +347,8 @@ impl BoxesMet {
         }
     }
 
-    /// Tests all boxes without a branch. `enter` gives the distances at which the rays enter the box of a slot, and the
-    /// mask of those that do.
+    /// Tests all boxes without a branch. `enter` gives the distances at which the rays enter a slot's box, and the mask
+    /// of the rays that meet it.
     #[inline(always)]
     fn find_by(&mut self, mask: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
         let mut slots = 0;
@@ -363,7 +363,7 @@ impl BoxesMet {
     }
 }
 
-/// Pushes the children in `slots`, which are met, the nearest on top unless any hit will do.
+/// Pushes the met children in `slots`, the nearest on top unless any hit is sought.
 #[inline(always)]
 fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, stack: &mut ArrayVec<StackEntry, STACK>) {
     let base = stack.len();

@@ -14,7 +14,7 @@ pub(super) const LEAST_MARGIN: f32 = 1e-18;
 /// Bounds on the rounding of an instance's transforms, per coordinate, in world units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounding {
-    /// The factor of the magnitudes of the local position.
+    /// The bound on a position's rounding, as a factor of the magnitudes of the local position.
     pub of_position: Mat3A,
     pub of_translation: Vec3A,
 }
@@ -29,8 +29,8 @@ impl Rounding {
         }
     }
 
-    /// Changes the bounds to those for a shape within `bounds` that rays meet as a whole, in a space of its own. Its
-    /// size counts then, wherever the hit is.
+    /// Widens the bounds for a shape that rays intersect in its local space, where the rounding of every hit grows with
+    /// the whole shape's `bounds`.
     pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
         let extent = bounds.min.abs().max(bounds.max.abs());
         self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(extent));

@@ -1,5 +1,5 @@
-//! Spheres, rectangles and disks that lie next to each other are tested together against one ray: a shape per lane,
-//! where [`super::small_scene`] has a ray per lane.
+//! Spheres, rectangles and disks that are close together are tested against one ray at once: a shape per lane, where
+//! [`super::small_scene`] has a ray per lane.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// The least number of shapes that is worth a block.
+/// The fewest shapes for which a block is faster.
 const FEWEST: usize = 3;
 
 /// Up to sixteen shapes.
@@ -27,19 +27,19 @@ const FEWEST: usize = 3;
 pub(super) struct ShapeBlock {
     /// Their bounds in the world.
     pub bounds: Aabb,
-    /// The rows of their matrices from the world, and their places in the world.
+    /// The rows of the world-to-local matrices, and the shapes' origins in the world.
     rows: [Vec3Lanes; 3],
     place: Vec3Lanes,
-    /// The squares of their radii, if all of them are spheres that the transform keeps round.
+    /// The squares of their world radii, if all of them are spheres scaled uniformly.
     squared_radii: Option<Lanes>,
-    /// The lanes that hold spheres, a bit each; rectangles and disks likewise.
+    /// The lanes that hold spheres, rectangles and disks, a bit each.
     spheres: u32,
     rectangles: u32,
     disks: u32,
 }
 
-/// The indices of the shapes of a block among the instances; only the first lanes are used. They are kept apart from
-/// the block, because edits of the scene give other numbers to many shapes, of which few change.
+/// The indices of a block's shapes among the instances; only the first lanes are used. They are apart from the block,
+/// because an edit of the scene renumbers many shapes but changes few.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Members([u32; LANES]);
 
@@ -50,13 +50,13 @@ impl Members {
         Self(all)
     }
 
-    /// The indices, lane by lane.
+    /// The indices without unused lanes.
     pub fn indices(&self) -> &[u32] {
         let used = self.0.iter().take_while(|&&member| member != NO_PRIMITIVE).count();
         &self.0[..used]
     }
 
-    /// Other numbers for the same shapes.
+    /// Gives the shapes new numbers.
     pub fn renumber(&mut self, new: impl Fn(u32) -> u32) {
         let used = self.indices().len();
         self.0[..used].iter_mut().for_each(|member| *member = new(*member));
@@ -64,8 +64,8 @@ impl Members {
 }
 
 impl ShapeBlock {
-    /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A
-    /// linear list has no blocks.
+    /// Makes blocks of shapes of similar size that are close together. Other shapes are faster by themselves. A linear
+    /// list has no blocks.
     pub fn gather(instances: &Instances, method: SplitMethod) -> Vec<(Self, Members)> {
         if method == SplitMethod::Linear {
             return Vec::new();
@@ -82,7 +82,7 @@ impl ShapeBlock {
                 .iter()
                 .fold(Aabb::EMPTY, |all, &member| all.union(bounds[member as usize]))
         };
-        // A floor in the block of many small things would give the block its box.
+        // A floor in a block of many small shapes would blow up the block's box.
         let dwarfs = |place: usize, members: &[u32]| {
             let others = around(&members[..place]).union(around(&members[place + 1..]));
             bounds[members[place] as usize].half_area() > 2.0 * others.half_area()
@@ -101,7 +101,7 @@ impl ShapeBlock {
         leaves.order().par_chunks(LANES).filter_map(block).collect()
     }
 
-    /// Whether a block can have this shape.
+    /// Whether a block can hold this shape.
     pub fn takes(shape: &Instance) -> bool {
         match shape.primitive {
             Primitive::Sphere | Primitive::Rectangle | Primitive::Disk => true,
@@ -109,7 +109,7 @@ impl ShapeBlock {
         }
     }
 
-    /// Makes blocks of all of these shapes, by their numbers, also of those that have no others next to them.
+    /// Makes blocks of all these shapes, given by their numbers, also of distant ones.
     pub fn gather_all(instances: &Instances, members: &[u32]) -> Vec<(Self, Members)> {
         let bounds: Vec<Aabb> = members
             .iter()
@@ -124,7 +124,7 @@ impl ShapeBlock {
         leaves.order().chunks(LANES).map(block).collect()
     }
 
-    /// A block of these shapes, of which there may be none.
+    /// A block of these shapes, which may be empty.
     pub fn of(instances: &Instances, members: &[u32]) -> (Self, Members) {
         let bounds = members.iter().map(|&member| instances[member as usize].world_bounds());
         Self::new(instances, members, bounds.fold(Aabb::EMPTY, Aabb::union))
@@ -198,7 +198,7 @@ impl ShapeBlock {
         BlockHits { t, u, v, met }
     }
 
-    /// The nearest hit. `members` are those of the block.
+    /// The nearest hit. `members` must be this block's.
     #[inline]
     pub fn closest(&self, members: &Members, ray: &Ray) -> Option<Hit> {
         let BlockHits { t, u, v, met } = self.test(ray);
@@ -212,7 +212,7 @@ impl ShapeBlock {
         Some(Hit::of_shape(members.0[nearest], hit))
     }
 
-    /// What the ray meets, where `is_clear` tells which shapes light may pass straight through.
+    /// The obstacle on the ray, where `is_clear` is true for shapes that light may pass straight through.
     #[inline]
     pub fn obstacle(&self, members: &Members, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         let BlockHits { met, .. } = self.test(ray);
@@ -224,7 +224,7 @@ impl ShapeBlock {
     }
 }
 
-/// A ray against the shapes of a block: the hit with each, and the mask of those that are met.
+/// The hits of one ray with the shapes of a block, and the mask of the lanes that are hit.
 struct BlockHits {
     t: Lanes,
     u: Lanes,
@@ -235,7 +235,7 @@ struct BlockHits {
 /// The range of radii whose squares neither overflow nor lose digits.
 const SQUARABLE: Range<f32> = 1e-15..1e15;
 
-/// The radius of a sphere that the transform keeps round.
+/// The world radius of a sphere that the transform scales uniformly.
 fn radius(shape: &Instance) -> Option<f32> {
     let Primitive::Sphere = shape.primitive else {
         return None;
@@ -243,7 +243,7 @@ fn radius(shape: &Instance) -> Option<f32> {
     let axes = shape.exact_world_from_local().matrix3;
     let squares = axes.transpose() * axes;
     let square = squares.x_axis.x;
-    // The tolerance is what single precision can tell.
+    // The tolerance is the resolution of single precision.
     let is_round = squares.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 2e-7 * square);
     let radius = square.sqrt() as f32;
     (is_round && SQUARABLE.contains(&radius)).then_some(radius)

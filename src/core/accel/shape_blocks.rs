@@ -1,10 +1,10 @@
-//! The list of the blocks of a hierarchy, and how it follows edits of single shapes.
+//! The list of a hierarchy's blocks, and edits of single shapes in it.
 
 use super::shape_block::{Members, ShapeBlock};
 use super::shared_list::SharedList;
 
-/// The blocks of a hierarchy. Copies that differ in few blocks share the memory of the others, whatever numbers their
-/// shapes have.
+/// The blocks of a hierarchy. Copies that differ in few blocks share the memory of the others, whatever the numbers of
+/// their shapes.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeBlocks {
     blocks: SharedList<ShapeBlock>,
@@ -21,12 +21,11 @@ impl ShapeBlocks {
         (&self.blocks[place], &self.members[place])
     }
 
-    /// The members of each block.
     pub fn members(&self) -> &[Members] {
         &self.members
     }
 
-    /// The blocks that the list was made of, and their members: all, until it is edited.
+    /// The blocks that the list was made of, and their members; they are all blocks until the list is edited.
     pub fn made(&self) -> (&[ShapeBlock], &[Members]) {
         let blocks = self.blocks.made();
         (blocks, &self.members[..blocks.len().min(self.len())])
@@ -48,12 +47,11 @@ impl ShapeBlocks {
         self.members.extend(members);
     }
 
-    /// Gives other numbers to the same shapes.
+    /// Gives the shapes new numbers.
     pub fn renumber(&mut self, new: impl Fn(u32) -> u32) {
         self.members.iter_mut().for_each(|members| members.renumber(&new));
     }
 
-    /// The memory in bytes.
     pub fn bytes(&self) -> usize {
         self.len() * (size_of::<ShapeBlock>() + size_of::<Members>())
     }

@@ -1,5 +1,5 @@
-//! Tests of shapes in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in the space of
-//! their shape.
+//! Vectorised tests of shapes: one shape against sixteen rays, or sixteen shapes against one. Rays are in the local
+//! space of their shape.
 
 use glam::Vec3;
 
@@ -12,17 +12,17 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 /// A hit of one shape in each lane.
 pub(super) struct ShapeHitLanes {
     pub t: Lanes,
-    /// The place on the shape: on a cube's face as [`super::affine_mesh::Face::at`] takes it, zero on a sphere.
+    /// The coordinates on the shape: on a cube's face as [`super::affine_mesh::Face::at`] takes them, zero on a sphere.
     pub u: Lanes,
     pub v: Lanes,
     /// The face of a cube: 0 for x = -1, 1 for x = 1, 2 for y = -1, and so on; zero for other shapes.
     pub part: Lanes,
-    /// The lanes whose ray meets the shape before `t_max`. The other fields count only there.
+    /// The lanes whose ray meets the shape before `t_max`. The other fields are undefined elsewhere.
     pub met: Lanes,
 }
 
-/// Transforms world `rays` to spaces with origins at `places`, by the `rows` of the matrices; as
-/// [`super::instance::Instance::local_ray`].
+/// Transforms world `rays` to spaces with origins at `places` by the `rows` of the matrices, as
+/// [`super::instance::Instance::local_ray`] does.
 #[inline(always)]
 pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -> RayLanes {
     let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
@@ -34,10 +34,10 @@ pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -
     }
 }
 
-/// [`local`] for one space.
+/// [`local`] for a single space.
 #[inline(always)]
 pub(super) fn local_to(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLanes {
-    // `map` of the array would go through memory.
+    // The array's `map` would go through memory.
     let row = |row: usize| Vec3Lanes::splat(rows[row]);
     local(rays, &[row(0), row(1), row(2)], Vec3Lanes::splat(place))
 }
@@ -74,7 +74,7 @@ pub(super) fn sphere(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     round(ray, Lanes::ONE, t_max)
 }
 
-/// Intersects a sphere around the origin, given its squared radius.
+/// Intersects a sphere around the origin with this squared radius.
 #[inline(always)]
 pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> ShapeHitLanes {
     let zero = Lanes::ZERO;
@@ -89,9 +89,9 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> Shap
     let a = d.length_squared();
     let b = o.dot(d);
     let c = o.length_squared() - squared_radius;
-    // The distance of the centre from the line, from a product whose digits do not cancel for far origins.
+    // The squared distance of the centre from the line, as a cross product, which does not cancel for far origins.
     let discriminant = a.mul_sub(squared_radius, o.cross(d).length_squared());
-    // Before the expensive operations: the line passes through the sphere, and not only behind the origin.
+    // Tested before the expensive operations: the line passes through the sphere, not only behind the origin.
     let ahead = discriminant.simd_ge(zero) & b.fast_min(c).simd_lt(zero);
     if ahead.none() {
         return hit(zero, ahead);
@@ -106,8 +106,8 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> Shap
     hit(near_counts.select(near, far), met)
 }
 
-/// Intersects the cube [-1, 1]³ by the slab method, from within if the ray at `t_min` is in it. The side of a face that
-/// a ray comes from is exact.
+/// Intersects the cube [-1, 1]³ by the slab method, from inside if the ray at `t_min` is in it. Which side of a face a
+/// ray comes from is exact.
 #[inline(always)]
 pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
@@ -143,11 +143,11 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     }
 }
 
-/// Rays prepared for box tests. The test is that of [`super::node`] with another order of operations, only two for each
-/// face, and a margin that makes up for their rounding.
+/// Rays prepared for box tests. The test is that of [`super::node`] in another order, with only two operations per
+/// face, and a margin for their rounding.
 pub(super) struct SlabLanes {
     inverse: Vec3Lanes,
-    /// The origins divided by the directions, for the lower and for the upper faces, which lie a little farther out.
+    /// The origins divided by the directions, for the lower and for the upper faces, which are moved outwards a little.
     lower: Vec3Lanes,
     upper: Vec3Lanes,
 }
@@ -155,7 +155,7 @@ pub(super) struct SlabLanes {
 impl SlabLanes {
     #[inline(always)]
     pub fn new(ray: &RayLanes) -> Self {
-        // The margin exceeds what rounding the sum and the product here can take away.
+        // The margin exceeds the rounding of the sum and of the product here.
         let margin = ray.origin.map(|o| {
             o.abs()
                 .mul_add(Lanes::splat(2.0 * f32::EPSILON), Lanes::splat(LEAST_MARGIN))
@@ -172,7 +172,7 @@ impl SlabLanes {
         }
     }
 
-    /// Whether all rays in `active` go down on each axis, or `None` if they differ on one.
+    /// The signs that all rays in `active` share, per axis (true: downwards), or None if they differ on an axis.
     #[inline(always)]
     pub fn common_signs(&self, active: u32) -> Option<[bool; 3]> {
         let negative = |inverse: Lanes| inverse.to_bitmask() & active;
@@ -185,13 +185,13 @@ impl SlabLanes {
         is_common.then(|| [down[0] != 0, down[1] != 0, down[2] != 0])
     }
 
-    /// Whether the rays may meet a box before `t_max`.
+    /// The mask of the rays that may meet a box before `t_max`.
     #[inline(always)]
     pub fn meets(&self, bounds: &Aabb, t_max: Lanes) -> Lanes {
         self.enter(bounds, t_max).1
     }
 
-    /// The distances at which the rays enter a box, and whether they may meet it before `t_max`.
+    /// The distances at which the rays enter a box, and the mask of those that may meet it before `t_max`.
     #[inline(always)]
     pub fn enter(&self, bounds: &Aabb, t_max: Lanes) -> (Lanes, Lanes) {
         self.enter_between(Vec3Lanes::splat(bounds.min), Vec3Lanes::splat(bounds.max), t_max)
@@ -206,7 +206,7 @@ impl SlabLanes {
         within(near, far, t_max)
     }
 
-    /// [`Self::enter`] given the planes by which all rays enter, one for each axis, those by which they leave, and
+    /// [`Self::enter`] given the planes by which all rays enter, one for each axis, the planes by which they leave, and
     /// their [common signs](Self::common_signs).
     #[inline(always)]
     pub fn enter_by(&self, near: Vec3Lanes, far: Vec3Lanes, down: [bool; 3], t_max: Lanes) -> (Lanes, Lanes) {
@@ -225,7 +225,7 @@ impl SlabLanes {
         )
     }
 
-    /// The distances at which the rays meet three planes.
+    /// The distances at which the rays meet one plane per axis.
     #[inline(always)]
     fn distances(&self, planes: Vec3Lanes, origins: Vec3Lanes) -> Vec3Lanes {
         Vec3Lanes::of(
@@ -236,8 +236,8 @@ impl SlabLanes {
     }
 }
 
-/// One over `dir`, limited to the largest number whose product with the origin loses nothing. Zero components get that
-/// number.
+/// One over `dir`, limited to the largest number whose product with the origin loses no digits. Zero components get
+/// that number.
 #[inline(always)]
 fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
     const EXPONENT: WordLanes = WordLanes::new([0xff << 23; LANES]);
@@ -247,13 +247,13 @@ fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
     inverse_within(dir, bytemuck::cast(MOST - exponent))
 }
 
-/// One over `dir`, but not beyond `largest`.
+/// One over `dir`, clamped to [-`largest`, `largest`].
 #[inline(always)]
 pub(super) fn inverse_within(dir: Lanes, largest: Lanes) -> Lanes {
     (Lanes::ONE / dir).fast_max(-largest).fast_min(largest)
 }
 
-/// The last of the entries, and whether it comes before all exits and `t_max`.
+/// The last entry distance, and whether it comes before all exits and `t_max`.
 #[inline(always)]
 fn within(near: Vec3Lanes, far: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
     let enter = near.x.fast_max(near.y).fast_max(near.z.fast_max(Lanes::ZERO));

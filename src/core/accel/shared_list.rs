@@ -1,21 +1,20 @@
-//! A list that shares its entries with its copies: an edit of a copy takes memory for what differs.
+//! A list that shares its entries with its copies: an edited copy takes memory for the difference alone.
 
 use std::ops::Index;
 use std::sync::Arc;
 
-/// A list of which copies are cheap as long as they differ in few entries. Until it is edited it is read like a plain
-/// one.
+/// A list whose copies are cheap while they differ in few entries. Until its first edit it is read like a plain list.
 #[derive(Clone, Debug)]
 pub(super) struct SharedList<T> {
     /// The entries that the list was made of.
     made: Arc<Vec<T>>,
-    /// What has been edited since; None: nothing.
+    /// The edits since; None before the first.
     edits: Option<Edits<T>>,
 }
 
 #[derive(Clone, Debug)]
 struct Edits<T> {
-    /// The place of each entry in the list as it was made, and after it in `new`.
+    /// The index of each entry in the list as it was made, and beyond its end in `new`.
     places: Vec<u32>,
     new: Vec<T>,
 }
@@ -25,18 +24,18 @@ impl<T> SharedList<T> {
         self.edits.as_ref().map_or(self.made.len(), |edits| edits.places.len())
     }
 
-    /// The number of entries that take memory, with removed ones.
+    /// The number of entries in memory, removed ones included.
     pub fn stored(&self) -> usize {
         self.made.len() + self.edits.as_ref().map_or(0, |edits| edits.new.len())
     }
 
-    /// The entries that the list was made of: all that it has, until it is edited.
+    /// The entries that the list was made of; they are all entries until the list is edited.
     pub fn made(&self) -> &[T] {
         &self.made
     }
 
-    /// The place of an entry in the list as it was made, and after it among new ones. Entries keep their places in
-    /// edited copies, but for the first time that they are replaced.
+    /// The index of an entry in the list as it was made, and beyond its end among the new entries. Entries keep it in
+    /// edited copies, except the first time that they are replaced.
     pub fn place(&self, index: usize) -> usize {
         self.edits.as_ref().map_or(index, |edits| edits.places[index] as usize)
     }
@@ -53,7 +52,7 @@ impl<T> SharedList<T> {
         (0..self.len()).map(|index| &self[index])
     }
 
-    /// This is kept out of line, so that reading a list without edits stays fast.
+    /// Kept out of line, so that reading a list without edits stays fast.
     #[inline(never)]
     fn get_edited<'a>(&'a self, edits: &'a Edits<T>, index: usize) -> Option<&'a T> {
         let place = *edits.places.get(index)? as usize;
@@ -68,7 +67,7 @@ impl<T> SharedList<T> {
         })
     }
 
-    /// Replaces an entry. Nothing happens beyond the end.
+    /// Replaces an entry; does nothing beyond the end.
     pub fn replace(&mut self, index: usize, value: T) {
         let made = self.made.len();
         let edits = self.edits();
@@ -95,13 +94,13 @@ impl<T> SharedList<T> {
         edits.new.truncate(used.unwrap_or(0).saturating_sub(made));
     }
 
-    /// Takes out the entries of the numbers `removed`, ascending, and then puts in `inserted` by their numbers in the
-    /// list that results, ascending.
+    /// Removes the entries with the numbers `removed`, ascending, and then inserts `inserted` by their numbers in the
+    /// resulting list, ascending.
     pub fn splice(&mut self, removed: &[u32], inserted: impl ExactSizeIterator<Item = (u32, T)>) {
         if removed.is_empty() && inserted.len() == 0 {
             return;
         }
-        /// Moving all that comes after is quicker than a new list, up to this number of entries.
+        /// Up to this number of entries, moving all later ones is faster than making a new list.
         const FEW: usize = 8;
         let first_new = self.stored() as u32;
         let edits = self.edits();
@@ -133,7 +132,7 @@ impl<T> SharedList<T> {
 }
 
 impl<T: Clone> SharedList<T> {
-    /// A list made of the same entries.
+    /// A list of the same entries without edits.
     pub fn made_anew(self) -> Self {
         match self.edits {
             None => self,

@@ -1,10 +1,10 @@
-//! The order in which a small scene tests its shapes against a batch of rays, with boxes around shapes next to each
-//! other. Where no ray of the batch meets a box, what is in it is skipped; otherwise it is tested against those that
-//! do.
-//!
-//! It is a hierarchy in depth-first order. Whether a box is worth its test is the surface area heuristic (MacDonald and
-//! Booth, Heuristics for Ray Tracing Using Space Subdivision, 1990) for a batch: the chance that any of its rays meets
+//! The order in which a small scene tests its shapes against a batch of rays, with boxes around groups of close shapes.
+//! The content of a box that no ray of the batch meets is skipped; otherwise it is tested against the rays that meet
 //! the box.
+//!
+//! It is a hierarchy in depth-first order. The surface area heuristic (MacDonald and Booth, Heuristics for Ray Tracing
+//! Using Space Subdivision, 1990) decides which boxes pay off, for a batch: by the probability that any of its rays
+//! meets the box.
 
 use std::cmp::Ordering;
 
@@ -16,13 +16,13 @@ use crate::math::lanes::LANES;
 /// A step of a walk through the list.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
-    /// The test of the item of this number.
+    /// Test the item with this number.
     Item(u32),
-    /// The walk goes on at the step `end` if no ray meets the box.
+    /// Continue at the step `end` if no ray meets the box.
     Box { bounds: Aabb, end: u32 },
 }
 
-/// The most boxes inside each other.
+/// The most nested boxes.
 const DEEPEST: usize = 32;
 
 /// A walk of a batch of rays through the steps.
@@ -34,12 +34,12 @@ pub(super) struct Walk<'a> {
     outer: ArrayVec<Within, DEEPEST>,
 }
 
-/// A box that a walk is in.
+/// A box whose content a walk is testing.
 #[derive(Clone, Copy)]
 struct Within {
-    /// The step after those in the box.
+    /// The first step after the box's content.
     end: usize,
-    /// The rays that meet the box and those around it, a bit each.
+    /// The rays that meet the box and all boxes around it, a bit each.
     rays: u32,
 }
 
@@ -57,8 +57,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The next item to be tested, and the rays among `active` that are to be tested against it, a bit each: those that
-    /// meet the boxes around it, whatever the others do. `meet` gives the rays that meet a box.
+    /// The next item, and the rays among `active` to be tested against it, a bit each: those that meet all boxes around
+    /// it, whatever the other rays meet. `meet` gives the rays that meet a box.
     #[inline(always)]
     pub fn next(&mut self, active: u32, meet: impl Fn(&Aabb) -> u32) -> Option<(usize, u32)> {
         loop {
@@ -88,29 +88,29 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Something to be tested.
+/// An item to be tested.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
     pub number: u32,
     /// World bounds.
     pub bounds: Aabb,
-    /// What a test of all lanes costs, in units of a test of a shape that is a box.
+    /// The cost of a test of all lanes, in units of a test of a shape that is a box.
     pub cost: f32,
 }
 
-/// What the test of a box in world space costs, in those units.
+/// The cost of a test of a box in world space, in those units.
 const BOX_COST: f32 = 0.4;
 
-/// So many items are divided in the middle, because most batches meet both halves however they are divided.
+/// From this number of items on, sets are divided in the middle, because most batches meet both halves of any division.
 const MANY: usize = 64;
 
-/// The items below a node of the hierarchy, which has a box if that is worth it.
+/// The items below a node of the hierarchy, which has a box if the box pays off.
 struct Plan {
     bounds: Aabb,
     has_box: bool,
-    /// What is tested wherever the box around the node is met.
+    /// The cost of the tests that follow whenever the box around the node is met.
     always: f32,
-    /// What is tested only where boxes below the node are met, by their chances.
+    /// The expected cost of the tests within boxes below the node.
     sometimes: f32,
     content: Content,
 }
@@ -120,7 +120,7 @@ enum Content {
     Two(Box<[Plan; 2]>),
 }
 
-/// Appends the steps for `items` and returns what they cost. Rays are where `whole` is.
+/// Appends the steps for `items` and returns their expected cost. Rays are expected in the box `whole`.
 pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aabb) -> f32 {
     if items.is_empty() {
         return 0.0;
@@ -130,8 +130,8 @@ pub(super) fn append_steps(steps: &mut Vec<Step>, items: &mut [Item], whole: &Aa
     plan.always + plan.sometimes
 }
 
-/// The place of rays that begin on `items`: the box of their centres, and half the size of the median item around it.
-/// The bounds would do worse: beside a wide ground everything in a room is small.
+/// The region of rays that begin on `items`: the box of their centres, and half the size of the median item around it.
+/// The bounds would be worse: beside a wide ground all shapes in a room are small.
 pub(super) fn place_of_rays(items: &[Item]) -> Aabb {
     let centers = Aabb::from_points(items.iter().map(|item| item.bounds.center()));
     let mut sizes: Vec<f32> = items.iter().map(|item| item.bounds.extent().max_element()).collect();
@@ -234,10 +234,10 @@ fn in_order(a: &Item, b: &Item, axis: usize) -> Ordering {
     first.total_cmp(&second).then(a.number.cmp(&b.number))
 }
 
-/// The chance that any ray of a batch that is somewhere in `whole` meets a box.
+/// The probability that any ray of a batch somewhere in `whole` meets a box.
 fn chance(bounds: &Aabb, whole: &Aabb) -> f32 {
     let share = (bounds.half_area() / whole.half_area()).clamp(0.0, 1.0);
-    // Of points without extent there is no share.
+    // Points without extent have no such share.
     let missed = if share.is_finite() { 1.0 - share } else { 0.0 };
     1.0 - missed.powi(LANES as i32)
 }

@@ -1,12 +1,11 @@
 //! Scenes of up to some two thousand shapes: sixteen rays at once are tested against one shape after the other, in a
 //! fixed order.
 //!
-//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway.
-//! Where there are more, [`super::skip_list`] has boxes around shapes that only few batches meet. Rectangles, spheres,
-//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are
-//! tested so; the rays that meet them traverse the mesh one by one, or together if they are many and the mesh is large.
-//! Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one of them than
-//! it would if traced by itself.
+//! Rays of different paths are incoherent, but among few shapes most have to be tested anyway. For more shapes,
+//! [`super::skip_list`] has boxes around shapes that few batches meet. Rectangles, spheres, boxes and meshes of a few
+//! triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested in vectors; the rays
+//! that meet them traverse the mesh one by one, or together if they are many and the mesh is large. Many shapes close
+//! together are tested in blocks. Where surfaces coincide, a ray may hit another of them than if traced by itself.
 
 use glam::{Vec2, Vec3};
 
@@ -25,16 +24,16 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// The most shapes that could be in blocks and are tested alone. Blocks are faster above this.
+/// The most shapes tested one by one that could be in blocks. Above this, blocks are faster.
 pub(super) const MOST_ALONE: usize = 24;
 /// The most blocks of a small scene.
 const MOST_BLOCKS: usize = 64;
-/// The most that a batch of rays may cost by the estimate, in the units of [`Item::cost`]. Most rays stop at the first
-/// of many shapes one behind the other, which the hierarchy tests from front to back.
+/// The largest estimated cost of a batch of rays, in the units of [`Item::cost`]. Most rays stop at the first of many
+/// shapes one behind the other, which the hierarchy tests from front to back.
 const MOST_COST: f32 = 300.0;
 
-/// Rays traverse a mesh one by one if it has no more bytes than this, which a core's cache holds beside other meshes,
-/// or if they are no more than that. Turns, which hide the waits for memory, pay for many rays in large meshes alone.
+/// Rays traverse a mesh one by one if a core's cache holds its `CACHED` bytes beside other meshes, or if they are at
+/// most `FEW_RAYS`. Interleaving, which hides the waits for memory, pays off for many rays in large meshes alone.
 const CACHED: usize = 512 << 10;
 const FEW_RAYS: u32 = 8;
 
@@ -45,13 +44,13 @@ pub(super) struct Shapes<'a> {
     pub blocks: (&'a [ShapeBlock], &'a [Members]),
 }
 
-/// The shapes of a scene that is not edited in place, if their tests do not cost too much.
+/// The shapes of a scene that is not edited in place and whose tests are cheap enough.
 #[derive(Clone, Debug)]
 pub(super) struct SmallScene {
     shapes: Vec<SceneShape>,
     /// The order of the tests, the cheap shapes first.
     steps: Vec<Step>,
-    /// Whether there are boxes among them.
+    /// Whether there are boxes among the steps.
     has_boxes: bool,
 }
 
@@ -60,8 +59,8 @@ struct SceneShape {
     /// Index into the instances.
     instance: u32,
     kind: Kind,
-    /// The rows of the matrix from the world, and the place in the world. Squares and cubes have their own matrix, not
-    /// that of their mesh.
+    /// The rows of the world-to-local matrix, and the local origin in the world. Squares and cubes have their own
+    /// matrix, not their mesh's.
     rows: [Vec3; 3],
     place: Vec3,
 }
@@ -70,14 +69,14 @@ struct SceneShape {
 enum Kind {
     Rectangle,
     Sphere,
-    /// A mesh that is the unit square under the matrix, with the face that the square stands for.
+    /// A mesh that is the transformed unit square, with the face that the square stands for.
     Square(Face),
-    /// A mesh that is the unit cube under the matrix, with the faces that the cube's sides stand for.
+    /// A mesh that is the transformed unit cube, with the faces that the cube's sides stand for.
     Cube(Vec<Face>),
     TinyMesh(TinyMesh),
-    /// A mesh, with its local bounds, and whether a core's cache holds it beside others.
+    /// Any other mesh, with its local bounds, and whether a core's cache holds it beside other meshes.
     Boxed(Aabb, bool),
-    /// Another shape, which is tested against one ray after the other.
+    /// Any other shape, which is tested against one ray after the other.
     Other,
     /// All blocks of the scene.
     Blocks,
@@ -87,7 +86,7 @@ enum Kind {
 const LAST_TURN: u32 = 3;
 
 impl Kind {
-    /// Kinds are tested in this order: what is cheap may hide what is not.
+    /// The rank of the kind in the order of tests: cheap shapes first, since they may hide expensive ones.
     fn turn(&self) -> u32 {
         match self {
             Self::Rectangle | Self::Square(_) | Self::Sphere | Self::Cube(_) => 0,
@@ -97,13 +96,13 @@ impl Kind {
         }
     }
 
-    /// What a test of all lanes costs, as [`Item::cost`]. Meshes are measured with the rays that traverse them.
+    /// The cost of a test of all lanes, as [`Item::cost`]. A mesh's cost was measured with the rays that traverse it.
     fn cost(&self) -> f32 {
         match self {
             Self::Rectangle | Self::Sphere | Self::Square(_) | Self::Cube(_) => 1.0,
             Self::Boxed(..) => 6.0,
             Self::TinyMesh(_) | Self::Other => 10.0,
-            // Each block has bounds of its own.
+            // Each block has bounds of its own, which are tested first.
             Self::Blocks => 0.0,
         }
     }
@@ -114,11 +113,11 @@ struct Nearest {
     t: Lanes,
     u: Lanes,
     v: Lanes,
-    /// The index into the shapes, a small whole number; negative where nothing is hit.
+    /// The index into the shapes, as a float; negative where nothing is hit.
     shape: Lanes,
-    /// The index of the triangle or of the cube's face, likewise.
+    /// The index of the triangle or of the cube's face, as a float.
     part: Lanes,
-    /// The whole hits, with shapes that are tested against one ray after the other.
+    /// The complete hits with shapes that are tested against one ray after the other.
     whole: [Option<Hit>; LANES],
 }
 
@@ -143,7 +142,7 @@ impl SmallScene {
         })
     }
 
-    /// The order of the tests, and what they cost.
+    /// The order of the tests, and their expected cost per batch.
     fn steps(shapes: &[SceneShape], scene: Shapes) -> (Vec<Step>, f32) {
         let bounds = |shape: &SceneShape| match &shape.kind {
             Kind::Blocks => (scene.blocks.0.iter()).fold(Aabb::EMPTY, |all, block| all.union(block.bounds)),
@@ -168,7 +167,7 @@ impl SmallScene {
         (steps, cost)
     }
 
-    /// The shapes beside these blocks, and all blocks as one if there are any.
+    /// The shapes outside these blocks, and all blocks as one shape if there are any.
     fn beside(instances: &[Instance], blocks: &[Members]) -> Vec<SceneShape> {
         // A mesh without triangles has empty bounds, and no ray meets it.
         let mut alone: Vec<bool> = (instances.iter())
@@ -285,8 +284,8 @@ impl SmallScene {
         hits
     }
 
-    /// What the rays of the lanes in `active` meet, where `is_clear` tells which instances light may pass straight
-    /// through.
+    /// The obstacles on the rays of the lanes in `active`, where `is_clear` is true for instances that light may pass
+    /// straight through.
     pub fn any<const COHERENT: bool>(
         &self,
         scene: Shapes,
@@ -402,7 +401,7 @@ impl SceneShape {
 }
 
 impl Nearest {
-    /// Takes a hit of the `number`-th shape in the lanes among `asked` that meet it.
+    /// Records a hit of the `number`-th shape in the lanes of `asked` that meet it.
     #[inline(always)]
     fn take(&mut self, asked: u32, number: Lanes, hit: &ShapeHitLanes) {
         let met = hit.met & lanes_of(asked);
@@ -413,7 +412,7 @@ impl Nearest {
         self.part = met.select(hit.part, self.part);
     }
 
-    /// The ray of a lane, up to its nearest hit so far.
+    /// The ray of a lane, ended at its nearest hit so far.
     #[inline(always)]
     fn shortened(&self, lane: usize, rays: &RayLanes) -> Ray {
         Ray {
@@ -462,7 +461,7 @@ impl Nearest {
     }
 }
 
-/// Adds what the rays of the lanes in `mask` meet in the blocks.
+/// Adds the obstacles in the blocks on the rays of the lanes in `mask`.
 #[inline(never)]
 fn any_of_blocks(
     mask: u32,

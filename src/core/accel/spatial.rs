@@ -1,6 +1,6 @@
-//! Spatial splits: a plane divides a set of references, and both sides hold the primitives that lie on both (Stich,
+//! Spatial splits: a plane divides a set of references, and both sides hold the primitives that it cuts (Stich,
 //! Friedrich and Dietrich, Spatial splits in bounding volume hierarchies, 2009). They pay off where primitives are
-//! long, or large beside their neighbours.
+//! long, or large compared with their neighbours.
 
 use glam::Vec3;
 
@@ -8,15 +8,15 @@ use super::binning::{Bins, Grid};
 use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 use crate::math::Aabb;
 
-/// A function that cuts the part of a primitive within a box by a plane across an axis, and gives the boxes around what
-/// lies before and behind the plane. The box of a side that holds nothing is empty.
+/// A function that cuts the part of a primitive within a box by a plane across an axis, and returns the boxes around
+/// the parts before and behind the plane. The box of an empty side is empty.
 pub(super) type Cut<'a> = dyn Fn(u32, &Aabb, Plane) -> [Aabb; 2] + Sync + 'a;
 
 /// The number of slabs along each axis; the planes between them are tried.
 const BINS: usize = 16;
 
 /// Two sets of bins: one counts the primitives that begin in a bin, the other those that end there. The boxes of both
-/// are those of all parts of primitives in the bin.
+/// surround all parts of primitives in the bin.
 pub(super) struct SpatialBins {
     begins: Bins,
     ends: Bins,
@@ -66,7 +66,7 @@ impl SpatialBins {
     }
 }
 
-/// Gives the references before and behind the plane.
+/// Returns the references before and behind the plane.
 pub(super) fn divide(prims: &[PrimRef], plane: Plane, cut: &Cut) -> [Vec<PrimRef>; 2] {
     let mut sides = [Vec::new(), Vec::new()];
     for prim in prims {
@@ -87,7 +87,7 @@ pub(super) fn divide(prims: &[PrimRef], plane: Plane, cut: &Cut) -> [Vec<PrimRef
     sides
 }
 
-/// Cuts a triangle, as [`Cut`] wants it.
+/// Cuts a triangle, as a [`Cut`].
 pub(super) fn cut_triangle(corners: [Vec3; 3], part: &Aabb, plane: Plane) -> [Aabb; 2] {
     let Plane { axis, at } = plane;
     let mut sides = [Aabb::EMPTY; 2];
@@ -103,7 +103,7 @@ pub(super) fn cut_triangle(corners: [Vec3; 3], part: &Aabb, plane: Plane) -> [Aa
             let (from, to) = (corner.as_dvec3(), next.as_dvec3());
             let mut crossing = from.lerp(to, (f64::from(at) - from[axis]) / (to[axis] - from[axis]));
             crossing[axis] = f64::from(at);
-            // A box that holds the exact point whatever the rounding.
+            // This box holds the exact point whatever the rounding.
             let error = 4.0 * f64::EPSILON * from.abs().max(to.abs());
             let [min, max] = [crossing - error, crossing + error].map(|corner| corner.as_vec3().to_array());
             let around = Aabb {

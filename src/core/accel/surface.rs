@@ -1,9 +1,9 @@
 //! The world-space surface at a hit.
 //!
 //! The conventions are Mitsuba 3's. A mesh's geometric normal is that of the transformed triangle, so a mirroring
-//! transform turns it around. Vertex normals from a file go by the inverse transpose and may disagree with it; vertex
-//! normals that were computed from the triangles turn around with them. The normals of other shapes go by the inverse
-//! transpose.
+//! transform turns it around. Vertex normals from a file are transformed by the inverse transpose and may disagree with
+//! it; vertex normals computed from the triangles turn around with it. The normals of other shapes are transformed by
+//! the inverse transpose.
 
 use glam::{Affine3A, DAffine3, Vec2, Vec3, Vec3A};
 
@@ -20,8 +20,8 @@ use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
 use crate::math::Ray;
 
 impl Tlas {
-    /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its
-    /// corners 1 and 2.
+    /// The mesh of the hit, if it has one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its corners
+    /// 1 and 2.
     pub fn mesh_at(&self, hit: &Hit) -> Option<&MeshData> {
         match &self.shape_at(hit).primitive {
             Primitive::Mesh(blas) => Some(blas.mesh()),
@@ -29,7 +29,7 @@ impl Tlas {
         }
     }
 
-    /// The surface at `hit`, which must be a hit of `ray` here, in full detail.
+    /// The surface at `hit`, which must be a hit of `ray` in this hierarchy, in full detail.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.surface_in(ray, hit, Detail::Parametrised)
     }
@@ -54,8 +54,8 @@ impl Tlas {
         }
     }
 
-    /// The place in another hierarchy of the same shapes, elsewhere, of the point of a shape that is at `place` here,
-    /// where `hit` is. If that has no such shape, it is `place`.
+    /// Carries the point `place` on the hit shape over to `other`, a hierarchy in which the same shapes are moved.
+    /// Returns `place` itself if `other` has no such shape.
     pub fn place_in(&self, other: &Self, hit: &Hit, place: Vec3) -> Vec3 {
         let Some(its) = other.transforms_at(hit) else {
             return place;
@@ -70,7 +70,7 @@ impl Tlas {
         (its * own.inverse()).transform_point3(place.as_dvec3()).as_vec3()
     }
 
-    /// The transform of the placement, if it is one, and that of the shape. None if there is nothing of this number.
+    /// The transforms of the placement, if the hit is in one, and of the shape. None if no shape has these numbers.
     fn transforms_at(&self, hit: &Hit) -> Option<[Option<Affine3A>; 2]> {
         let Some(place) = (hit.instance as usize).checked_sub(self.instances.len()) else {
             let shape = self.instances.get(hit.instance as usize)?;
@@ -85,8 +85,7 @@ impl Tlas {
         Some([Some(placement.world_from_group()), Some(member.world_from_local)])
     }
 
-    /// The surface at `hit` with its parametrisation, where `plain` is the surface without one, which is on a mesh in
-    /// no group.
+    /// Adds the parametrisation to `plain`, the surface without one at `hit`, which must be on a mesh outside groups.
     pub(crate) fn parametrised(&self, hit: &Hit, plain: SurfacePoint) -> SurfacePoint {
         let shape = self.shape_at(hit);
         let unflipped = shape.place().side * plain.geometric_normal;
@@ -113,7 +112,7 @@ impl Tlas {
 }
 
 impl Instance {
-    /// The surface at `hit`, which must be what `ray` met on this instance.
+    /// The surface at `hit`, which must be a hit of `ray` on this instance.
     #[inline(always)]
     fn surface(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
         if let (Primitive::Rectangle | Primitive::Disk, Detail::Plain) = (&self.primitive, detail) {
@@ -154,7 +153,7 @@ impl Instance {
     pub(super) fn with_vertex_normals(&self) -> Option<&Blas> {
         match &self.primitive {
             Primitive::Mesh(blas) if !self.face_normals => {
-                // A mirror turns the geometric normal around, but not the normals of the file.
+                // A mirroring transform turns the geometric normal around, but not the normals from the file.
                 let may_differ = !blas.has_flat_normals || self.mirrored && !blas.mesh().has_computed_normals;
                 (may_differ && !blas.mesh().normals.is_empty()).then_some(blas)
             }
@@ -162,8 +161,8 @@ impl Instance {
         }
     }
 
-    /// The unit shading normal in world space where rays meet the triangle of a mesh at the weights `barycentric` of
-    /// its corners 1 and 2. None where that is the geometric normal.
+    /// The unit shading normal in world space of a mesh's triangle at the weights `barycentric` of its corners 1 and 2,
+    /// on the side that rays see. None where it is the geometric normal.
     pub fn shading_normal(&self, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
         Some(self.place().side * self.vertex_normal(triangle, barycentric.to_array())?)
     }
@@ -220,7 +219,7 @@ impl Instance {
         }
     }
 
-    /// The point in the world and its error, as [`Place::position`] and [`Place::error`] give them. Vectors of four are
+    /// The world position and its error, as [`Place::position`] and [`Place::error`] give them. Vectors of four are
     /// faster for a single point.
     #[inline(always)]
     fn placed(&self, local: &LocalSurface) -> (Vec3, f32) {

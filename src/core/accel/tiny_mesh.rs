@@ -17,7 +17,7 @@ const MOST_TRIANGLES: usize = 16;
 const MOST_CORNERS: usize = 16;
 const MOST_EDGES: usize = 32;
 
-/// A mesh in which corners at the same place are one.
+/// A mesh whose corners at the same position are merged.
 #[derive(Clone, Debug)]
 pub(super) struct TinyMesh {
     bounds: Aabb,
@@ -31,14 +31,14 @@ pub(super) struct TinyMesh {
 struct TinyTriangle {
     /// Index into the mesh's triangles.
     index: u32,
-    /// The edges opposite its corners, each with 1, or with -1 if the triangle runs along the edge backwards.
+    /// The edges opposite its corners, each with 1, or with -1 if the triangle runs along it backwards.
     edges: [(usize, f32); 3],
     corner: usize,
     /// The normal, not of unit length.
     normal: Vec3,
 }
 
-/// The points at which lines meet a triangle's plane.
+/// The barycentric weights of the points at which lines meet a triangle's plane.
 pub(super) struct WeightLanes {
     /// Weights of corners 1 and 2, times `sum`.
     pub u: Lanes,
@@ -110,15 +110,15 @@ impl TinyMesh {
     /// true.
     #[inline(always)]
     pub fn each_hit(&self, rays: &RayLanes, mut visit: impl FnMut(Lanes, WeightLanes, usize) -> bool) {
-        // The corners seen from the origins, and their cross products with the directions. The list is large, so it is
-        // filled in place.
+        // The corners relative to the origins, and their cross products with the directions. The list is large, so it
+        // is filled in place.
         let mut corners = ArrayVec::<[Vec3Lanes; 2], MOST_CORNERS>::new();
         for &corner in &self.corners {
             let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
             corners.push([p, p.cross(d)]);
         }
-        // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, its rounding is that of the edge's
-        // length, not of its distance.
+        // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, the error scales with the edge's
+        // length, not with its distance.
         let mut volumes = ArrayVec::<Lanes, MOST_EDGES>::new();
         for &[from, to] in &self.edges {
             let edge = Vec3Lanes::splat(self.corners[from] - self.corners[to]);
@@ -141,7 +141,7 @@ impl TinyMesh {
             let sum = w + u + v;
             let normal = Vec3Lanes::splat(triangle.normal);
             let t = corners[triangle.corner][0].dot(normal) / rays.dir.dot(normal);
-            // A triangle seen from its edge may have no weights.
+            // A triangle seen edge-on may have weights that sum to zero.
             let inside = inside & sum.simd_ne(zero);
             if visit(t, WeightLanes { u, v, sum, inside }, number) {
                 return;

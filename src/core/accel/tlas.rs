@@ -1,4 +1,4 @@
-//! The hierarchy over everything in the world, which the integrator traces rays against.
+//! The hierarchy over all shapes in the world, against which the integrator traces rays.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -21,10 +21,10 @@ use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
-/// The shapes of a scene and the groups of shapes that stand in it many times, with a hierarchy over their world
+/// The shapes of a scene and its groups of shapes, which are placed many times, with a hierarchy over their world
 /// bounds.
 ///
-/// A group is itself a `Tlas` of shapes alone, in a space of its own, shared by all its placements.
+/// A group is itself a `Tlas` without groups, in its own space, shared by all its placements.
 #[derive(Clone, Debug)]
 pub struct Tlas {
     pub(super) instances: Instances,
@@ -33,18 +33,18 @@ pub struct Tlas {
     pub(super) first_shape: Vec<usize>,
     pub(super) placements: Vec<Placement>,
     pub(super) blocks: ShapeBlocks,
-    /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the
-    /// placements, then the blocks.
+    /// The hierarchy over items, which are numbered instances first (those in blocks are left out), then placements,
+    /// then blocks.
     pub(super) bvh: Bvh,
-    /// The shapes in the order in which sixteen rays are tested against them, in scenes that [`SmallScene`] takes.
+    /// The order in which sixteen rays are tested against the shapes, in scenes that [`SmallScene`] takes.
     pub(super) small_scene: Option<SmallScene>,
     /// Whether the hierarchies, with those of all meshes and groups, are too large for the cache of a core.
     pub(super) is_large: bool,
-    /// Whether they are too large for the cache that cores share. Rays are interleaved then.
+    /// Whether they are too large for the cache that cores share. Rays are then interleaved.
     pub(super) waits_for_memory: bool,
     /// Whether any mesh has vertex normals that are used.
     pub(super) has_vertex_normals: bool,
-    /// What has been edited since the hierarchy was built; None: nothing.
+    /// The edits since the hierarchy was built; None before the first.
     pub(super) edited: Option<EditedPart>,
 }
 
@@ -72,12 +72,12 @@ impl Tlas {
         Self::over(instances.into(), groups, placements, method)
     }
 
-    /// Builds over the shapes of a group. Rays come to it one by one.
+    /// Builds over the shapes of a group, which rays enter one by one.
     pub fn group(instances: Vec<Instance>, method: SplitMethod) -> Self {
         Self::made(instances.into(), Vec::new(), Vec::new(), method, false)
     }
 
-    /// [`Self::with_placements`] from shapes that need not be copied.
+    /// [`Self::with_placements`] over shapes that need not be copied.
     pub fn over(instances: Instances, groups: Vec<Arc<Tlas>>, placements: Vec<Placement>, method: SplitMethod) -> Self {
         // With `Linear` the caller wants a list, so that only a short one is a small scene. Scenes of `FEWEST_EDITED`
         // shapes or more are edited in place, which a small scene cannot follow.
@@ -135,8 +135,8 @@ impl Tlas {
         tlas
     }
 
-    /// Some of the shapes and placements alone, by [`Hit::instance`] in rising order. In the new hierarchy they count
-    /// from 0 on. Numbers that there are not are left out.
+    /// A hierarchy over some of the shapes and placements, given by [`Hit::instance`] in ascending order, which get new
+    /// numbers from 0 on. Numbers beyond the last are ignored.
     pub fn part(&self, items: &[u32], method: SplitMethod) -> Self {
         let items = items.iter().map(|item| *item as usize);
         let instances: Vec<Instance> = (items.clone())
@@ -152,7 +152,7 @@ impl Tlas {
         Self::with_placements(instances, groups, placements, method)
     }
 
-    /// The shapes that stand in the world by themselves, by [`Hit::instance`].
+    /// The shapes outside groups, by [`Hit::instance`].
     pub fn instances(&self) -> &Instances {
         &self.instances
     }
@@ -162,7 +162,7 @@ impl Tlas {
         &self.groups
     }
 
-    /// Where the groups stand.
+    /// The placements of the groups.
     pub fn placements(&self) -> &[Placement] {
         &self.placements
     }
@@ -179,12 +179,12 @@ impl Tlas {
         &self.bvh
     }
 
-    /// World bounds of everything; empty if there is nothing.
+    /// World bounds of all shapes; empty if there is none.
     pub fn bounds(&self) -> Aabb {
         self.bvh.bounds()
     }
 
-    /// The number of triangles of all meshes, those of groups as often as they are placed.
+    /// The number of triangles of all meshes; those of a group count once per placement.
     pub fn triangles(&self) -> u64 {
         let of_shape = |instance: &Instance| match &instance.primitive {
             Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64,
@@ -210,10 +210,10 @@ impl Tlas {
         }
     }
 
-    /// The bounds that [`bounds_of`](Self::bounds_of) gives without their margin for rounding, for people to see and to
-    /// measure by. A group of very many shapes keeps its margin.
+    /// [`bounds_of`](Self::bounds_of) without the margin for rounding, for display and measurement. A group of very
+    /// many shapes keeps its margin.
     pub fn exact_bounds_of(&self, item: u32) -> Option<Aabb> {
-        /// So many shapes are looked through for each placement.
+        /// A placement of more shapes than this keeps its margin.
         const MANY: usize = 256;
         let item = item as usize;
         let Some(place) = item.checked_sub(self.instances.len()) else {
@@ -228,8 +228,8 @@ impl Tlas {
         Some(placement.exact_bounds(&members.fold(Aabb::EMPTY, Aabb::union)))
     }
 
-    /// World bounds of everything but the instances and placements of these numbers, in rising order, as
-    /// [`Hit::instance`] counts them; empty if there is nothing else.
+    /// World bounds of all instances and placements but `left_out`, which are numbers of [`Hit::instance`], ascending;
+    /// empty if there are no others.
     pub fn bounds_without(&self, left_out: &[u32]) -> Aabb {
         let found = Cell::new(Aabb::EMPTY);
         let add = |number: u32, bounds: Aabb| {
@@ -237,7 +237,7 @@ impl Tlas {
                 found.set(found.get().union(bounds));
             }
         };
-        // What lies within the bounds of others does not change them.
+        // Shapes within the bounds of others do not change them.
         let is_outside = |bounds: &Aabb| {
             let found = found.get();
             bounds.min.cmplt(found.min).any() || bounds.max.cmpgt(found.max).any()
@@ -299,7 +299,7 @@ impl Tlas {
         }
     }
 
-    /// The shape that was hit: itself placed in the world, or a member of a group.
+    /// The shape that was hit: an instance, or a member of a placed group.
     #[inline(always)]
     pub fn shape_at(&self, hit: &Hit) -> &Instance {
         match self.instances.get(hit.instance as usize) {
@@ -314,7 +314,7 @@ impl Tlas {
         &self.group_of(&self.placements[place]).instances[hit.member as usize]
     }
 
-    /// The shape that was hit, counted through the instances and then the members of each group.
+    /// The number of the shape that was hit: instances come first, then the members of each group.
     pub fn shape_index(&self, hit: &Hit) -> usize {
         match self.placement_at(hit) {
             Some(placement) => self.first_shape[placement.group as usize] + hit.member as usize,
@@ -346,16 +346,16 @@ impl Tlas {
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
-    /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the
-    /// placements and blocks.
+    /// Statistics of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes
+    /// the placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
         stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.bytes();
         stats
     }
 
-    /// [`Bvh::expected_work`] of all hierarchies together: in a leaf a mesh or a group counts the expected work of its
-    /// own hierarchy, and each shape of a block counts one.
+    /// [`Bvh::expected_work`] of all hierarchies together: a leaf with a mesh or a group counts the expected work of
+    /// its hierarchy, and each shape of a block counts one.
     pub fn expected_work(&self) -> f64 {
         // The work of a mesh is computed once, however many instances it has.
         let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
@@ -386,8 +386,8 @@ impl Tlas {
         self.bvh.validate(&bounds)
     }
 
-    /// Whether `is_sought` says so of any instance or placement whose world bounds touch a box. It gets its number, as
-    /// [`Hit::instance`] counts them, and its bounds.
+    /// Whether `is_sought` is true for any instance or placement whose world bounds touch a box. It gets the number, as
+    /// in [`Hit::instance`], and the bounds.
     pub fn any_touching(&self, sought: &Aabb, mut is_sought: impl FnMut(u32, &Aabb) -> bool) -> bool {
         let touches = |bounds: &Aabb| bounds.min.cmple(sought.max).all() && bounds.max.cmpge(sought.min).all();
         let mut is_found = |number: u32, bounds: Aabb| touches(&bounds) && is_sought(number, &bounds);
@@ -435,8 +435,8 @@ impl Tlas {
         nearest
     }
 
-    /// This is kept out of line, because most scenes have no groups, and their rays should not carry the stack of a
-    /// second traversal.
+    /// Kept out of line, because most scenes have no groups, and their rays should not carry the stack of a second
+    /// traversal.
     #[inline(never)]
     pub(super) fn closest_placed<const COUNT: bool>(
         &self,

@@ -1,4 +1,4 @@
-//! Traverses a [`Bvh`], nearest child first. The caller tests what a leaf holds.
+//! Traverses a [`Bvh`], nearest child first. The caller tests the primitives of a leaf.
 
 use std::ops::{AddAssign, Range};
 
@@ -21,7 +21,7 @@ pub struct TraversalStats {
 }
 
 impl TraversalStats {
-    /// Tests of either kind.
+    /// The number of all tests.
     pub fn total(&self) -> u32 {
         self.boxes + self.primitives
     }
@@ -34,12 +34,12 @@ impl AddAssign for TraversalStats {
     }
 }
 
-/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children on
-/// the stack. The last one pushes all its slots before those that are not met are dropped.
+/// Stack entries for the deepest hierarchy: every node on a path down leaves at most all but one of its children on the
+/// stack. The last one pushes all its slots before those that are not met are dropped.
 pub(super) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
 
 /// Pushes the children that are met, the nearest on top. An entry has the bits of the entry distance above those of the
-/// child. Fails, and does nothing, if less than [`WIDTH`] places are left.
+/// child. Fails without a change if less than [`WIDTH`] places are free.
 #[inline(always)]
 pub(super) fn push_sorted<const ROOM: usize>(
     node: &Node,
@@ -50,7 +50,7 @@ pub(super) fn push_sorted<const ROOM: usize>(
     push_far_to_near(enter, met, node.children, stack)
 }
 
-/// Does what [`push_sorted`] does, for any children.
+/// [`push_sorted`] for children that need not be a node's.
 #[inline(always)]
 pub(super) fn push_far_to_near<const ROOM: usize>(
     enter: f32x8,
@@ -67,7 +67,7 @@ pub(super) fn push_far_to_near<const ROOM: usize>(
     Ok(())
 }
 
-/// Does what [`push_sorted`] does, but unsorted and with distances of zero, for traversals that look for any hit.
+/// [`push_sorted`] without sorting and with distances of zero, for traversals that look for any hit.
 #[inline(always)]
 pub(super) fn push_unsorted<const ROOM: usize>(
     node: &Node,
@@ -100,7 +100,7 @@ impl Bvh {
         self.walk::<false, COUNT, false>(ray, stats, leaf, |_| ());
     }
 
-    /// [`Bvh::closest`] for primitives that are in no cache: a leaf is handed to `prefetch` at once, but to `leaf` only
+    /// [`Bvh::closest`] for primitives that are in no cache: a leaf is passed to `prefetch` at once, but to `leaf` only
     /// when the next leaf has been found. In between the traversal may visit nodes behind a hit.
     #[inline(always)]
     pub(super) fn closest_prefetching<const COUNT: bool>(
@@ -117,7 +117,7 @@ impl Bvh {
         self.walk::<false, COUNT, true>(ray, stats, leaf, prefetch);
     }
 
-    /// Visits leaves until `leaf` returns true; that is the result.
+    /// Visits leaves until `leaf` returns true, and returns whether it did.
     #[inline(always)]
     pub fn any(&self, ray: &Ray, mut leaf: impl FnMut(Range<usize>) -> bool) -> bool {
         self.walk::<true, false, false>(ray, &mut TraversalStats::default(), |range, _| leaf(range), |_| ())
@@ -184,7 +184,7 @@ impl Bvh {
     }
 }
 
-/// The child to go on with: the nearest one, or with `ANY` any that is met. The others are pushed.
+/// The next child to visit: the nearest one, or with `ANY` any that is met. The others are pushed.
 #[inline(always)]
 fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut ArrayVec<u64, STACK>) -> Option<Child> {
     let mut others = met.to_bitmask();
@@ -192,7 +192,7 @@ fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut A
         return None;
     }
     if !ANY {
-        // The nearest is found without waiting for the sort.
+        // Finding the nearest child does not wait for the sort.
         let next = node.children[nearest(enter, met)];
         // The stack is deep enough by construction.
         let _ = push_sorted(node, enter, met, stack);

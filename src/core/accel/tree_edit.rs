@@ -1,5 +1,5 @@
-//! Hierarchies that follow edits of single primitives: leaves are taken out or fitted, and a second hierarchy is put
-//! beside the first.
+//! Edits of single primitives in a hierarchy: leaves are removed or refitted, and a second hierarchy is put beside the
+//! first.
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
@@ -7,17 +7,17 @@ use super::collapse::NO_PRIMITIVE;
 use super::node::{Child, Node};
 use crate::math::Aabb;
 
-/// What becomes of the primitive in a leaf.
+/// The edit of a leaf's primitive.
 pub(super) enum LeafEdit {
-    /// It has this number, and stays where it is.
+    /// It gets this number and keeps its bounds.
     Keep(u32),
-    /// It has this number, and these bounds.
+    /// It gets this number and these bounds.
     Fit(u32, Aabb),
     Remove,
 }
 
 impl Bvh {
-    /// This hierarchy under a new root, with room beside it; see [`Self::put_beside`].
+    /// This hierarchy below a new root, which has a slot for a second one; see [`Self::put_beside`].
     pub(super) fn under_root(&self) -> Self {
         let mut nodes = Vec::with_capacity(self.nodes.len() + 1);
         nodes.push(Node::EMPTY);
@@ -34,8 +34,8 @@ impl Bvh {
         }
     }
 
-    /// The hierarchy without the one that [`Self::put_beside`] has put beside it. `nodes` and `leaves` are the numbers
-    /// of nodes and of entries of the order that it had before.
+    /// The hierarchy without the one that [`Self::put_beside`] added. `nodes` and `leaves` are the numbers of nodes and
+    /// of entries of the leaf order before that.
     pub(super) fn without_beside(&self, nodes: usize, leaves: usize) -> Self {
         Self {
             nodes: self.nodes[..nodes].to_vec(),
@@ -44,8 +44,8 @@ impl Bvh {
         }
     }
 
-    /// Calls `edit` for the primitive of each leaf of a hierarchy by [`Self::under_root`] and fits the boxes. Leaves
-    /// must be of one primitive.
+    /// Calls `edit` for the primitive of each leaf of a hierarchy made by [`Self::under_root`] and refits the boxes.
+    /// Leaves must be of one primitive.
     pub(super) fn edit_leaves(&mut self, edit: impl Fn(u32) -> LeafEdit) {
         let mut is_changed = vec![false; self.nodes.len()];
         // Children come after their parents.
@@ -91,7 +91,7 @@ impl Bvh {
         }
     }
 
-    /// Puts `other` beside a hierarchy by [`Self::under_root`]. False, and nothing is changed, if it would be too deep.
+    /// Puts `other` beside a hierarchy made by [`Self::under_root`]. False, without a change, if it would be too deep.
     pub(super) fn put_beside(&mut self, other: &Self) -> bool {
         let depth = self.depth.max(other.depth + 1);
         if depth > MAX_DEPTH {

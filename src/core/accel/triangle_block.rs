@@ -1,4 +1,4 @@
-//! Triangles that are tested together, with the arithmetic of [`crate::geometry::triangle`] in the lanes of a block.
+//! Triangles that are tested together: the arithmetic of [`crate::geometry::triangle`], a triangle per lane.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -57,16 +57,16 @@ impl TriangleBlock {
         let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
         let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
         let t = t_numerator / determinant;
-        // A degenerate triangle gives t = 0 / 0, for which every comparison fails; one that is seen from its edge may
-        // have no weights.
+        // A degenerate triangle gives t = 0 / 0, for which every comparison fails; one seen edge-on may have weights
+        // that sum to zero.
         let hits =
             inside & (u + v + w).simd_ne(zero) & t.simd_gt(Lanes::splat(ray.t_min)) & t.simd_le(Lanes::splat(t_max));
         (t, weights, hits.to_bitmask())
     }
 
-    /// The nearest hit in this block, which is the `number`-th. `t_max` is the distance at which the slot `found` is
-    /// hit, or the limit if there is none. Of two hits at the same distance the lower slot counts, so that the
-    /// order of tests does not matter.
+    /// The nearest hit in this block, which is the `number`-th. `t_max` is the distance of the hit of the slot `found`,
+    /// or the limit if there is none. Of two hits at the same distance the lower slot wins, so that the order of tests
+    /// does not matter.
     #[inline(always)]
     pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32, found: Option<u32>) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);

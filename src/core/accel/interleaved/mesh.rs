@@ -1,4 +1,4 @@
-//! Sixteen rays within one mesh: they descend together as long as several go the same way, and are then interleaved.
+//! Sixteen rays within one mesh: they descend as a packet while enough of them meet the same child, then interleaved.
 
 use arrayvec::ArrayVec;
 use wide::f32x8;
@@ -36,7 +36,7 @@ impl Blas {
         });
     }
 
-    /// [`Self::occluded`] of the rays in `active`, a bit each; the others' bits are zero.
+    /// [`Self::occluded`] of the rays in `active`, a bit each; all other bits are zero.
     pub(in crate::accel) fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         let mut occluded = 0;
         self.walk_lanes::<true>(rays, active, |index, ray, walk| {
@@ -63,7 +63,7 @@ impl Blas {
             .descend_packet(rays, active, |lane, child, enter| starts[lane].push(child, enter));
         let slabs = RaySlabLanes::new(rays);
         let rays = rays.rays();
-        // The stacks are large, so they are made where they stay.
+        // The stacks are large, so they are built in place.
         let mut stacks: [Stack; LANES] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<MeshWalk<ANY>, LANES>::new();
         for (index, stack) in stacks.iter_mut().enumerate() {
@@ -92,12 +92,12 @@ impl Blas {
     }
 }
 
-/// The children that a ray begins with, unsorted.
+/// The children at which a ray leaves the packet, unsorted.
 #[derive(Clone, Copy)]
 struct Start {
     enters: [f32; WIDTH],
     children: [Child; WIDTH],
-    /// The number of children, also if there are more than fit.
+    /// The number of children, which may exceed the room for them.
     count: usize,
 }
 

@@ -1,8 +1,8 @@
-//! Interleaved traversal: several rays take a step each in turn, so that the others go on while the memory that one
-//! needs is being fetched. A single ray spends most of its time on such waits in large scenes.
+//! Interleaved traversal: several rays take a step each in turn, so that a ray's memory is fetched while the others
+//! work. A single ray spends most of its time on such waits in large scenes.
 //!
-//! Steps at inner nodes are taken together, and so are those at triangles and those at shapes, so that branches are
-//! easy to predict.
+//! Steps at inner nodes are taken together, then those at triangles, then those at shapes, so that branches are easy to
+//! predict.
 
 mod mesh;
 mod scene;
@@ -21,19 +21,19 @@ trait Walk {
     fn next_step(&mut self) -> Place;
     fn visit_node(&mut self, context: &Self::Context);
     fn visit_triangles(&mut self, context: &Self::Context);
-    /// Returns false if the traversal is over.
+    /// Takes a step at a shape or at the end of a space. Returns false if the traversal is over.
     fn visit_elsewhere(&mut self, context: &Self::Context) -> bool;
-    /// Prefetches the memory of the step that was picked.
+    /// Prefetches the memory of the next step.
     fn prefetch_node(&self, context: &Self::Context);
     fn prefetch_triangles(&self, context: &Self::Context);
 }
 
-/// The place of a ray's next step.
+/// Where a ray's next step is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Node,
     Triangles,
-    /// A shape, or the space around the present one.
+    /// A shape, or the way out of the current space.
     Elsewhere,
     Nowhere,
 }
@@ -71,7 +71,7 @@ fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::
     }
 }
 
-/// The rays that have a step to take, by the place of the step, a bit for each.
+/// The rays that have not finished, by the place of their next step, a bit each.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct Turns {
     at_nodes: u32,
@@ -95,7 +95,7 @@ impl Turns {
         }
     }
 
-    /// Prefetches what the rays need, except for shapes.
+    /// Prefetches the nodes and triangles of the next steps.
     #[inline(always)]
     fn prefetch<W: Walk, const N: usize>(self, walks: &ArrayVec<W, N>, context: &W::Context) {
         for index in members::<N>(self.at_nodes) {
@@ -117,18 +117,18 @@ fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The length of a stack for all spaces together. A million triangles need about fifty entries at most.
+/// The capacity of a ray's stack for all spaces together. A million triangles need about fifty entries at most.
 const STACK_LEN: usize = 96;
 
 /// The children still to be visited, and the distances at which the ray enters them.
 type Stack = ArrayVec<u64, STACK_LEN>;
 
-/// The entry below all children of a space: it leads back to the space around it.
+/// The entry below all children of a space, at which the ray returns to the space around it.
 const OUTWARD: u64 = Child::NONE.0 as u64;
 
-/// The state of a ray's traversal. Without `ANY` it looks for the nearest hit.
+/// The state of a ray's traversal, for any hit with `ANY` or else for the nearest.
 struct Progress<'a, const ANY: bool> {
-    /// The stack, as of a single ray, with the entries of inner spaces on top.
+    /// The stack of a single-ray traversal, with the entries of inner spaces on top.
     stack: &'a mut Stack,
     next: Child,
     t_max: f32,
@@ -189,7 +189,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
             self.stack.clear();
             return;
         }
-        // Entries behind the hit are removed now. To skip them later would be a branch at every step that is hard to
+        // Entries behind the hit are removed now. Skipping them later would be a branch at every step that is hard to
         // predict.
         let farthest = u64::from(padded(t).to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;

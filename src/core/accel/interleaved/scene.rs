@@ -1,5 +1,5 @@
-//! Interleaved rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it
-//! takes by itself.
+//! Interleaved rays through a whole scene, from the world into its groups and meshes. Each ray takes the same steps as
+//! when traced by itself.
 
 use arrayvec::ArrayVec;
 
@@ -49,7 +49,7 @@ impl Tlas {
         active: u32,
         mut finish: impl FnMut(usize, &SceneWalk<ANY>),
     ) {
-        // The stacks are large, so they are made where they stay.
+        // The stacks are large, so they are built in place.
         let mut stacks: [Stack; N] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<SceneWalk<ANY>, N>::new();
         for (ray, stack) in rays.iter().zip(&mut stacks) {
@@ -68,7 +68,7 @@ impl Tlas {
     }
 }
 
-/// A ray in one space: the world, a group in it, or a mesh in either.
+/// A ray in one space: the world, a group in the world, or a mesh in either.
 #[derive(Clone, Copy)]
 struct Level<'a> {
     /// The world or the group.
@@ -79,7 +79,7 @@ struct Level<'a> {
     blocks: &'a [TriangleBlock],
     ray: Ray,
     slabs: RaySlabs,
-    /// The ray as triangle tests want it, within a mesh.
+    /// The ray prepared for triangle tests; used within a mesh.
     triangle_ray: TriangleRay,
     /// The index of the group's placement in the world.
     placement: Option<u32>,
@@ -122,7 +122,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         }
     }
 
-    /// Enters a space within the present one.
+    /// Enters a space within the current one.
     #[inline(always)]
     fn enter(&mut self, inner: Level<'a>) {
         let Some(slabs) = RaySlabs::new(&inner.ray) else {
@@ -141,7 +141,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         let level = self.level;
         let bvh = &level.scene.bvh;
         let &[item] = &bvh.order()[bvh.leaf_range(self.progress.next)] else {
-            // Only a linear list has other leaves.
+            // Only a linear list has leaves of several items.
             return self.progress.give_up();
         };
         let ray = Ray {
@@ -182,7 +182,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         }
     }
 
-    /// Out of line once more: its vectors take room that other shapes do without.
+    /// Out of line as well: its vectors take stack space that other shapes do not need.
     #[inline(never)]
     fn visit_block(&mut self, block: &ShapeBlock, members: &Members, ray: &Ray) {
         if let Some(hit) = block.closest(members, ray) {
