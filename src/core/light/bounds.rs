@@ -1,5 +1,4 @@
-//! The bounds of a set of emitters, for choosing among sets: where they are, in which directions they shine, and how
-//! much.
+//! The bounds of a set of emitters, for choosing among sets: position, directions of emission and intensity.
 //!
 //! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBR 4th ed., section
 //! 12.6.3.
@@ -10,8 +9,8 @@ use glam::Vec3;
 
 use crate::math::Aabb;
 
-/// The angle that is added to merged cones (radians), so that rounding leaves no emitter outside: that of `acos` near
-/// its ends.
+/// The angle (radians) that is added to merged cones, so that the rounding of `acos` near its ends leaves no emitter
+/// outside.
 const ANGLE_ROUNDING: f32 = 1e-3;
 
 /// The bounds of one emitter or of a set of them.
@@ -43,7 +42,7 @@ impl NormalCone {
         Self { axis, cos_angle: 1.0 }
     }
 
-    /// A cone that holds both, about the smallest.
+    /// The cone around both cones; nearly the smallest one.
     pub fn union(self, other: Self) -> Self {
         let (wide, narrow) = if self.cos_angle <= other.cos_angle {
             (self, other)
@@ -65,7 +64,7 @@ impl NormalCone {
                     cos_angle: union_angle.cos(),
                 }
             }
-            // The same axis, as nearly as can be told: only rounding has made the cones differ.
+            // The axes are equal up to rounding, which alone has made the cones differ.
             None if union_angle < FRAC_PI_2 => Self {
                 cos_angle: union_angle.cos(),
                 ..wide
@@ -81,7 +80,7 @@ impl NormalCone {
 }
 
 impl LightBounds {
-    /// The same place with `factor` times the intensity; None if nothing sensible is left.
+    /// The same bounds with `factor` times the intensity; None if the result is not a positive, finite intensity.
     pub fn weighted(self, factor: f32) -> Option<Self> {
         let intensity = factor * self.intensity;
         (intensity > 0.0 && intensity.is_finite()).then_some(Self { intensity, ..self })

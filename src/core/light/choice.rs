@@ -1,7 +1,7 @@
 //! The choice of a light for a sample.
 //!
-//! Lights at infinity have a fixed share of the samples, in which each has a part in proportion to the irradiance it
-//! can give. The others are chosen for each reference point by a tree.
+//! Lights at infinity get a fixed share of the samples, divided in proportion to the irradiance that each can give. The
+//! others are chosen for each reference point by a tree.
 
 use super::LightReference;
 use super::bounds::LightBounds;
@@ -26,13 +26,12 @@ pub(super) struct LightChoice {
     infinite_share: f32,
 }
 
-/// The share of the samples that go to lights at infinity if there are others: the kind that matters differs from place
-/// to place.
+/// The share of the samples for lights at infinity if there are others: which kind matters differs from point to point.
 const INFINITE_SHARE: f32 = 0.5;
 
 impl LightChoice {
-    /// Builds the choice from the bounds of the parts of finite lights and the weights of the infinite lights. What has
-    /// no bounds, or weight 0, is never chosen.
+    /// Builds the choice from the bounds of the parts of finite lights and the weights of the infinite lights. A part
+    /// without bounds, or a light of weight 0, is never chosen.
     pub fn new(finite: &[Option<LightBounds>], infinite: &[f32]) -> Self {
         let finite = LightTree::build(finite);
         let infinite = DiscreteDistribution::new(infinite);
@@ -48,7 +47,7 @@ impl LightChoice {
         }
     }
 
-    /// Whether there is but one thing to choose.
+    /// Whether there is only one part or light to choose.
     pub fn is_certain(&self) -> bool {
         self.certain().is_some()
     }
@@ -61,25 +60,25 @@ impl LightChoice {
         }
     }
 
-    /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one
+    /// The choice for `u` in [0, 1), with its probability; None if no light reaches `reference`. If there is only one
     /// light, `u` is not used.
     #[inline]
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
         self.sample_by(u, |tree, u| tree.sample(reference, u))
     }
 
-    /// The probabilities by which [`Self::sample_lane`] chooses among lights that are somewhere, where lanes need not
-    /// go down the tree one by one.
+    /// The probabilities by which [`Self::sample_lane`] chooses among finite lights; None where each lane has to walk
+    /// the tree by itself.
     pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
         self.finite.as_ref()?.shares(from)
     }
 
-    /// [`Self::sample`] from the reference of a lane.
+    /// [`Self::sample`] for the reference point of one lane.
     pub fn sample_lane(&self, lane: usize, shares: &Shares, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
         self.sample_by(u, |tree, u| tree.sample_lane(lane, shares, u))
     }
 
-    /// `of_finite` chooses among lights that are somewhere.
+    /// `of_finite` chooses among the finite lights.
     #[inline(always)]
     fn sample_by(
         &self,

@@ -14,8 +14,8 @@ pub(crate) struct ConstantLight {
 }
 
 impl ConstantLight {
-    /// Samples a direction: by the cosine with the normal where there is one, for the light itself prefers no
-    /// direction; otherwise uniformly.
+    /// Samples a direction: in proportion to the cosine with the normal where there is one, since the light itself
+    /// prefers no direction; otherwise uniformly.
     #[inline(always)]
     pub fn sample<R: Real>(&self, from: &Reference<R>, u: [R; 2]) -> LightSample<R> {
         let Reference { normal, halved, .. } = *from;

@@ -12,7 +12,7 @@ use crate::math::{Real, Vector, sin_cos};
 pub(super) struct CylinderLight {
     world_from_local: Affine3A,
     local_from_world: Affine3A,
-    /// The side that shines: 1 outwards, -1 inwards.
+    /// The emitting side: 1 outwards, -1 inwards.
     side: f32,
 }
 
@@ -43,7 +43,7 @@ impl CylinderLight {
         0.5 * TAU * plus * length * (1.0 + 3.0 * h / (10.0 + (4.0 - 3.0 * h).sqrt()))
     }
 
-    /// Density per area where the local angle has this cosine and sine.
+    /// Density per area at the local angle with this cosine and sine.
     #[inline(always)]
     fn pdf_around<R: Real>(&self, cos: R, sin: R) -> R {
         let [x, y, z] = axes(&self.world_from_local).map(R::Vec3::same);
@@ -51,7 +51,7 @@ impl CylinderLight {
         R::ONE / (R::splat(TAU) * across.length_squared().sqrt())
     }
 
-    /// The point of the axis at this share of the height.
+    /// The point of the axis at the fraction `height` of the height.
     pub fn on_axis(&self, height: f32) -> Vec3 {
         self.world_from_local.transform_point3(Vec3::new(0.0, 0.0, height))
     }

@@ -8,7 +8,7 @@ use crate::math::{Real, Vector};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionalLight {
-    /// Unit vector, where the light goes.
+    /// Unit vector in which the light travels.
     pub direction: Vec3,
     /// The irradiance in W/m^2 on a surface that faces it.
     pub irradiance: Rgb,

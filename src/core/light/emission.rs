@@ -1,5 +1,4 @@
-//! Rays of light as emitters send them: where paths from the lights start (Veach 1997, section 10.2; PBR 4th ed.,
-//! section 16.1).
+//! Sampling emitted rays, with which light paths start (Veach 1997, section 10.2; PBR 4th ed., section 16.1).
 
 use glam::{Vec2, Vec3};
 
@@ -15,24 +14,25 @@ pub struct EmittedRay {
     pub light: LightId,
     /// The start of the ray, off the surface if there is one; before the scene for lights at infinity.
     pub origin: Vec3,
-    /// Unit vector, where the light goes.
+    /// Unit vector in which the light travels.
     pub dir: Vec3,
-    /// The power of the ray: what is emitted, with the cosine at the emitter, over the densities.
+    /// The power of the ray: the emitted radiance times the cosine at the emitter, over the densities.
     pub power: Rgb,
     /// The densities by which the ray was sampled.
     pub pdf: EmissionPdf,
-    /// The place on the emitter.
+    /// The point on the emitter.
     pub start: Start,
 }
 
 /// The densities of a ray in the measures of its emitter, which depend on its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionPdf {
-    /// Density of the start, with the probability of the light: per area on surfaces; per solid angle of the direction
-    /// that light comes from for lights at infinity. For points, and for lights of one direction, it is the
-    /// probability of the light.
+    /// Density of the start, with the probability of the light: per area on surfaces; per solid angle of the light's
+    /// direction for lights at infinity. For point lights and lights of one direction, it is the probability of the
+    /// light.
     pub start: f32,
-    /// Density of what follows: per solid angle of the direction; for lights at infinity per area perpendicular to it.
+    /// Density of the direction per solid angle; for lights at infinity, of the origin per area perpendicular to the
+    /// ray.
     pub next: f32,
 }
 
@@ -41,9 +41,9 @@ pub struct EmissionPdf {
 pub enum Start {
     /// A point of a surface.
     Surface(SurfaceHit),
-    /// A point without extent.
+    /// A point light.
     Point(Vec3),
-    /// Infinitely far away. `is_delta`: in one direction alone.
+    /// Infinitely far away.
     Infinity {
         /// Whether the light comes from this direction alone.
         is_delta: bool,
@@ -51,7 +51,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// Whether no path from the camera can come upon the place by itself.
+    /// Whether no path from the camera can hit the start by chance.
     pub fn is_delta(&self) -> bool {
         match *self {
             Self::Surface(_) => false,
@@ -60,7 +60,7 @@ impl Start {
         }
     }
 
-    /// A density per solid angle of directions from `reference` to the place, in the measure of [`EmissionPdf::start`].
+    /// A density per solid angle of directions from `reference` to the start, in the measure of [`EmissionPdf::start`].
     pub fn density(&self, reference: Vec3, pdf_solid_angle: f32) -> f32 {
         match self {
             Self::Surface(hit) => {
@@ -73,7 +73,7 @@ impl Start {
     }
 }
 
-/// A direction in which a point shines.
+/// A direction in which a point light shines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
     /// Unit vector.
@@ -83,21 +83,21 @@ pub(super) struct Beam {
     pub pdf_solid_angle: f32,
 }
 
-/// What light from the lights can meet.
+/// The region that light from the lights can reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// A sphere around everything.
+    /// A sphere around all shapes.
     pub everything: SceneSphere,
-    /// A sphere around everything but lamps that stand farther from the rest than twice its radius.
+    /// A sphere around all shapes but lamps that are farther from the others than twice its radius.
     pub lit: SceneSphere,
 }
 
-/// A sphere around something.
+/// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneSphere {
-    /// World space.
+    /// The centre in world space.
     pub center: Vec3,
-    /// Above zero.
+    /// The radius, above zero.
     pub radius: f32,
 }
 
@@ -124,33 +124,33 @@ impl SceneSphere {
         }
     }
 
-    /// The area of its disk.
+    /// The area of the sphere's projection.
     pub(super) fn cross_section(&self) -> f32 {
         std::f32::consts::PI * self.radius * self.radius
     }
 }
 
-/// The directions from a place far away to a sphere. Lamps send most of their rays there, as with projection maps
-/// (Jensen, Realistic Image Synthesis Using Photon Mapping, 2001): of a small sun only one ray in thousands would meet
-/// a scene otherwise.
+/// The cone of directions from a distant point to a sphere. Lamps send most of their rays into it, as with projection
+/// maps (Jensen, Realistic Image Synthesis Using Photon Mapping, 2001): otherwise only one ray in thousands of a small
+/// sun would meet a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aim {
-    /// Unit vector.
+    /// Unit vector of the cone's axis.
     axis: Vec3,
     /// The squared sine of the cone's angle, and one minus its cosine.
     sin_squared: f32,
     one_minus_cos: f32,
 }
 
-/// The squared sines of the angles of the cones: from places that are nearer there is none, and narrower cones would be
-/// lost to rounding.
+/// The range of the squared sine of the cone's angle: nearer points do not aim, and narrower cones would be lost to
+/// rounding.
 const SINES_SQUARED: [f32; 2] = [1e-6, 0.25];
 
 impl Aim {
-    /// The share of the rays that are aimed. The others go wherever the lamp shines.
+    /// The share of the rays that are aimed. The others leave in any direction in which the lamp shines.
     pub const SHARE: f32 = 0.875;
 
-    /// The directions from a place; None if it is not far away.
+    /// The cone from the point `from`; None if it is not distant.
     pub fn at(sphere: &SceneSphere, from: Vec3) -> Option<Self> {
         let [least, most] = SINES_SQUARED;
         let way = sphere.center - from;
@@ -166,7 +166,7 @@ impl Aim {
         })
     }
 
-    /// Whether a side with this normal shines in any of the directions.
+    /// Whether a surface side with this normal shines in any of the directions.
     pub fn is_before(&self, normal: Vec3) -> bool {
         normal.dot(self.axis) > -self.sin_squared.sqrt()
     }
@@ -179,7 +179,7 @@ impl Aim {
 
     /// Density per solid angle of [`Self::sample`].
     pub fn pdf(&self, dir: Vec3) -> f32 {
-        // A sampled direction is inside, however it was rounded. There is nothing to meet on the edge.
+        // A sampled direction is inside even after rounding; the edge of the sphere is empty.
         let most = 1.00001 * self.sin_squared + 1e-9;
         let is_inside = dir.dot(self.axis) > 0.0 && dir.cross(self.axis).length_squared() <= most;
         if is_inside {
@@ -189,7 +189,7 @@ impl Aim {
         }
     }
 
-    /// Whether `u` chooses an aimed ray; and what is left of it to choose the ray by.
+    /// Whether `u` chooses an aimed ray, and `u` stretched again to [0, 1) to sample the ray.
     pub fn choose(u: Vec2) -> (bool, Vec2) {
         match u.x < Self::SHARE {
             true => (true, Vec2::new(u.x / Self::SHARE, u.y)),
@@ -197,7 +197,7 @@ impl Aim {
         }
     }
 
-    /// The density of the mixture of aimed rays and of others with the density `pdf`.
+    /// The density of the mixture of aimed rays and other rays, whose density is `pdf`.
     pub fn mixed(aim: Option<&Self>, pdf: f32, dir: Vec3) -> f32 {
         aim.map_or(pdf, |aim| Self::SHARE * aim.pdf(dir) + (1.0 - Self::SHARE) * pdf)
     }

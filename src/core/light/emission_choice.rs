@@ -1,4 +1,4 @@
-//! The choice of the light that a path starts from. Nothing is known of who will be lit, so that lights are chosen by
+//! The choice of the light that a path starts from. The points that it will light are unknown, so lights are chosen by
 //! their power.
 
 use std::f32::consts::PI;
@@ -8,18 +8,17 @@ use super::choice::Chosen;
 use super::emission::SceneSphere;
 use crate::sampling::DiscreteDistribution;
 
-/// The choice of the light that a path starts from.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EmissionChoice {
     parts: Option<DiscreteDistribution>,
-    /// The power of all parts (W, luminance), about.
+    /// The approximate power of all parts (luminance, W).
     power: f32,
     infinite: Option<DiscreteDistribution>,
     /// The irradiance of all lights at infinity.
     irradiance: f32,
 }
 
-/// The least share of the paths that start from lights at infinity if there are others, and of those from the others.
+/// The least share of the paths from lights at infinity if there are others, and of paths from those others.
 const LEAST_SHARE: f32 = 0.1;
 
 impl EmissionChoice {
@@ -76,7 +75,7 @@ impl EmissionChoice {
 }
 
 impl LightBounds {
-    /// The power (W, luminance) that it sends out, about.
+    /// The approximate power that it emits (luminance, W).
     fn power(&self) -> f32 {
         let solid_angle = if self.cone.cos_angle <= -1.0 {
             4.0 * PI

@@ -1,8 +1,8 @@
-//! A picture of all directions, infinitely far away.
+//! An image of all directions, infinitely far away.
 //!
-//! Latitude and longitude as Mitsuba 3 (since 3.9) has them: +y is up, the top row of the picture is the pole, the
-//! bottom row its opposite; columns have their centres half a column inside, the middle of the picture lies towards +z
-//! and the columns go on towards -x. Between pixels radiance is bilinear, and directions are sampled by the bilinear
+//! The mapping is Mitsuba 3's (since 3.9), by latitude and longitude: +y is up, the top row of the image is the pole,
+//! the bottom row its opposite; columns have their centres half a column inside, the middle of the image is at +z, and
+//! the columns continue towards -x. Between pixels radiance is bilinear, and directions are sampled by the bilinear
 //! interpolation of luminance times the solid angle of its pixel, which is nowhere zero where radiance is not.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -16,7 +16,7 @@ use crate::math::{Real, Vector, sin_cos};
 use crate::sampling::{PiecewiseBilinear2d, SquareSample};
 use crate::texture::Image;
 
-/// A picture of all directions with its sampling density, which neither turning nor scaling changes.
+/// An image of all directions with its sampling density, which depends on neither rotation nor scale.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     image: Arc<Image>,
@@ -29,17 +29,17 @@ pub struct EnvironmentMap {
 /// The least number of rows. A picture with fewer gets more by repeating the last one, as in Mitsuba 3.
 const LEAST_ROWS: u32 = 3;
 
-/// The share of the density that remains where compensation would leave nothing. It keeps the sampling sound where no
-/// other technique helps.
+/// The share of the density that is kept where compensation would leave zero, so that the estimator stays unbiased
+/// where no other technique samples.
 const COMPENSATION_FLOOR: f32 = 0.05;
 
-/// The least sine of theta. Below it the density per solid angle, infinite at the poles, stays constant.
+/// The least sine of theta. Closer to the poles, the density per solid angle, which is infinite there, stays constant.
 const LEAST_SINE: f32 = 1e-7;
 
 impl EnvironmentMap {
-    /// Prepares an environment. Pixels that are negative or no number count as black. `compensated` sharpens the
-    /// density by subtracting the mean: directions that surfaces sample by themselves need not be sampled twice
-    /// (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
+    /// Prepares an environment. Negative and NaN pixels count as black. `compensated` sharpens the density by
+    /// subtracting the mean: directions that BSDF sampling finds well need not be sampled twice (Karlik et al., MIS
+    /// Compensation, SIGGRAPH Asia 2019).
     pub fn new(image: Arc<Image>, compensated: bool) -> Self {
         let (width, height) = (image.width(), image.height());
         let rows = height.max(LEAST_ROWS);
@@ -82,7 +82,7 @@ impl EnvironmentMap {
         }
     }
 
-    /// Radiance from where [`uv`] says.
+    /// Radiance from the direction with these coordinates of [`uv`].
     fn radiance(&self, uv: Vec2) -> Rgb {
         let (width, height) = (self.image.width(), self.image.height());
         let x = uv.x * width as f32 - 0.5;
@@ -99,7 +99,7 @@ impl EnvironmentMap {
     }
 }
 
-/// Two lights with the same picture are the same, without looking at its pixels.
+/// Two lights with the same image are the same, without comparing pixels.
 impl PartialEq for EnvironmentMap {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
@@ -116,7 +116,7 @@ pub(super) struct EnvironmentLight {
 }
 
 impl EnvironmentLight {
-    /// Samples a direction where `asked` holds. There is none if the picture is black.
+    /// Samples a direction where `asked` is set; the density is zero if the image is black.
     #[inline(always)]
     pub fn sample<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> LightSample<R> {
         let (mut uv, mut pdf) = ([R::ZERO; 2], R::ZERO);
@@ -166,15 +166,15 @@ impl EnvironmentLight {
     }
 }
 
-/// The longitude and latitude of a unit vector as fractions of the picture.
+/// The longitude and latitude of a unit vector as fractions of the image's size.
 fn uv(local: Vec3) -> Vec2 {
     let turn = local.x.atan2(-local.z) / TAU;
-    // The arc cosine has no digits left near the poles.
+    // The arc cosine loses all digits near the poles.
     let theta = local.x.hypot(local.z).atan2(local.y);
     Vec2::new(turn - turn.floor(), (theta * FRAC_1_PI).min(1.0))
 }
 
-/// The density per solid angle of a density that is uniform over the picture.
+/// The density per solid angle of a density of 1 over the image.
 fn uv_density<R: Real>(sin_theta: R) -> R {
     R::ONE / (R::splat(TAU * PI) * sin_theta.abs().max(R::splat(LEAST_SINE)))
 }

@@ -1,7 +1,7 @@
-//! Emitters that have a place: dispatch over their kinds.
+//! Dispatch over the kinds of finite emitters.
 //!
-//! An emitter has one part or more (a mesh has one per triangle), each of which is chosen by itself. Densities are
-//! given the part; the probability of the part is the table's.
+//! An emitter has one or more parts (a mesh has one per triangle), each of which is chosen by itself. Densities here
+//! are for a given part; the light table multiplies them by the probability of the part.
 
 use glam::{Vec2, Vec3};
 
@@ -51,7 +51,7 @@ impl FiniteLight {
         }
     }
 
-    /// A direction towards a part. There is none where it sends nothing to the reference.
+    /// Samples a direction towards a part; the density is zero where the part sends no light to the reference.
     #[inline(always)]
     pub fn sample<R: Real>(
         &self,
@@ -68,7 +68,7 @@ impl FiniteLight {
         }
     }
 
-    /// A place on a part, or in the middle of round shapes.
+    /// A point on a part, or the centre of round shapes.
     pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
         match self {
             Self::Surface(light) => light.sample_place(part, u),

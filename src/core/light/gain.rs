@@ -1,5 +1,5 @@
-//! By which factor a light has become stronger. Light is linear: what is known of the light of a lamp stays true if it
-//! is multiplied by that.
+//! The factor by which a light has become stronger. Light transport is linear: known light from a lamp stays correct if
+//! it is multiplied by that factor.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use crate::color::Rgb;
 use crate::texture::Parameter;
 
 impl WeightedSource {
-    /// The factor on the light of `old`, by colour, that makes it the light of this one. None if they differ in
-    /// anything else, or if a light without any has got some.
+    /// The factor per channel that turns the light of `old` into this one's. None if they differ in anything else, or
+    /// if a black light has become bright.
     pub fn gain_since(&self, old: &Self) -> Option<Rgb> {
         let gain = self.source.gain_since(&old.source)?;
         (self.sampling_weight == old.sampling_weight).then_some(gain)
@@ -22,7 +22,7 @@ impl LightSource {
         if self == old {
             return Some(Rgb::ONE);
         }
-        // The strength of the new light with everything else of the old one.
+        // The old light with the strength of the new one: the two must be equal.
         let (as_strong, gain) = match (old.clone(), self) {
             (
                 L::Surface {
@@ -125,8 +125,8 @@ impl LightSource {
     }
 }
 
-/// The factor by which all of the `new` lights are as strong as the `old` ones, light by light. None if they differ in
-/// anything else, or by several factors.
+/// The common factor of all `new` lights over the `old` ones, light by light. None if they differ in anything else, or
+/// by several factors.
 pub fn common(old: &[&WeightedSource], new: &[&WeightedSource]) -> Option<Rgb> {
     let is_same_number = old.len() == new.len();
     let mut gains = new.iter().zip(old).map(|(new, old)| new.gain_since(old));
@@ -141,7 +141,7 @@ fn is_about(one: Rgb, other: Rgb) -> bool {
     (one - other).abs().cmple(1e-5 * one.abs().max(other.abs())).all()
 }
 
-/// The factor from one strength to another, by colour.
+/// The factor from one strength to another, per channel.
 fn ratio(before: Rgb, now: Rgb) -> Option<Rgb> {
     if now == Rgb::ZERO && before != Rgb::ZERO {
         return Some(Rgb::ZERO);

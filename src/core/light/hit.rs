@@ -1,4 +1,4 @@
-//! Points on emitting surfaces: those that rays hit and those that sampling chooses.
+//! Points on emitting surfaces, hit by rays or chosen by sampling.
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3};
 
@@ -7,14 +7,14 @@ use super::{LightSample, Target};
 use crate::accel::{Hit, SurfacePoint};
 use crate::math::{Real, Vector, offset_origin};
 
-/// A place on a surface as the density of a light needs it, world space.
+/// A surface point, in world space, with the data that a light's density needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
     /// The point on the surface.
     pub position: Vec3,
     /// Unit geometric normal.
     pub normal: Vec3,
-    /// Unit shading normal, on the side that shines.
+    /// Unit shading normal, on the emitting side.
     pub shading_normal: Vec3,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
@@ -25,7 +25,7 @@ pub struct SurfaceHit {
 }
 
 impl SurfaceHit {
-    /// The place that a ray has met.
+    /// The surface point of a ray's hit.
     pub fn at(hit: &Hit, point: &SurfacePoint) -> Self {
         Self {
             position: point.position,
@@ -42,24 +42,24 @@ impl SurfaceHit {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceSample<R: Real = f32> {
     pub position: R::Vec3,
-    /// Unit normal of the surface, to the side of the reference point.
+    /// Unit normal of the surface, on the side of the reference point.
     pub normal: R::Vec3,
-    /// Density per solid angle as seen from the reference point; zero where the point cannot be seen from there.
+    /// Density per solid angle as seen from the reference point; zero where the point is invisible from there.
     pub pdf_solid_angle: R,
 }
 
-/// A point chosen on an emitter without regard to who looks at it, world space.
+/// A point chosen on an emitter independently of any reference point, in world space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AreaSample<R: Real = f32> {
     pub position: R::Vec3,
-    /// Unit normal on the side that shines, or on either if both can.
+    /// Unit normal on the emitting side, or on either if both emit.
     pub normal: R::Vec3,
     /// Density per area.
     pub pdf_area: R,
 }
 
 impl<R: Real> AreaSample<R> {
-    /// The sample with the normal on the side of a place, for a surface that shines to both.
+    /// The sample with the normal on the side of `reference`, for a surface that emits on both sides.
     pub fn facing(self, reference: R::Vec3) -> Self {
         let is_behind = (reference - self.position).dot(self.normal).is_less(R::ZERO);
         Self {
@@ -68,7 +68,7 @@ impl<R: Real> AreaSample<R> {
         }
     }
 
-    /// The sample as seen from a place, to which the point may show its back or its edge.
+    /// The sample as seen from `reference`; the density is zero where the surface faces away or is seen edge-on.
     #[inline(always)]
     pub fn seen_from(self, reference: R::Vec3) -> SurfaceSample<R> {
         let Self {
@@ -87,7 +87,7 @@ impl<R: Real> AreaSample<R> {
 }
 
 impl<R: Real> SurfaceSample<R> {
-    /// What a function of single references and numbers gives where `asked` holds, one after the other.
+    /// Calls `sample` for each reference and pair of numbers in turn, where `asked` is set.
     #[inline(always)]
     pub fn each(from: &Reference<R>, [u, v]: [R; 2], sample: impl Fn(Vec3, Vec2) -> Option<SurfaceSample>) -> Self {
         let place = from.position;
@@ -123,8 +123,8 @@ impl<R: Real> SurfaceSample<R> {
         }
     }
 
-    /// The direction to the point from a place, with the radiance that comes from there. The error bounds the
-    /// coordinates of the point.
+    /// The direction from `reference` to the point, with the radiance from there. `error` bounds the error of the
+    /// point's coordinates.
     #[inline(always)]
     pub fn towards(self, reference: R::Vec3, error: R, radiance: R::Vec3) -> LightSample<R> {
         let to_point = self.position - reference;
@@ -142,7 +142,7 @@ impl<R: Real> SurfaceSample<R> {
     }
 }
 
-/// The images of the axes.
+/// The images of the three axes.
 #[inline(always)]
 pub(super) fn axes(map: &Affine3A) -> [Vec3; 3] {
     let Mat3A { x_axis, y_axis, z_axis } = map.matrix3;

@@ -25,7 +25,7 @@ pub struct Atmosphere {
     pub sky_scale: f32,
     /// The factor on the radiance of the sun, not negative.
     pub sun_scale: f32,
-    /// The angle under which the sun is seen, in radians, in (0, pi); its irradiance does not depend on it.
+    /// The apparent diameter of the sun in radians, in (0, pi); its irradiance does not depend on it.
     pub sun_aperture: f32,
     /// Whether the sun is darker towards its rim.
     pub limb_darkening: bool,
@@ -34,13 +34,13 @@ pub struct Atmosphere {
 const TURBIDITIES: usize = 10;
 const CONTROL_POINTS: usize = 6;
 const COEFFICIENTS: usize = 9;
-/// The elevations at which the irradiance of the sun is tabulated, in degrees.
+/// The number of elevations at which the irradiance of the sun is tabulated, and the lowest of them in degrees.
 const ELEVATIONS: usize = 30;
 const FIRST_ELEVATION: f32 = 2.0;
 const ELEVATION_STEP: f32 = 3.0;
 
-/// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between its surface's
-/// normal and the view: the limb darkening of Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32
+/// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between the sun's surface
+/// normal and the view: the limb darkening at Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32
 /// degrees.
 const LIMB_DARKENING: [[f32; 6]; 3] = [
     [0.332_252, 1.356_991, -1.929_078, 2.568_054, -1.892_76, 0.564_551],
@@ -79,14 +79,14 @@ impl Atmosphere {
     }
 }
 
-/// The model with everything that does not depend on the direction worked out.
+/// The model with all terms that do not depend on the direction precomputed.
 #[derive(Clone, Debug)]
 pub(super) struct SkyModel {
     atmosphere: Atmosphere,
     /// The coefficients, each for the three channels at once.
     shape: [Rgb; COEFFICIENTS],
     radiance: Rgb,
-    /// Radiance of the sun's disk on average.
+    /// Average radiance of the sun's disk.
     sun_radiance: Rgb,
 }
 
@@ -124,8 +124,8 @@ impl SkyModel {
         self.sun_radiance * TAU * self.sun_one_minus_cos()
     }
 
-    /// Radiance of the sky without the sun from a unit direction. Components that are negative, of colours outside of
-    /// Rec. 709, count as zero: light takes none away.
+    /// Radiance of the sky without the sun from a unit direction. Negative components, of colours outside Rec. 709,
+    /// count as zero.
     #[inline(always)]
     pub fn sky<R: Real>(&self, direction: R::Vec3) -> R::Vec3 {
         let one = R::Vec3::even(R::ONE);
@@ -152,7 +152,7 @@ impl SkyModel {
         if !self.atmosphere.limb_darkening || !is_there.any() {
             return whole;
         }
-        // The disk is that of a distant sphere: the sine of the angle from its centre grows with the sine on its
+        // The disk is a distant sphere: the sine of the angle from its centre is proportional to the sine on the sun's
         // surface.
         let sine_squared = here * (R::splat(2.0) - here);
         let cos = (R::ONE - sine_squared / R::splat(rim * (2.0 - rim)))

@@ -1,6 +1,6 @@
-//! Emitters at infinity: dispatches over their kinds.
+//! Dispatch over the kinds of emitters at infinity.
 //!
-//! Densities are given the light; the probability of the light is the table's.
+//! Densities here are for a given light; the light table multiplies them by the probability of the light.
 
 use std::f32::consts::PI;
 
@@ -35,7 +35,7 @@ impl InfiniteLight {
         }
     }
 
-    /// Whether rays that leave the scene meet it.
+    /// Whether rays that leave the scene see it.
     pub fn is_seen(&self) -> bool {
         match self {
             Self::Directional(_) => false,
@@ -43,7 +43,7 @@ impl InfiniteLight {
         }
     }
 
-    /// Samples the light. There is none where it is black, or on the horizon of the reference.
+    /// Samples a direction; the density is zero where the light is black, or on the horizon of the reference.
     #[inline(always)]
     pub fn sample<R: Real>(&self, from: &Reference<R>, u: [R; 2]) -> LightSample<R> {
         match self {

@@ -1,12 +1,12 @@
 //! Emitters, and the table that chooses among them.
 //!
 //! The contract: [`LightTable::sample`] gives a direction from a reference point towards a light with the radiance that
-//! would arrive if nothing stood between, and its density per solid angle *including the probability of having chosen
-//! this light*; [`LightTable::pdf_of_hit`] and [`LightTable::radiance_and_pdf_from`] give that same density for a
-//! direction found by other means. Directions here are in world space.
+//! would arrive unoccluded, and its density per solid angle *including the probability of having chosen this light*;
+//! [`LightTable::pdf_of_hit`] and [`LightTable::radiance_and_pdf_from`] give that same density for a direction found by
+//! other means. Directions here are in world space.
 //!
-//! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of
-//! them a sample goes to is the matter of `choice.rs` and the tree.
+//! Emitters (`finite.rs`, `infinite.rs` and one file per kind) implement sampling and radiance; `choice.rs` and the
+//! tree choose the emitter of a sample.
 
 mod bounds;
 mod choice;
@@ -70,36 +70,36 @@ pub enum LightSource {
         slot: u32,
         /// The radiance. Negative values of a texture count as no light.
         radiance: Parameter<Rgb>,
-        /// Whether the back shines as the front does.
+        /// Whether the back emits as the front does.
         is_two_sided: bool,
     },
     /// A point light of radiant intensity in W/sr.
     Point {
         /// The position in world space.
         position: Vec3,
-        /// The same in all directions.
+        /// The intensity, the same in all directions.
         intensity: Rgb,
     },
-    /// Parallel light. `direction` is the unit vector in which the light goes; `irradiance` (W/m^2) is that on a
-    /// surface that faces it.
+    /// Parallel light. `direction` is the unit vector in which the light travels; `irradiance` (W/m^2) is for a surface
+    /// that faces it.
     Directional {
         /// The direction in world space.
         direction: Vec3,
-        /// The same everywhere.
+        /// The irradiance, the same everywhere.
         irradiance: Rgb,
     },
-    /// A cone of light from a point, with an optional picture.
+    /// A cone of light from a point, with an optional texture.
     Spot(Spot),
-    /// A picture thrown from a point.
+    /// An image projected from a point.
     Projector(Projector),
     /// The same radiance from all directions.
     Constant {
         /// The radiance in W/(m^2 sr).
         radiance: Rgb,
     },
-    /// A picture of all directions, times `scale`; `world_from_local` is orthonormal.
+    /// An image of all directions, times `scale`; `world_from_local` is orthonormal.
     Environment {
-        /// The picture with the table that it is sampled by.
+        /// The image with its sampling density.
         map: Arc<EnvironmentMap>,
         /// The map from the frame of the picture.
         world_from_local: Mat3,
@@ -116,7 +116,7 @@ pub enum LightSource {
 }
 
 impl LightSource {
-    /// Whether it looks like other than it did when textures change.
+    /// Whether its look depends on a texture.
     pub fn is_textured(&self) -> bool {
         let parameter = match self {
             Self::Surface { radiance, .. } => radiance,
@@ -128,12 +128,12 @@ impl LightSource {
     }
 }
 
-/// A source and how many samples it gets.
+/// A source and its share of samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedSource {
     /// The light itself.
     pub source: LightSource,
-    /// The factor on the probability of being chosen, not negative. A source of weight 0 is only found by other means.
+    /// The factor on the probability of being chosen, not negative. Paths find a source of weight 0 only by hitting it.
     pub sampling_weight: f32,
 }
 
@@ -153,24 +153,24 @@ pub struct LightSample<R: Real = f32> {
     pub wi: R::Vec3,
     /// The end of the shadow ray.
     pub target: Target<R>,
-    /// Radiance arriving along `-wi` if unoccluded; for delta lights what remains after their delta is integrated.
+    /// Radiance arriving along `-wi` if unoccluded; for delta lights the coefficient of the delta function.
     pub radiance: R::Vec3,
     /// Density per solid angle times the probability of the light; for delta lights only that probability. Zero where
-    /// no light comes from there, and the rest has no meaning.
+    /// no light comes from there; the other fields are then meaningless.
     pub pdf: R,
     /// Whether no other technique can find this light (a point, a single direction).
     pub is_delta: bool,
 }
 
 impl LightSample {
-    /// The sample, if light comes from there.
+    /// The sample, or None where no light comes from there.
     fn if_lit(self) -> Option<Self> {
         (self.pdf > 0.0).then_some(self)
     }
 }
 
 impl<R: Real> LightSample<R> {
-    /// The light of a point with this radiant intensity towards the reference. There is none at the very place.
+    /// The light of a point with this radiant intensity towards the reference. None at the point itself.
     #[inline(always)]
     fn of_point(position: Vec3, reference: R::Vec3, intensity: R::Vec3) -> Self {
         let to_light = R::Vec3::same(position) - reference;
@@ -191,6 +191,6 @@ impl<R: Real> LightSample<R> {
 pub enum Target<R: Real = f32> {
     /// A point just in front of the emitting surface.
     Point(R::Vec3),
-    /// The light has no place: the ray ends nowhere.
+    /// The light is infinitely far away, and so is the end of the ray.
     Infinity,
 }

@@ -1,5 +1,4 @@
-//! Surfaces of common shapes that are equally bright all over and black from behind: of many such lights the lanes of a
-//! batch are sampled at once.
+//! Surfaces of common shapes with constant radiance on one side. The lanes of a batch sample many such lights at once.
 
 use super::LightSample;
 use super::hit::SurfaceSample;
@@ -8,7 +7,7 @@ use super::sphere::SphereLight;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Held, Real, real_struct};
 
-/// A surface with what it adds to the points of its shape.
+/// A plain surface, with the data that [`Glow`] adds to the points of its shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum PlainSurface {
     Rectangle(UniformRectangle, Glow),
@@ -17,7 +16,7 @@ pub(super) enum PlainSurface {
 
 real_struct! {
     #[same]
-    /// What a surface that is equally bright all over adds to a point of its shape.
+    /// The emission of a plain surface, which completes a point of its shape to a light sample.
     pub(crate) struct Glow<R> {
         pub(super) radiance: R::Vec3,
         /// The bound on the rounding error of points.
@@ -26,20 +25,20 @@ real_struct! {
 }
 
 impl<R: Real> Glow<R> {
-    /// The direction to a point of the surface.
+    /// The direction from `reference` to a point of the surface.
     #[inline(always)]
     pub(super) fn towards(&self, point: SurfaceSample<R>, reference: R::Vec3) -> LightSample<R> {
         point.towards(reference, self.error, self.radiance)
     }
 }
 
-/// The surfaces that lanes have chosen, each with the parameters of its own kind.
+/// The surfaces that lanes have chosen, grouped by kind.
 #[derive(Default)]
 pub(super) struct PlainLanes {
     rectangles: Held<UniformRectangle<Lanes>>,
     spheres: Held<SphereLight<Lanes>>,
     glow: Held<Glow<Lanes>>,
-    /// The lanes that are not taken yet, a bit each.
+    /// The lanes that are not sampled yet, a bit each.
     left: u32,
 }
 
@@ -59,12 +58,12 @@ impl PlainLanes {
         self.glow.set(lane, glow);
     }
 
-    /// Takes all lanes that have not been taken, a bit each.
+    /// Returns all lanes that are not sampled yet, a bit each, and marks them as sampled.
     pub fn take(&mut self) -> u32 {
         std::mem::take(&mut self.left)
     }
 
-    /// Directions to the surfaces; none in the other lanes. None at all if no lane has a surface.
+    /// Directions to the surfaces; the density is zero in lanes without one. None if no lane has a surface.
     pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> Option<LightSample<Lanes>> {
         let (_, glow) = self.glow.held()?;
         let mut point = SurfaceSample {

@@ -26,13 +26,12 @@ impl PointLight {
         }
     }
 
-    /// Samples the light.
     #[inline(always)]
     pub fn sample<R: Real>(&self, reference: R::Vec3) -> LightSample<R> {
         LightSample::of_point(self.position, reference, R::Vec3::same(self.intensity))
     }
 
-    /// A direction in which it shines: to what is lit, or uniform over all.
+    /// A direction in which it shines: towards the lit sphere if that is distant, or uniform over all directions.
     pub fn sample_beam(&self, lit: &SceneSphere, u: Vec2) -> Beam {
         let dir = match (Aim::at(lit, self.position), Aim::choose(u)) {
             (None, _) => warp::uniform_sphere(u.to_array()),

@@ -1,6 +1,6 @@
-//! A camera the other way round: a point that throws a picture along +z.
+//! An inverse camera: a point that projects an image along +z.
 //!
-//! The irradiance is that on the plane z = 1 of its space times pi, as Mitsuba 3 has it; a picture of one colour lights
+//! The irradiance is, as in Mitsuba 3, that on the plane z = 1 of its space times pi; an image of one colour lights
 //! planes perpendicular to the axis evenly.
 
 use std::f32::consts::PI;
@@ -20,18 +20,18 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A projector as a scene describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projector {
-    /// The map to local space, invertible. The light is at the origin of its space, +x is the left of the picture and
-    /// +y its top.
+    /// The transform from local to world space, invertible. The light is at the origin of its space, +x is the left of
+    /// the image and +y its top.
     pub world_from_local: Affine3A,
-    /// The irradiance across the picture, whose uv go from its top left to its bottom right.
+    /// The irradiance across the image, whose uv go from its top left to its bottom right.
     pub irradiance: Parameter<Rgb>,
     /// The factor on the irradiance, not negative.
     pub scale: f32,
-    /// Half the picture's size on the plane z = 1: tangents of half the fields of view.
+    /// Half the image's size on the plane z = 1: tangents of half the fields of view.
     pub half_size: Vec2,
 }
 
-/// The margin that keeps rounding from leaving a corner of the picture without samples.
+/// The margin that keeps rounding from leaving a corner of the image without samples.
 const COSINE_MARGIN: f32 = 1e-4;
 
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub(super) struct ProjectorLight {
     projector: Projector,
     local_from_world: Affine3A,
     mean_irradiance: f32,
-    /// The density over the picture, if it is not of one colour.
+    /// The density over the image; None if it has a single colour.
     density: Option<Box<PiecewiseBilinear2d>>,
 }
 
@@ -57,7 +57,7 @@ impl ProjectorLight {
         self.projector.world_from_local.translation.into()
     }
 
-    /// Samples the light. There is none outside of the picture's frustum.
+    /// Samples the light; the density is zero outside of the frustum.
     pub fn sample<R: Real>(&self, from: &Reference<R>, textures: &TextureTable) -> LightSample<R> {
         let position = from.position;
         let numbers = [position.x(), position.y(), position.z()];
@@ -78,20 +78,20 @@ impl ProjectorLight {
         }
     }
 
-    /// The place in the picture of a local point; None outside of the frustum.
+    /// The image coordinates of a local point; None outside of the frustum.
     fn uv(&self, local: Vec3) -> Option<Vec2> {
         let uv = Vec2::splat(0.5) - 0.5 * local.truncate() / (local.z * self.projector.half_size);
         (local.z > 0.0 && uv.min_element() >= 0.0 && uv.max_element() <= 1.0).then_some(uv)
     }
 
-    /// The radiance at a local height of `z` that comes along `dir` from this place of the picture.
+    /// The radiance along `dir` at a local height of `z`, from this point of the image.
     fn radiance(&self, uv: Vec2, z: f32, dir: Vec3, textures: &TextureTable) -> Rgb {
         let axis = Vec3::from(self.projector.world_from_local.transform_vector3a(Vec3A::Z));
         let irradiance = textures.light(self.projector.irradiance, &TexturePoint::of_uv(uv));
         irradiance * (PI * self.projector.scale / (z * z * axis.dot(dir)))
     }
 
-    /// A direction in which it shines, by the picture's brightness.
+    /// A direction in which it shines, sampled by the image's brightness.
     pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
         let uv = (self.density.as_ref()).map_or(u, |density| density.sample(u.to_array()).position.into());
         let local = (self.projector.half_size * (1.0 - 2.0 * uv)).extend(1.0);
@@ -116,8 +116,8 @@ impl ProjectorLight {
             return 0.0;
         };
         let pdf_uv = self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()));
-        // From the picture to the plane z = 1, and from there to directions: the plane's part of an angle grows with
-        // the distance cubed.
+        // From the image to the plane z = 1, and from there to directions: the solid angle of an area on the plane
+        // falls with the distance cubed.
         let matrix = &self.projector.world_from_local.matrix3;
         let half = self.projector.half_size;
         let scaled_normal = Vec3::from(matrix.x_axis.cross(matrix.y_axis));

@@ -14,9 +14,9 @@ pub(super) struct RectangleLight {
     edge_v: Vec3,
     normal: Vec3,
     pdf_area: f32,
-    /// The rectangle; None if it is another parallelogram, which is sampled by area.
+    /// The rectangle; None for a general parallelogram, which is sampled by area.
     rectangle: Option<Rectangle>,
-    /// The density over a and b, if it is not equally bright all over.
+    /// The density over a and b; None if the radiance is constant.
     density: Option<Box<PiecewiseBilinear2d>>,
 }
 
@@ -33,7 +33,7 @@ impl RectangleLight {
         }
     }
 
-    /// The light, sampled by a density over its parameters, which are the surface's uv.
+    /// The light with its points sampled by a density over its parameters, which are the surface's uv.
     pub fn with_density(self, density: Option<PiecewiseBilinear2d>) -> Self {
         Self {
             density: density.map(Box::new),
@@ -41,7 +41,7 @@ impl RectangleLight {
         }
     }
 
-    /// Whether it is a rectangle, and no other parallelogram.
+    /// Whether it has right angles.
     pub fn is_rectangle(&self) -> bool {
         self.rectangle.is_some()
     }
@@ -64,7 +64,7 @@ impl RectangleLight {
         self.normal
     }
 
-    /// The point with these shares of the edges.
+    /// The point at these fractions of the edges.
     #[inline(always)]
     pub fn at<R: Real>(&self, [a, b]: [R; 2]) -> R::Vec3 {
         R::Vec3::same(self.corner)
@@ -73,7 +73,7 @@ impl RectangleLight {
     }
 
     /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle
-    /// allows it, and else uniform in area.
+    /// allows that, and else uniform in area.
     #[inline(always)]
     pub fn sample<R: Real>(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
         match self.uniform() {
@@ -104,7 +104,7 @@ impl RectangleLight {
         self.pdf_area * self.density.as_ref().map_or(1.0, |density| density.pdf(uv.to_array()))
     }
 
-    /// The rectangle, if it is one that is equally bright all over.
+    /// The rectangle, if it has right angles and constant radiance.
     pub fn uniform(&self) -> Option<UniformRectangle> {
         let shape = self.rectangle.filter(|_| self.density.is_none())?;
         Some(UniformRectangle {
@@ -125,10 +125,10 @@ impl RectangleLight {
 
 real_struct! {
     #[same]
-    /// A rectangle that is equally bright all over.
+    /// A rectangle of constant radiance.
     pub(crate) struct UniformRectangle<R> {
         shape: Rectangle<R>,
-        /// Unit vector on the side that shines.
+        /// Unit vector on the emitting side.
         normal: R::Vec3,
         /// One over the area.
         pdf_area: R,
@@ -136,13 +136,13 @@ real_struct! {
 }
 
 impl<R: Real> UniformRectangle<R> {
-    /// The point with these shares of the edges.
+    /// The point at these fractions of the edges.
     #[inline(always)]
     pub fn at(&self, shares: [R; 2]) -> R::Vec3 {
         self.shape.at(shares)
     }
 
-    /// Samples a point uniformly in solid angle, and where that is tiny in area.
+    /// Samples a point uniformly in solid angle, or in area where the solid angle is tiny.
     #[inline(always)]
     pub(super) fn sample(&self, reference: R::Vec3, u: [R; 2]) -> SurfaceSample<R> {
         let seen = self.shape.seen_from(reference);

@@ -1,28 +1,28 @@
-//! Points from which light is sought.
+//! Reference points, at which incoming light is sampled.
 
 use glam::Vec3;
 
 use crate::math::lanes::{Lanes, Vec3Lanes, lanes_of};
 use crate::math::{PerLane, Real};
 
-/// The point from which light is sought.
+/// A point at which incoming light is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightReference {
     /// A point in world space.
     pub position: Vec3,
-    /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on
-    /// a surface that transmits. Lights wholly outside of the half space are not chosen.
+    /// Unit normal of the half space that holds all directions of interest; None where all directions count, as on a
+    /// surface that transmits. Lights wholly outside of the half space are not chosen.
     pub normal: Option<Vec3>,
 }
 
-/// The points from which light is sought in each lane, as [`LightReference`].
+/// Reference points, one per lane, as [`LightReference`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceLanes {
     /// The positions as [`LightReference::position`].
     pub position: Vec3Lanes,
     /// The normals as [`LightReference::normal`].
     pub normal: Vec3Lanes,
-    /// The lanes that see the half space around their normal only, a bit per lane; the others have no normal.
+    /// The lanes that see only the half space around their normal, a bit per lane; the others have no normal.
     pub halved: u32,
 }
 
@@ -57,15 +57,15 @@ impl PerLane for LightReference {
     }
 }
 
-/// The points from which one light is sought, or the point.
+/// The reference points for one light: a single one, or one per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reference<R: Real = f32> {
-    /// A mask of where it is sought.
+    /// A mask of the points to sample.
     pub asked: R::Mask,
     pub position: R::Vec3,
     /// Unit normals where the points are [`Self::halved`].
     pub normal: R::Vec3,
-    /// A mask of where [`LightReference::normal`] is.
+    /// A mask of the points that have a [`LightReference::normal`].
     pub halved: R::Mask,
 }
 

@@ -1,4 +1,4 @@
-//! Spheres that emit, sampled by the cone that they fill; and their affine images, sampled by area.
+//! Spheres that emit, sampled by the cone that they subtend; and their affine images, sampled by area.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -8,7 +8,8 @@ use super::hit::{AreaSample, SurfaceHit, SurfaceSample, axes, solid_angle_pdf};
 use crate::math::{Frame, Mask, Real, Vector, real_struct};
 use crate::sampling::warp;
 
-/// The most that the axes of a transform may differ from perpendicular and equally long for its sphere to count as one.
+/// The largest deviation of a transform's axes from perpendicular and equally long with which its sphere counts as
+/// round.
 const ROUNDNESS: f32 = 1e-5;
 
 real_struct! {
@@ -23,7 +24,7 @@ real_struct! {
 }
 
 impl SphereLight {
-    /// The image of the unit sphere if that is a sphere.
+    /// The transformed unit sphere; None if that is not a sphere.
     pub fn new(world_from_local: &Affine3A, side: f32) -> Option<Self> {
         let gram = world_from_local.matrix3.transpose() * world_from_local.matrix3;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
@@ -48,7 +49,8 @@ impl<R: Real> SphereLight<R> {
         R::splat(4.0 * PI) * self.radius.squared()
     }
 
-    /// 1 - cos of the half angle of the cone around the sphere, and a mask of where there is one: outside.
+    /// 1 - cos of the half angle of the cone around the sphere, and a mask of the references that are outside and have
+    /// one.
     #[inline(always)]
     fn cone(&self, reference: R::Vec3) -> (R, R::Mask) {
         let distance_squared = (reference - self.center).length_squared();
@@ -94,7 +96,7 @@ impl<R: Real> SphereLight<R> {
     }
 }
 
-/// The image of the unit sphere under any invertible affine map.
+/// The transformed unit sphere under any invertible affine map.
 ///
 /// Points are uniform on the unit sphere; with M the linear part and n the local normal, area grows by |det M| |M^-T
 /// n|.

@@ -1,5 +1,5 @@
-//! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards
-//! the cutoff.
+//! A point that shines into a cone along +z, with full intensity within the beam and a falloff linear in the angle up
+//! to the cutoff.
 
 use std::f32::consts::PI;
 
@@ -19,13 +19,13 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A spot light as a scene describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// The map to local space, invertible; the light is at the origin of its space.
+    /// The transform from local to world space, invertible; the light is at the origin of its space.
     pub world_from_local: Affine3A,
     /// The radiant intensity along the axis, in W/sr.
     pub intensity: Rgb,
-    /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff <= pi.
+    /// Half angle of the cone in radians, beyond which there is no light. 0 <= beam <= cutoff <= pi.
     pub cutoff_angle: f32,
-    /// The angle up to which the intensity is full, see `cutoff_angle`.
+    /// Half angle of the beam in radians, up to which the intensity is full.
     pub beam_angle: f32,
     /// The factor on the intensity, over the square around the cone's cross section.
     pub texture: Parameter<Rgb>,
@@ -58,7 +58,7 @@ impl SpotLight {
         self.spot.world_from_local.translation.into()
     }
 
-    /// Samples the light. There is none outside of the cone.
+    /// Samples the light; the density is zero outside of the cone.
     pub fn sample<R: Real>(&self, from: &Reference<R>, textures: &TextureTable) -> LightSample<R> {
         let dir = from.position - R::Vec3::same(self.position());
         let (intensity, is_lit) = self.intensity::<R>(from.asked, dir, textures);
@@ -69,7 +69,7 @@ impl SpotLight {
         }
     }
 
-    /// The radiant intensity in a direction, which is of any length, and a mask of where it is not outside of the cone.
+    /// The radiant intensity in a direction of any length, and a mask of the directions within the cone.
     fn intensity<R: Real>(&self, asked: R::Mask, dir: R::Vec3, textures: &TextureTable) -> (R::Vec3, R::Mask) {
         let local = dir.along(axes(&self.local_from_world)).normalize();
         let falloff = self.falloff(local.z());
@@ -87,7 +87,7 @@ impl SpotLight {
         (color * R::Vec3::same(self.spot.intensity) * falloff, is_lit)
     }
 
-    /// A direction in which it shines, uniform over the cone; None where it is dark.
+    /// A direction in which it shines, uniform over the cone; None where the texture is black.
     pub fn sample_beam(&self, u: Vec2, textures: &TextureTable) -> Option<Beam> {
         let dir = match self.cone() {
             Some((axis, one_minus_cos)) => {
@@ -110,7 +110,7 @@ impl SpotLight {
         })
     }
 
-    /// The axis of the cone, and 1 - cos of its half angle; None if it is not known in the world.
+    /// The axis of the cone, and 1 - cos of its half angle; None if the transform does not preserve the cone's shape.
     fn cone(&self) -> Option<(Vec3, f32)> {
         let axis = self.axis().try_normalize()?;
         keeps_angles(self.spot.world_from_local.matrix3).then(|| {
@@ -137,7 +137,7 @@ impl SpotLight {
     pub fn bounds(&self) -> LightBounds {
         let axis = self.axis();
         let cos_emission = (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI).cos();
-        // The width of the cone is not known if the map does not keep angles.
+        // The angle of the cone is unknown if the transform does not preserve angles.
         let is_known = cos_emission >= 0.0 && keeps_angles(self.spot.world_from_local.matrix3);
         LightBounds {
             bounds: Aabb::from_points([self.position()]),
@@ -152,7 +152,7 @@ impl SpotLight {
     }
 }
 
-/// Whether a map turns, mirrors and scales, but by the same factor everywhere.
+/// Whether a transform preserves angles: it rotates, mirrors and scales uniformly.
 fn keeps_angles(map: Mat3A) -> bool {
     const TOLERANCE: f32 = 1e-4;
     let gram = map.transpose() * map;

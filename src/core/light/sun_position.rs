@@ -1,13 +1,14 @@
 //! Computes the position of the sun.
 //!
 //! The PSA algorithm: Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the Solar Vector",
-//! Solar Energy 70(5), 2001; half a minute of arc from 1999 to 2015, degrees only after centuries.
+//! Solar Energy 70(5), 2001. Its error is half a minute of arc from 1999 to 2015, and reaches degrees only after
+//! centuries.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-/// A place on earth and a moment at it.
+/// A place on earth and a local time there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceAndTime {
     /// Degrees, north and east positive.
@@ -16,7 +17,7 @@ pub struct PlaceAndTime {
     pub longitude: f64,
     /// The hours that local time is ahead of universal time.
     pub timezone: f64,
-    /// The year of the Gregorian calendar; months and days count from 1.
+    /// The year of the Gregorian calendar.
     pub year: i32,
     /// The month, from 1 to 12.
     pub month: i32,

@@ -1,6 +1,6 @@
 //! The sky of Hosek and Wilkie with its sun as a light.
 //!
-//! The sky is sampled by a table of its luminance over azimuth and height, the sun by its cone; the density is that of
+//! The sky is sampled by a table of its luminance over azimuth and height, the sun by its cone; densities are those of
 //! the mixture.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -30,13 +30,13 @@ pub(super) struct SunSkyLight {
 const COLUMNS: usize = 129;
 const ROWS: usize = 97;
 
-/// The density is nowhere less than this times the average, for the table is coarser than the sky.
+/// The density is nowhere less than this times the average, because the table is coarser than the sky.
 const DENSITY_FLOOR: f32 = 0.05;
 
-/// The least share of the samples for the sun, and for the sky: there are shadows and roofs.
+/// The least share of the samples for the sun, and for the sky: shadows hide the one, roofs the other.
 const LEAST_SHARE: f32 = 0.2;
 
-/// The density per solid angle of a density that is uniform over the table.
+/// The density per solid angle of a density of 1 over the table.
 const TABLE_DENSITY: f32 = 0.5 * FRAC_1_PI;
 
 impl SunSkyLight {
@@ -69,7 +69,7 @@ impl SunSkyLight {
         }
     }
 
-    /// Samples the light where `asked` holds. There is none below the horizon or at night.
+    /// Samples the light where `asked` is set; the density is zero below the horizon and at night.
     #[inline(always)]
     pub fn sample<R: Real>(&self, asked: R::Mask, [u, v]: [R; 2]) -> LightSample<R> {
         let is_of_sky = asked & u.is_less(R::splat(self.sky_share));
@@ -128,7 +128,7 @@ impl SunSkyLight {
         (pdf * R::splat(TABLE_DENSITY)).only(is_above)
     }
 
-    /// The density of sky and sun together, where that of the sky is `sky_pdf`. The sun below the horizon is not seen.
+    /// The density of sky and sun together, given the sky's density `sky_pdf`. The sun below the horizon is invisible.
     #[inline(always)]
     fn mixed<R: Real>(&self, sky_pdf: R, local: R::Vec3) -> R {
         let rim = self.model.sun_one_minus_cos();

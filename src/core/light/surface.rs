@@ -1,4 +1,4 @@
-//! A surface that emits: dispatch over the shapes, each with its own way of choosing a point or a direction.
+//! A surface that emits: dispatch over the shapes, each with its own sampling.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -26,15 +26,15 @@ use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceLight {
     radiance: Parameter<Rgb>,
-    /// Whether the back shines as the front does.
+    /// Whether the back emits as the front does.
     shines_both_ways: bool,
-    /// Average luminance of the radiance: of all of it, or of every part.
+    /// Average luminance of the radiance: one value for the whole surface, or one per part.
     brightness: Vec<f32>,
     shape: EmitterShape,
     /// The bounds of the whole instance.
     bounds: Aabb,
     mesh: Option<Arc<MeshData>>,
-    /// The shape in its place, if it is a mesh of which some triangles emit by their shading normals.
+    /// The placed shape, if it is a mesh of which some triangles emit on the side of their shading normals.
     smooth: Option<Box<Instance>>,
     local_from_world: Affine3A,
     /// The bound on the rounding error of its points.
@@ -149,7 +149,7 @@ impl SurfaceLight {
         Some(light)
     }
 
-    /// The surface, if it is of a common shape, equally bright all over and black from behind.
+    /// The surface as a plain one: of a common shape, with constant radiance on one side. Otherwise None.
     #[inline(always)]
     pub fn plain(&self) -> Option<PlainSurface> {
         let Parameter::Constant(radiance) = self.radiance else {
@@ -167,7 +167,7 @@ impl SurfaceLight {
         }
     }
 
-    /// A mesh has one per triangle.
+    /// The number of parts; a mesh has one per triangle.
     pub fn parts(&self) -> u32 {
         match &self.shape {
             EmitterShape::Mesh(triangles) => triangles.len() as u32,
@@ -190,7 +190,7 @@ impl SurfaceLight {
         let (bounds, cone, seen_area) = match &self.shape {
             EmitterShape::Rectangle(light) => (light.bounds(), NormalCone::single(light.normal()), light.area()),
             EmitterShape::Disk(light) => (self.bounds, NormalCone::single(light.normal), light.area),
-            // A surface seen from one side shows a quarter of its area, on average over all directions.
+            // A surface emitting on one side shows a quarter of its area, averaged over all directions.
             EmitterShape::Sphere(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
             EmitterShape::Ellipsoid(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
             EmitterShape::Cylinder(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
@@ -217,7 +217,7 @@ impl SurfaceLight {
         cos > 0.0 || self.shines_both_ways && cos < 0.0
     }
 
-    /// Radiance sent to the sides that shine from a point of this surface.
+    /// Radiance sent from a point of this surface, on the sides that emit.
     pub fn radiance(&self, hit: &SurfaceHit, textures: &TextureTable) -> Rgb {
         textures.light(self.radiance, &self.texture_point(hit))
     }
@@ -234,8 +234,8 @@ impl SurfaceLight {
         }
     }
 
-    /// The brightness of each triangle, from a few lookups each; None for other shapes. Those that look black keep a
-    /// little, for lookups may miss bright spots.
+    /// The brightness of each triangle, from a few texture lookups each; None for other shapes. Triangles that look
+    /// black keep a little, because lookups may miss bright spots.
     fn brightness_of_triangles(&self, textures: &TextureTable) -> Option<Vec<f32>> {
         let (EmitterShape::Mesh(triangles), Some(mesh)) = (&self.shape, &self.mesh) else {
             return None;
@@ -268,7 +268,7 @@ impl SurfaceLight {
         Some(brightness)
     }
 
-    /// A point of the surface with the data that textures need, if there are any.
+    /// A point of the surface with the data that textures need, if it has any.
     fn hit(&self, part: u32, position: Vec3, normal: Vec3) -> SurfaceHit {
         let mut hit = SurfaceHit {
             position,
@@ -295,7 +295,7 @@ impl SurfaceLight {
         hit
     }
 
-    /// A direction to a part. There is none where no light can come from (the back, the horizon).
+    /// Samples a direction to a part; the density is zero where no light can come from there (the back, the horizon).
     #[inline(always)]
     pub fn sample<R: Real>(
         &self,
@@ -337,7 +337,7 @@ impl SurfaceLight {
         Some((sample.if_lit()?, hit))
     }
 
-    /// A place on a part from which light starts, and the density per area; None where the part has no area.
+    /// A point on a part from which light starts, and its density per area; None where the part has no area.
     pub fn sample_start(&self, part: u32, u: Vec2) -> Option<(SurfaceHit, f32)> {
         let AreaSample {
             position,
@@ -365,18 +365,18 @@ impl SurfaceLight {
         }
     }
 
-    /// Whether light leaves a part on both sides, or on the one that the shading normal says.
+    /// Whether light leaves a part on both sides, or only on the shading normal's.
     pub fn is_two_sided(&self, part: u32) -> bool {
         self.shines_both_ways
             || matches!(&self.shape, EmitterShape::Mesh(triangles) if triangles[part as usize].emits_by_shading_normal())
     }
 
-    /// The start of a ray that leaves a point of the surface.
+    /// The origin of a ray that leaves a point of the surface.
     pub fn leave(&self, hit: &SurfaceHit, dir: Vec3) -> Vec3 {
         offset_origin(hit.position, self.error, hit.normal, dir)
     }
 
-    /// A point of a part; without a normal where that has no area.
+    /// A point of a part; the normal is zero if the part has no area.
     #[inline(always)]
     fn sample_area<R: Real>(&self, part: u32, u: [R; 2]) -> AreaSample<R> {
         match &self.shape {
@@ -422,7 +422,7 @@ impl SurfaceLight {
         }
     }
 
-    /// A place on a part, or in the middle of round shapes.
+    /// A point on a part, or the centre of round shapes.
     pub fn sample_place(&self, part: u32, u: Vec2) -> Vec3 {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.at(u.to_array()),
@@ -449,14 +449,14 @@ impl SurfaceLight {
     }
 }
 
-/// Two triangles that are one rectangle, as lights from modelling programs often are: sampled as that they cost less,
-/// and less noise.
+/// The rectangle made up of two triangles, as lights from modelling programs often are: sampled as one, they cost less
+/// and give less noise.
 fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -> Option<RectangleLight> {
     let [a, b] = triangles else {
         return None;
     };
-    // The triangles of the square are kept, and two others are left out: one that is not a light, and one that no ray
-    // can hit.
+    // The square is made of the mesh's regular triangles; a light may be a triangle that no ray can hit, and a triangle
+    // of the square may be no light.
     let is_regular = |triangle: &TriangleLight| blas.mesh().regular_corners(triangle.primitive as usize).is_some();
     if !is_regular(a) || !is_regular(b) {
         return None;
@@ -468,7 +468,7 @@ fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -
     (normal.dot(other) > 0.0 && light.is_rectangle()).then_some(light)
 }
 
-/// The texture coordinates that rays find there.
+/// The texture coordinates of a mesh's hit at these weights.
 fn mesh_uv(mesh: &MeshData, triangle: u32, barycentric: Vec2) -> Vec2 {
     let corners = mesh.triangles[triangle as usize].map(|corner| mesh.uvs.get(corner as usize));
     match corners {

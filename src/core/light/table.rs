@@ -31,7 +31,7 @@ use crate::math::{Aabb, Real};
 use crate::sampling::hash::pcg3d;
 use crate::texture::TextureTable;
 
-/// The place of a source's light in the tables.
+/// The index of a source's light in the tables.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     /// Index into the finite lights.
@@ -42,7 +42,7 @@ enum Place {
     Nowhere,
 }
 
-/// A finite light and where its parts are in the list of parts.
+/// A finite light and the range of its parts in the list of parts.
 #[derive(Clone, Debug)]
 struct Finite {
     id: LightId,
@@ -53,28 +53,28 @@ struct Finite {
 /// The lights in the order of their sources.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// The places by [`LightId`].
+    /// The indices by [`LightId`].
     places: Vec<Place>,
     finite: Vec<Finite>,
     infinite: Vec<(LightId, InfiniteLight)>,
-    /// The light that each part of any finite light belongs to.
+    /// The light of each part of all finite lights.
     light_of_part: Vec<u32>,
     choice: LightChoice,
     emission: EmissionChoice,
     textures: Arc<TextureTable>,
-    /// The lights that are seen where a ray hits nothing.
+    /// The lights that a ray sees where it hits nothing.
     seen_at_infinity: Vec<LightId>,
-    /// The instances of which all parts shine, in rising order, with their bounds.
+    /// The instances of which all parts emit, ascending, with their bounds.
     lamps: Vec<(u32, Aabb)>,
-    /// The box around all lights that have a place.
+    /// The box around all finite lights.
     finite_bounds: Option<Aabb>,
     /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
     textured: Vec<bool>,
 }
 
 impl LightTable {
-    /// Builds the table. It has to be built anew when the geometry of emitting surfaces changes, and for textured
-    /// sources when the textures do.
+    /// Builds the table. It has to be rebuilt when the geometry of emitting surfaces changes, and for textured sources
+    /// when the textures do.
     pub fn build(sources: &[WeightedSource], geometry: &Tlas, textures: &Arc<TextureTable>) -> Self {
         let mut table = Self {
             textures: textures.clone(),
@@ -82,7 +82,7 @@ impl LightTable {
             ..Self::default()
         };
         let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
-        // The instances with the number of parts of a slot that shine.
+        // The instances with the number of their parts that emit.
         let mut shining: Vec<(u32, u32)> = Vec::new();
         for (id, weighted) in (0..).map(LightId).zip(sources) {
             let place = match Self::light(&weighted.source, geometry, textures) {
@@ -190,7 +190,7 @@ impl LightTable {
         self.textured[id.0 as usize]
     }
 
-    /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to
+    /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light does not reach
     /// `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
         let choice = self.choose(reference, u_choice, u)?;
@@ -203,7 +203,7 @@ impl LightTable {
         Some((id, sample))
     }
 
-    /// Chooses a light as [`Self::sample`], with the probability of the choice.
+    /// Chooses a light as [`Self::sample`] does, and returns the probability of the choice.
     fn choose(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(Chosen, f32)> {
         debug_assert!(
             reference.normal.is_none_or(|normal| normal.is_normalized()),
@@ -212,8 +212,7 @@ impl LightTable {
         self.choice.sample(reference, || refined(u_choice, u))
     }
 
-    /// Directions to the chosen light as [`Self::sample`], in the lanes that have chosen it with the probabilities
-    /// `pmf`.
+    /// Directions to a light as of [`Self::sample`], in the lanes that have chosen it, with the probabilities `pmf`.
     #[inline(always)]
     fn sample_chosen<R: Real>(
         &self,
@@ -236,8 +235,8 @@ impl LightTable {
         (id, LightSample { pdf, ..sample })
     }
 
-    /// A place on a light that is chosen as [`Self::sample`] does; None if that is at infinity. It is a hint without a
-    /// density, and costs little.
+    /// A point on a light that is chosen as [`Self::sample`] does; None if the light is at infinity. It is a cheap hint
+    /// without a density.
     pub(crate) fn sample_place(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<Vec3> {
         let Chosen::Part(part) = self.choice.sample(reference, || refined(u_choice, u))?.0 else {
             return None;
@@ -246,7 +245,7 @@ impl LightTable {
         Some(finite.light.sample_place(part - finite.first_part, u))
     }
 
-    /// The box around all lights that are somewhere, not at infinity; None if there are none.
+    /// The box around all finite lights; None if there are none.
     pub(crate) fn finite_bounds(&self) -> Option<Aabb> {
         self.finite_bounds
     }
@@ -275,7 +274,7 @@ impl LightTable {
         }
     }
 
-    /// The lights a ray meets that leaves the scene.
+    /// The lights that a ray sees when it leaves the scene.
     pub fn infinite(&self) -> &[LightId] {
         &self.seen_at_infinity
     }
@@ -328,7 +327,7 @@ enum Light {
     Infinite(InfiniteLight),
 }
 
-/// Whether `parts` shining parts are all that there is of an instance.
+/// Whether `parts` emitting parts are all parts of an instance.
 fn shines_whole(geometry: &Tlas, instance: u32, parts: u32) -> bool {
     let shape = geometry.instances().get(instance as usize);
     shape.is_some_and(|shape| match &shape.primitive {
@@ -337,8 +336,8 @@ fn shines_whole(geometry: &Tlas, instance: u32, parts: u32) -> bool {
     })
 }
 
-/// The number `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to
-/// tell millions of lights apart.
+/// `u_choice`, which has 24 random bits, with 29 more bits from a hash of all three numbers: enough to tell millions of
+/// lights apart.
 fn refined(u_choice: f32, u: Vec2) -> f64 {
     let [bits, ..] = pcg3d([u_choice, u.x, u.y].map(f32::to_bits));
     f64::from(u_choice) + f64::from(bits >> 3) * (1.0 / (1u64 << 53) as f64)

@@ -1,4 +1,4 @@
-//! The brightness of a texture over the unit square of uv. Lights with a texture are chosen and sampled by it.
+//! The brightness of a texture over the uv unit square, by which textured lights are chosen and sampled.
 
 use glam::Vec2;
 
@@ -6,19 +6,19 @@ use crate::color::{Rgb, luminance};
 use crate::sampling::PiecewiseBilinear2d;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
-/// The cells of the density along each axis; below the lookups along each axis of a cell.
+/// The cells of the density along each axis, and the texture lookups along each axis of a cell.
 const CELLS: usize = 128;
 const LOOKUPS: usize = 4;
 
-/// The least density, as a multiple of the average: lookups may miss details that are finer than they are.
+/// The least density, as a multiple of the average: lookups may miss details finer than their spacing.
 const FLOOR: f32 = 0.1;
 
-/// Average luminance, about.
+/// The approximate average luminance.
 pub(super) fn mean_luminance(textures: &TextureTable, color: Parameter<Rgb>) -> f32 {
     luminance(textures.mean_color(color)).max(0.0)
 }
 
-/// A density that follows the luminance; None if it is the same everywhere or nothing shines.
+/// A density that follows the luminance; None if it is constant or zero.
 pub(super) fn density(textures: &TextureTable, color: Parameter<Rgb>) -> Option<PiecewiseBilinear2d> {
     if let Parameter::Constant(_) = color {
         return None;

@@ -11,27 +11,27 @@ use crate::sampling::{SphericalTriangle, warp};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleLight {
-    /// World space.
+    /// The corners in world space.
     corners: [Vec3; 3],
     emission: Emission,
     /// The index of the triangle in the mesh.
     pub primitive: u32,
 }
 
-/// The side of a triangle to which its light goes: that of the shading normal.
+/// The side to which a triangle emits: that of the shading normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Emission {
-    /// The same side all over: 1 where the corners are seen counter-clockwise from, else -1.
+    /// The same side all over: 1 for the one from which the corners run counter-clockwise, else -1.
     OneSide(f32),
-    /// The shading normal decides, because vertex normals are at an angle to the triangle. Seen from near its plane,
-    /// either side can shine.
+    /// The shading normal decides at each point, because vertex normals are at an angle to the triangle. Seen from near
+    /// its plane, either side can emit.
     ByShadingNormal,
     /// Both sides.
     BothWays,
 }
 
-/// Sine of the angle between a vertex normal and the triangle's up to which they count as parallel: rounding of four
-/// decimal digits.
+/// Sine of the angle between a vertex normal and the triangle's normal up to which they count as parallel: the rounding
+/// of four decimal digits.
 const PARALLEL: f32 = 1e-4;
 
 impl TriangleLight {
@@ -56,7 +56,7 @@ impl TriangleLight {
             .collect()
     }
 
-    /// The normal on the emitting side, if there is only one. Its length is twice the area.
+    /// The normal on the emitting side, if there is only one, with twice the area as its length.
     fn scaled_normal(&self) -> Vec3 {
         match self.emission {
             Emission::OneSide(side) => side * counter_clockwise_normal(self.corners),
@@ -64,7 +64,7 @@ impl TriangleLight {
         }
     }
 
-    /// Unit vector to the emitting side. None for a degenerate triangle, and where either side can shine.
+    /// Unit normal on the emitting side. None for a degenerate triangle, and where either side can emit.
     pub fn emitting_normal(&self) -> Option<Vec3> {
         match self.emission {
             Emission::OneSide(_) => self.scaled_normal().try_normalize(),
@@ -85,7 +85,7 @@ impl TriangleLight {
         Aabb::from_points(self.corners)
     }
 
-    /// A cone that holds the shading normals of the triangle, which is one of `smooth` if its light goes by them.
+    /// A cone around the shading normals of the triangle, which belongs to `smooth` if it emits by shading normals.
     pub fn normals(&self, smooth: Option<&Instance>) -> NormalCone {
         let (Emission::ByShadingNormal, Some(instance)) = (self.emission, smooth) else {
             return self.emitting_normal().map_or(NormalCone::ALL, NormalCone::single);
@@ -94,14 +94,14 @@ impl TriangleLight {
         match (a, b, c) {
             (Some(a), Some(b), Some(c)) => {
                 let cone = a.union(b).union(c);
-                // Only a cone narrower than a right angle holds the directions between the three.
+                // Only a cone narrower than a right angle holds all normals interpolated between the three.
                 if cone.cos_angle > 0.0 { cone } else { NormalCone::ALL }
             }
             _ => NormalCone::ALL,
         }
     }
 
-    /// Uniform in solid angle where the triangle looks large, else uniform in area.
+    /// Samples uniformly in solid angle where the triangle looks large, else uniformly in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         let mut normal = self.scaled_normal().try_normalize()?;
         let height = (reference - self.corners[0]).dot(normal);
@@ -125,7 +125,7 @@ impl TriangleLight {
         Some(sample.seen_from(reference))
     }
 
-    /// The normal on the emitting side, or on either if both can shine.
+    /// The normal on the emitting side, or on either if both can emit.
     pub fn normal(&self) -> Option<Vec3> {
         self.scaled_normal().try_normalize()
     }
@@ -137,7 +137,7 @@ impl TriangleLight {
         p0 + b.x * (p1 - p0) + b.y * (p2 - p0)
     }
 
-    /// Whether light goes from `position` on the triangle of `smooth` to `reference`, which [`Self::sample`] has found
+    /// Whether light goes from `position` on this triangle of `smooth` to `reference`; [`Self::sample`] has found it
     /// possible.
     pub fn shines(&self, smooth: &Instance, position: Vec3, reference: Vec3) -> bool {
         if self.emission != Emission::ByShadingNormal {
@@ -146,7 +146,7 @@ impl TriangleLight {
         (reference - position).dot(self.shading_normal(smooth, position)) > 0.0
     }
 
-    /// The shading normal at a point of the triangle, which is one of `smooth`. Not of unit length.
+    /// The shading normal at a point of the triangle, which belongs to `smooth`. Not of unit length.
     pub fn shading_normal(&self, smooth: &Instance, position: Vec3) -> Vec3 {
         smooth
             .shading_normal(self.primitive, self.barycentric(position))
@@ -192,12 +192,12 @@ fn flip(instance: &Instance) -> f32 {
     if instance.flip_normals { -1.0 } else { 1.0 }
 }
 
-/// The shading normals at the corners; None where the geometric normal takes their place.
+/// The shading normals at the corners; None where the geometric normal is used.
 fn corner_normals(instance: &Instance, triangle: u32) -> [Option<Vec3>; 3] {
     [Vec2::ZERO, Vec2::X, Vec2::Y].map(|corner| instance.shading_normal(triangle, corner))
 }
 
-/// The normal on the side from which the corners turn counter-clockwise. Its length is twice the area.
+/// The normal on the side from which the corners run counter-clockwise, with twice the area as its length.
 fn counter_clockwise_normal([p0, p1, p2]: [Vec3; 3]) -> Vec3 {
     (p1 - p0).cross(p2 - p0)
 }

@@ -1,6 +1,6 @@
-//! The lights that sixteen surfaces choose. What many of them are likely to have chosen is sampled for all of these at
-//! once. What the other lanes have chosen must not decide on the form of the formula, because its rounding would then
-//! depend on which paths go side by side.
+//! The lights that sixteen surfaces choose. Lights that many lanes are likely to choose are sampled for these lanes at
+//! once. The choices of other lanes must not decide on the form of the formula, because its rounding would then depend
+//! on which paths share a batch.
 
 use glam::Vec2;
 
@@ -12,25 +12,25 @@ use crate::light::{LightId, LightReference, LightSample, ReferenceLanes};
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{PerLane, Real};
 
-/// With more parts of lights than these, each is chosen by so few lanes that one by one is as fast, unless other lanes
-/// have chosen surfaces of the same kind.
+/// With more parts of lights than this, few lanes choose the same one, and sampling lane by lane is as fast, unless
+/// other lanes have chosen surfaces of the same kind.
 const FEW_PARTS: usize = 4;
 
 /// The lights that lanes have chosen.
 pub(crate) struct ChosenLanes {
-    /// The lanes that are not taken yet, a bit each.
+    /// The lanes that are not sampled yet, a bit each.
     left: u32,
     chosen: [Chosen; LANES],
     /// The probabilities of the choices.
     pmf: Lanes,
-    /// Whether there are few parts of lights.
+    /// Whether the scene has few parts of lights.
     are_few: bool,
-    /// The lights that are plain surfaces, if there are many parts.
+    /// The chosen lights that are plain surfaces, if there are many parts.
     plain: PlainLanes,
 }
 
 impl ChosenLanes {
-    /// Takes lanes that can be sampled at once. None if no lane is left.
+    /// Returns lanes that can be sampled at once, and marks them as sampled. None if no lane is left.
     pub fn take_alike(&mut self) -> Option<Alike> {
         match self.plain.take() {
             0 => {}
@@ -49,7 +49,7 @@ impl ChosenLanes {
     }
 }
 
-/// What [`ChosenLanes::take_alike`] takes.
+/// Lanes to be sampled at once, from [`ChosenLanes::take_alike`].
 pub(crate) enum Alike {
     /// One lane alone.
     Lane(usize),
@@ -99,7 +99,7 @@ impl LightTable {
         }
     }
 
-    /// Directions to the plain surfaces that `lanes` have chosen, with the light of each. None if no lane has chosen
+    /// Directions to the plain surfaces that `lanes` have chosen, with each lane's light. None if no lane has chosen
     /// one.
     #[inline(never)]
     pub(crate) fn sample_plain(
@@ -135,7 +135,7 @@ impl LightTable {
         Some((id, sample.if_lit()?))
     }
 
-    /// Directions to the light that all of `lanes` have chosen, of which there is one.
+    /// Directions to the single light that all of `lanes` have chosen.
     #[inline(never)]
     pub(crate) fn sample_lanes(
         &self,

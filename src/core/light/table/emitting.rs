@@ -1,4 +1,4 @@
-//! Sampling rays of light from all lights, for paths that start there.
+//! Sampling emitted rays from all lights, with which light paths start.
 //!
 //! Rays from infinity start on a disk that covers the scene.
 
@@ -24,7 +24,7 @@ const NOWHERE: LightReference = LightReference {
 };
 
 impl LightTable {
-    /// What the lights of a scene can meet. It takes a few steps for each lamp, and for the shapes around the whole
+    /// The region that the lights can reach. The cost is a few steps for each lamp, and for the shapes around the whole
     /// scene.
     pub fn reach(&self, geometry: &Tlas) -> Reach {
         let everything = geometry.bounds();
@@ -39,7 +39,7 @@ impl LightTable {
             let numbers: Vec<u32> = lamps.iter().map(|lamp| lamp.0).collect();
             let others = geometry.bounds_without(&numbers);
             if !others.is_empty() {
-                // A lamp that is nearer sends its paths everywhere, and counts as a shape that is lit.
+                // A nearer lamp sends its rays in all directions, and counts as a lit shape.
                 let sphere = SceneSphere::around(&others);
                 let is_near = |lamp: &Aabb| {
                     let nearest = sphere.center.clamp(lamp.min, lamp.max);
@@ -55,8 +55,8 @@ impl LightTable {
         }
     }
 
-    /// A ray of light: chooses a light by `u_choice`, a place by `u_place` and a direction by `u_dir`. None where
-    /// nothing is emitted.
+    /// Samples an emitted ray: its light by `u_choice`, its start by `u_place` and its direction by `u_dir`. None where
+    /// the light emits nothing.
     pub fn sample_emission(&self, reach: &Reach, u_choice: f32, u_place: Vec2, u_dir: Vec2) -> Option<EmittedRay> {
         let (chosen, pmf) = self.emission.sample(&reach.everything, u_choice)?;
         match chosen {
@@ -132,7 +132,7 @@ impl LightTable {
         }
     }
 
-    /// The densities with which [`Self::sample_emission`] gives the ray along `dir` from this point of light `id`.
+    /// The densities of [`Self::sample_emission`] for the ray along `dir` from this point of light `id`.
     pub fn emission_pdf_of_hit(&self, id: LightId, reach: &Reach, hit: &SurfaceHit, dir: Vec3) -> EmissionPdf {
         let none = EmissionPdf { start: 0.0, next: 0.0 };
         let Some(finite) = self.finite(id) else {
@@ -149,8 +149,8 @@ impl LightTable {
         }
     }
 
-    /// The densities with which [`Self::sample_emission`] gives a ray from the direction `wi` of light `id`, which is
-    /// at infinity.
+    /// The densities of [`Self::sample_emission`] for a ray from the direction `wi` of light `id`, which is at
+    /// infinity.
     pub fn emission_pdf_from(&self, id: LightId, reach: &Reach, wi: Vec3) -> EmissionPdf {
         let start = self.at_infinity(id).map_or(0.0, |(index, light)| {
             let pdf = match light {
@@ -165,8 +165,8 @@ impl LightTable {
         }
     }
 
-    /// [`Self::sample`] with the place on the light, and the densities of the ray from there to the reference by
-    /// [`Self::sample_emission`].
+    /// [`Self::sample`] with the point on the light, and the densities of [`Self::sample_emission`] for the ray from
+    /// there to the reference.
     pub fn sample_start(
         &self,
         reach: &Reach,
@@ -221,8 +221,7 @@ impl LightTable {
         ))
     }
 
-    /// The density with which [`Self::sample`] finds the start of a ray of light `id` from the reference, in direction
-    /// `wi`.
+    /// The density with which [`Self::sample`] finds `start` on light `id` from the reference, in direction `wi`.
     pub fn pdf_of_start(&self, id: LightId, reference: &LightReference, start: &Start, wi: Vec3) -> f32 {
         match start {
             Start::Surface(hit) => self.pdf_of_hit(id, reference, hit),
@@ -237,7 +236,7 @@ impl LightTable {
     }
 }
 
-/// A place of a surface that shines: on the side of its normal, or on both.
+/// A point of an emitting surface, with its emitting sides: that of its normal, or both.
 struct Side {
     normal: Vec3,
     is_two_sided: bool,
@@ -255,8 +254,8 @@ impl Side {
         }
     }
 
-    /// A direction to what is lit, or one that follows the cosine with the normal, and its density. None where it does
-    /// not shine.
+    /// A direction towards the lit sphere, or one sampled by the cosine with the normal, and its density. None where it
+    /// does not shine.
     fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let (is_aimed, u) = self.aim.map_or((false, u), |_| Aim::choose(u));
         let dir = match &self.aim {

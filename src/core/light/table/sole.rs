@@ -13,7 +13,7 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 /// A bit for every lane.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// The commonest lights that a scene has alone.
+/// The commonest kinds of lights that are alone in a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SoleLight<'a> {
     Rectangle(UniformRectangle, Glow),
@@ -21,7 +21,7 @@ pub(crate) enum SoleLight<'a> {
 }
 
 impl LightTable {
-    /// The scene's only light, if there is one alone and it can be sampled in lanes.
+    /// The scene's only light; None if there are several or it cannot be sampled in lanes.
     pub(crate) fn sole(&self) -> Option<(LightId, SoleLight<'_>)> {
         if !self.choice.is_certain() {
             return None;
@@ -53,7 +53,7 @@ impl SoleLight<'_> {
         }
     }
 
-    /// Places on the light as of [`LightTable::sample_place`]; None if it is at infinity.
+    /// Points on the light as of [`LightTable::sample_place`]; None if it is at infinity.
     #[inline(always)]
     pub fn place(&self, u: [Lanes; 2]) -> Option<Vec3Lanes> {
         match self {

@@ -1,10 +1,8 @@
-//! Building the light tree: from the top, splitting where the surface area orientation heuristic is least among binned
-//! planes.
+//! Builds the light tree top down, splitting where the surface area orientation heuristic is least among binned planes.
 //!
 //! The heuristic is Conty Estevez and Kulla's with two simplifications: the measure of space is the square of the
-//! ball's radius, which also tells points on a line apart, and the spread of a bin's normals is estimated from their
-//! mean, which needs no trigonometry per emitter. The cones of the finished nodes are bounds, merged from the leaves
-//! up.
+//! ball's radius, which also separates points on a line, and the spread of a bin's normals is estimated from their
+//! mean, which needs no trigonometry per emitter. The cones of the finished nodes are true bounds, merged bottom up.
 
 use glam::Vec3;
 
@@ -23,14 +21,14 @@ struct Item {
 /// The number of slices of the box of centroids between which planes are tried.
 const BINS: usize = 16;
 
-/// Below this depth sets are halved by number, so that no tree is deeper than this plus the logarithm of what is left.
+/// Below this depth sets are halved by number, which bounds the depth by this plus the logarithm of the set's size.
 const DEEPEST_SPLIT: u32 = 64;
 
-/// Sets below this size are not worth another thread.
+/// Smaller sets are not split on another thread.
 const SMALLEST_TASK: usize = 8192;
 
 impl LightTree {
-    /// The tree over the emitters that have bounds. None if none has.
+    /// The tree over the emitters that have bounds; None if there are none.
     pub(in crate::light) fn build(emitters: &[Option<LightBounds>]) -> Option<Self> {
         let shining = emitters.iter().zip(0..);
         let mut items: Vec<Item> = shining
@@ -39,7 +37,7 @@ impl LightTree {
                 Some(Item { light, emitter })
             })
             .collect();
-        // Intensities become shares of the whole, so that their sums stay in range and none of them vanishes.
+        // Intensities are divided by their total, so that their sums stay in range and none of them vanishes.
         let total: f64 = items.iter().map(|item| f64::from(item.light.intensity)).sum();
         for item in &mut items {
             let share = f64::from(item.light.intensity) / total;
@@ -103,7 +101,7 @@ fn subtree(items: &mut [Item], pairs: &mut [[Node; 2]], first_pair: u32, depth: 
     }
 }
 
-/// Orders two items or more into two sets; returns how many are in the first, some but not all.
+/// Orders two items or more into two non-empty sets, and returns the size of the first.
 fn partition(items: &mut [Item], depth: u32) -> usize {
     let half = items.len() / 2;
     let centroids = Aabb::from_points(items.iter().map(centroid));
@@ -131,7 +129,7 @@ fn centroid(item: &Item) -> Vec3 {
     item.light.bounds.center()
 }
 
-/// A boundary along one axis, between the bins below `bin` and the others.
+/// A boundary across one axis, before which the bins up to `bin` are.
 #[derive(Clone, Copy)]
 struct Plane {
     axis: usize,
@@ -148,12 +146,12 @@ impl Plane {
     }
 }
 
-/// The sums that the heuristic needs to know of some emitters.
+/// The sums over some emitters that the heuristic needs.
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Aabb,
     intensity: f32,
-    /// The sum of mean normals times intensities.
+    /// The sum of mean normals, weighted by intensity.
     normals: Vec3,
 }
 
@@ -184,7 +182,7 @@ impl Bin {
 }
 
 /// The solid angle lit by surfaces with normals in a cone, weighted by the cosine to the nearest normal: pi for one
-/// normal, 4 pi for all. Exact up to a right angle, above it smoothly on to the end.
+/// normal, 4 pi for all. Exact up to a right angle, a smooth continuation above.
 fn shone_upon(cos: f32) -> f32 {
     use std::f32::consts::PI;
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
@@ -224,7 +222,7 @@ fn best_plane(items: &[Item], centroids: &Aabb) -> Option<Plane> {
             sum = sum.with(&filled[bin]);
             above[bin] = sum;
         }
-        // Slices of a flat box across its short sides are made expensive.
+        // Splits across the short sides of a flat box are made expensive.
         let slenderness = extent.max_element() / extent[axis];
         let mut below = Bin::EMPTY;
         for bin in 1..bins {

@@ -3,7 +3,7 @@
 //!
 //! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018, without the
 //! splitting; PBR 4th ed., section 12.6.3. One random number goes down the tree and is stretched at every step.
-//! `node.rs` estimates importances, `build.rs` decides what belongs together. Nothing here knows what a light is.
+//! `node.rs` estimates importances, `build.rs` decides on the splits. The tree knows bounds alone, not lights.
 
 mod build;
 mod node;
@@ -18,17 +18,17 @@ use crate::math::lanes::Lanes;
 
 #[derive(Clone, Debug)]
 pub(super) struct LightTree {
-    /// Siblings lie together. The first pair is the root's, empty if there is but one emitter.
+    /// Pairs of siblings. The first pair is the root's, absent if there is only one emitter.
     pairs: Vec<[Node; 2]>,
-    /// The place of the node that each pair belongs to; the root's is not used.
+    /// The parent node of each pair; the root's is not used.
     parents: Vec<Place>,
-    /// The place of each emitter's leaf; None for those without bounds.
+    /// The leaf of each emitter; None for those without bounds.
     leaves: Vec<Option<Place>>,
-    /// The emitter, if there is but one.
+    /// The only emitter, if there is just one.
     only: Option<u32>,
 }
 
-/// A node: twice its pair's index, plus one for the second of the two.
+/// The index of a node: twice its pair's index, plus one for the second sibling.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place(u32);
 
@@ -47,31 +47,31 @@ impl Place {
 }
 
 impl LightTree {
-    /// The emitter, if there is but one.
+    /// The only emitter, if there is just one.
     pub fn only(&self) -> Option<u32> {
         self.only
     }
 
-    /// The emitter for `u` in [0, 1), with its probability. None if the bounds turn out to hold nothing that sends
-    /// light to `reference`.
+    /// The emitter for `u` in [0, 1), with its probability. None if the walk ends at bounds that send no light to
+    /// `reference`.
     pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(u32, f32)> {
         let from = Reference::from(reference);
         self.descend(u, |pair| share_of_first(&self.pairs[pair as usize], &from))
     }
 
-    /// The probabilities by which [`Self::sample_lane`] chooses; None for a large tree, in which lanes go different
-    /// ways.
+    /// The probabilities by which [`Self::sample_lane`] chooses; None for a large tree, where lanes take different
+    /// paths.
     pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
         let is_small = self.only.is_none() && self.pairs.len() <= MOST_SHARED;
         is_small.then(|| self.pairs.iter().map(|pair| share_of_first(pair, from)).collect())
     }
 
-    /// [`Self::sample`] from the reference of a lane.
+    /// [`Self::sample`] for the reference of one lane.
     pub fn sample_lane(&self, lane: usize, shares: &Shares, u: f64) -> Option<(u32, f32)> {
         self.descend(u, |pair| shares[pair as usize].as_array()[lane])
     }
 
-    /// `share` gives what [`share_of_first`] gives for a pair.
+    /// `share` gives the value of [`share_of_first`] for a pair.
     #[inline(always)]
     fn descend(&self, mut u: f64, share: impl Fn(u32) -> f32) -> Option<(u32, f32)> {
         if let Some(only) = self.only {
@@ -122,16 +122,16 @@ impl LightTree {
 /// The largest `f64` below one.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// The least probability of a node that sends light at all: estimates do not know of occluders.
+/// The least probability of a node that sends light at all: estimates ignore occluders.
 const LEAST_SHARE: f32 = 1e-3;
 
-/// The most pairs whose probabilities are computed for all lanes at once, whichever of them each lane comes to.
+/// The most pairs whose probabilities are computed for all lanes at once, whether or not a lane reaches them.
 const MOST_SHARED: usize = 7;
 
-/// What [`share_of_first`] gives for each pair.
+/// The value of [`share_of_first`] for each pair.
 pub(super) type Shares = ArrayVec<Lanes, MOST_SHARED>;
 
-/// The probability of going to the first of two, -1 if neither sends light to the reference.
+/// The probability of the first of two siblings, or -1 if neither sends light to the reference.
 #[inline(always)]
 fn share_of_first<R: Real>(nodes: &[Node; 2], from: &Reference<R>) -> R {
     let (first, second) = (nodes[0].seen_from(from), nodes[1].seen_from(from));

@@ -1,4 +1,4 @@
-//! A node of the light tree in 32 bytes, and the estimate of the light that it sends to a point.
+//! A node of the light tree in 32 bytes, and the estimate of its contribution to a point.
 
 use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
 
@@ -13,7 +13,7 @@ pub(super) enum Content {
     Pair(u32),
 }
 
-/// The emitters below as a ball of points with normals in a cone.
+/// The emitters below a node, as a ball of points with normals in a cone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     center: Vec3,
@@ -22,7 +22,7 @@ pub(super) struct Node {
     intensity: f32,
     /// The index of a pair or an emitter; the highest bit tells which.
     link: u32,
-    /// The axis of the cone of normals, as a point of the octahedron.
+    /// The axis of the cone of normals, octahedrally encoded.
     axis: I16Vec2,
     /// The cosines of that cone's angle, from -1 to 1, and of the angle of emission, from 0 to 1, both rounded down.
     cosines: U16Vec2,
@@ -30,12 +30,12 @@ pub(super) struct Node {
 
 const EMITTER: u32 = 1 << 31;
 
-/// Added to the squared sine of the angle under which a node is seen, so that rounding hides no emitter behind a
-/// horizon: a thousandth of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter
-/// in the cosine of its angle.
+/// Added to the squared sine of the angle subtended by a node, so that rounding hides no emitter behind a horizon: a
+/// thousandth of a radian, where the encoding of an axis loses a tenth of that and a narrow cone a quarter in the
+/// cosine of its angle.
 const SINE_SQUARED_ROUNDING: f32 = 1e-6;
 
-/// The least squared distance to a ball's centre that counts, in squared radii: within it, emitters are all around.
+/// The least squared distance to a ball's centre, in squared radii: within it, emitters are all around.
 const NEAREST_SQUARED: f32 = 0.25;
 
 impl Node {
@@ -82,7 +82,7 @@ impl Node {
         }
     }
 
-    /// How the light is seen from the reference: the nearest of its directions at the distance of its centre.
+    /// The node as seen from the reference: its most favourable direction, at the distance of its centre.
     #[inline(always)]
     pub fn seen_from<R: Real>(&self, from: &Reference<R>) -> Seen<R> {
         let to_center = R::Vec3::same(self.center) - from.position;
@@ -100,7 +100,7 @@ impl Node {
             let cos_emission = f32::from(self.cosines.y) * (1.0 / f32::from(u16::MAX));
             cosines = (cosines * cos).only(R::is_above(cos, cos_emission));
         }
-        // Within the ball, light may come from anywhere. A point does not light itself.
+        // Within the ball, light may come from all directions. A point does not light itself.
         let is_within = distance_squared.is_at_most(radius_squared);
         let of_ball = R::splat(if self.radius_squared > 0.0 { 1.0 } else { 0.0 });
         let nearest = distance_squared.max(R::splat(NEAREST_SQUARED) * radius_squared);
@@ -112,27 +112,27 @@ impl Node {
     }
 }
 
-/// How a node is seen from a point, or from one per lane.
+/// A node as seen from a point, or from one per lane.
 #[derive(Clone, Copy)]
 pub(super) struct Seen<R: Real> {
-    /// The product of the cosines on both sides; zero only where it sends nothing there.
+    /// The product of the cosines at both ends; zero only where it sends no light to the point.
     cosines: R,
     distance_squared: R,
     intensity: f32,
 }
 
 impl<R: Real> Seen<R> {
-    /// Whether it sends anything there.
+    /// Whether it sends any light to the point.
     #[inline(always)]
     pub fn is_lit(&self) -> R::Mask {
         R::is_above(self.cosines, 0.0)
     }
 
-    /// The irradiance over that of another node, if all of either shone from where it is seen, about. Where both are
-    /// [`Self::is_lit`].
+    /// The approximate ratio of the irradiances from this node and another, with all their light at the ball's
+    /// distance. Defined where both are [`Self::is_lit`].
     #[inline(always)]
     pub fn over(&self, other: &Self) -> R {
-        // No product of two such quotients is beyond all numbers.
+        // The limits keep the product of two such quotients finite.
         let within = |quotient: R| quotient.max(R::splat(1e-18)).min(R::splat(1e18));
         within(R::splat(self.intensity) / R::splat(other.intensity))
             * within(other.distance_squared / self.distance_squared)
@@ -177,7 +177,8 @@ impl<R: Real> Angle<R> {
     }
 }
 
-/// Unit vectors as points of a square: the octahedron, unfolded (Meyer et al., On Floating-Point Normal Vectors, 2010).
+/// Encodes unit vectors as points of a square: the unfolded octahedron (Meyer et al., On Floating-Point Normal Vectors,
+/// 2010).
 fn octahedron_from(v: Vec3) -> I16Vec2 {
     let p = v / v.abs().element_sum();
     let folded = if p.z >= 0.0 { p.truncate() } else { fold(p.truncate()) };
