@@ -1,39 +1,39 @@
-//! Distances along a ray that are more frequent near a lamp, about as if they were evenly distributed over the angles
-//! under which the lamp sees them (Kulla and Fajardo, Importance Sampling Techniques for Path Tracing in Participating
-//! Media, 2012).
+//! Sampling of scattering distances along a path segment by the position of a lamp: nearly in proportion to the angles
+//! that the distances subtend at the lamp (Kulla and Fajardo, Importance Sampling Techniques for Path Tracing in
+//! Participating Media, 2012).
 //!
-//! With `h` from the lamp to the ray and `x` along the ray from the nearest point, the density is in proportion to `1 /
-//! (h + |x|)^2`. That is between the half and the whole of the equiangular `1 / (h^2 + x^2)`, and needs no
-//! trigonometric functions.
+//! With `h` the distance of the lamp from the ray and `x` the distance along the ray from the point nearest to the
+//! lamp, the density is in proportion to `1 / (h + |x|)^2`. That is between half and all of the equiangular density `1
+//! / (h^2 + x^2)`, and needs no trigonometric functions.
 
 use super::Way;
 use crate::math::{Real, Vector, real_struct};
 
-/// The least distance of a lamp from the ray, relative to the mean free path. It keeps the density finite.
+/// The distance of a lamp from the ray, in mean free paths, counts as at least this. It keeps the density finite.
 const NEAREST: f32 = 1e-3;
 
-/// The largest distance of a lamp from the way that is worth it, relative to the mean free path or to the way,
-/// whichever is less. In light that is nearly the same all along the way, the distribution would only be noise for what
-/// comes from the end.
+/// The largest distance between lamp and segment for which lamps are sampled, relative to the mean free path or to the
+/// segment's length, whichever is shorter. Farther lamps light the segment almost evenly, and sampling by them would
+/// only add noise to the light from the segment's end.
 const NEAR: f32 = 0.4;
 
 real_struct! {
-    /// A distribution of distances.
+    /// A distribution of scattering distances along a segment.
     pub(super) struct Equiangular<R> {
-        /// The distance along the way of the point that is nearest to the lamp.
+        /// The distance along the ray of the point that is nearest to the lamp.
         nearest: R,
-        /// The distance of the lamp from there.
+        /// The distance of the lamp from that point.
         height: R,
-        /// The share, from -1 to 1, of the start of the way.
+        /// The antiderivative of the density at the start of the segment, in [-1, 1], up to a factor.
         from: R,
-        /// The share of its end.
+        /// The antiderivative at the end of the segment.
         to: R,
     }
 }
 
 impl<R: Real> Equiangular<R> {
-    /// The distribution for a lamp in a medium with the extinction `sigma_t`, and whether there is one: none if the
-    /// lamp is farther than [`reach`] from the way.
+    /// The distribution for a lamp in a medium with the extinction `sigma_t`, and a mask of where it is defined: where
+    /// the lamp is within [`reach`] of the segment.
     #[inline(always)]
     pub fn new(way: &Way<R>, lamp: R::Vec3, sigma_t: R) -> (Self, R::Mask) {
         let to_lamp = lamp - way.origin;
@@ -73,7 +73,7 @@ impl<R: Real> Equiangular<R> {
     }
 }
 
-/// The largest distance of a lamp that is near to a way of this length.
+/// The largest distance of a lamp from a segment of this length for which lamps are sampled.
 #[inline(always)]
 pub(super) fn reach<R: Real>(length: R, sigma_t: R) -> R {
     R::splat(NEAR) * length.min(R::ONE / sigma_t)

@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::color::{BRIGHTEST, Rgb};
 use crate::memory::{Held, Reservation};
 
-/// The most voxels along an axis, so that places fit well into 32 bits.
+/// The most voxels along an axis, so that voxel coordinates fit well into 32 bits.
 const MOST_ALONG_AXIS: u32 = 1 << 14;
 
 /// A box of voxels with one or three values each, from 0 to [`BRIGHTEST`].
@@ -20,17 +20,17 @@ pub struct VolumeGrid {
     memory: Held,
 }
 
-/// The numbers of values that could not stay as they were.
+/// The numbers of values that were replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mended {
-    /// Those that were negative, infinite or no numbers, and are zero now.
+    /// Values that were negative, infinite or NaN, and are zero now.
     pub zeros: usize,
-    /// Those that were above [`BRIGHTEST`], and are that now.
+    /// Values above [`BRIGHTEST`], which are clamped to it.
     pub limited: usize,
 }
 
-/// The values of voxels, as precise as their file has them: x grows fastest, then y, then z; the channels of a voxel
-/// are side by side.
+/// The values of voxels in the precision of their file: x varies fastest, then y, then z; the channels of a voxel are
+/// adjacent.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Voxels {
     /// Four bytes per value.
@@ -41,19 +41,19 @@ pub enum Voxels {
     U8(Vec<u8>),
 }
 
-/// The reason why a grid cannot be.
+/// The reason why a grid is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum GridError {
-    /// An axis has no voxels, or too many.
+    /// An axis has too few or too many voxels.
     #[error("a grid of {0} x {1} x {2} voxels: each axis must have 1 to {MOST_ALONG_AXIS}")]
     Resolution(u32, u32, u32),
-    /// Voxels have another number of values than one or three.
+    /// Voxels have neither one nor three values.
     #[error("{0} values per voxel: 1 or 3 are expected")]
     Channels(u32),
-    /// There are more or fewer values than the grid has.
+    /// The number of values does not match the grid.
     #[error("{found} values where the grid has {expected}")]
     Count {
-        /// The number of values that there are.
+        /// The number of values given.
         found: usize,
         /// Voxels times channels.
         expected: usize,
@@ -61,7 +61,6 @@ pub enum GridError {
 }
 
 impl Voxels {
-    /// The number of values.
     fn len(&self) -> usize {
         match self {
             Self::F32(values) => values.len(),
@@ -79,8 +78,7 @@ impl Voxels {
         }
     }
 
-    /// Sets values that are negative or not finite to zero and those that are too large to the largest one, and counts
-    /// both.
+    /// Sets negative and not finite values to zero, clamps values above the limit, and counts both.
     fn mend(&mut self) -> Mended {
         let mut mended = Mended::default();
         match self {
@@ -95,7 +93,7 @@ impl Voxels {
                     }
                 }
             }
-            // None of them is too large.
+            // Half precision has no values above the limit.
             Self::F16(values) => {
                 for value in values {
                     if !(*value >= f16::ZERO && value.is_finite()) {
@@ -111,8 +109,8 @@ impl Voxels {
 }
 
 impl VolumeGrid {
-    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Values that are negative or not finite become
-    /// zero, and those above [`BRIGHTEST`] that.
+    /// A grid of `resolution` voxels with `channels` values each, 1 or 3. Negative and not finite values become zero,
+    /// and values above [`BRIGHTEST`] are clamped to it.
     pub fn new(resolution: UVec3, channels: u32, mut voxels: Voxels) -> Result<Self, GridError> {
         if resolution.min_element() < 1 || resolution.max_element() > MOST_ALONG_AXIS {
             return Err(GridError::Resolution(resolution.x, resolution.y, resolution.z));
@@ -140,7 +138,7 @@ impl VolumeGrid {
         })
     }
 
-    /// The grid, which keeps the memory that was reserved for it.
+    /// The grid, which keeps `memory` reserved in the memory budget.
     pub(super) fn holding(mut self, memory: Reservation) -> Self {
         self.memory = memory.into();
         self
@@ -162,12 +160,12 @@ impl VolumeGrid {
         &self.voxels
     }
 
-    /// The numbers of values that are other ones than were given.
+    /// The numbers of values that differ from the given ones.
     pub fn mended(&self) -> Mended {
         self.mended
     }
 
-    /// Bytes of memory of the values.
+    /// The memory of the values in bytes.
     pub fn size(&self) -> usize {
         match &self.voxels {
             Voxels::F32(values) => size_of_val(values.as_slice()),
@@ -176,7 +174,7 @@ impl VolumeGrid {
         }
     }
 
-    /// The value of the voxel at `place`, which is within the grid; a single value three times.
+    /// The values of the voxel at `place`, which is within the grid; a single value is repeated three times.
     #[inline(always)]
     pub fn voxel(&self, place: UVec3) -> Rgb {
         let [x, y, z] = place.to_array().map(|at| at as usize);

@@ -11,20 +11,19 @@ use super::{GridVolume, MediumSource, Volume, Way};
 use crate::math::Aabb;
 
 /// The edge of a cell in voxels: small enough to follow the density, and large enough that rays do not spend their time
-/// at borders of cells.
+/// at the borders of cells.
 const VOXELS_PER_CELL: f32 = 8.0;
 /// The most cells along an axis: 8 MiB in all.
 const MOST_CELLS: f32 = 128.0;
-/// The most voxels that are read to find the bounds in all cells of a small grid: a second.
+/// The most voxels that are read to bound all cells of a small grid, which takes a second.
 const MOST_READ: u64 = 1 << 31;
-/// Of a large grid the most times that a voxel is read, as a mean. In a turned grid it is ten times.
+/// The most times that each voxel of a large grid is read on average. A rotated grid needs ten.
 const READS_PER_VOXEL: u64 = 16;
-/// What cells are enlarged by, relative to their size, so that rounding leads to no value outside of them.
+/// The margin added to cells, relative to their size, so that rounding cannot miss a value.
 const MARGIN: f32 = 1e-3;
-/// The most collisions that are tried on the way across a cell, as a mean. Where one voxel is denser than that and
-/// another is not, a ray beside the dense one would be held up by null collisions without end, so that its extinction
-/// counts as that much. Light passes a voxel of so much in hardly any case, unless cells are much larger
-/// than [`VOXELS_PER_CELL`].
+/// The most tentative collisions on average across a cell. If one voxel exceeds it and another does not, a ray beside
+/// the dense voxel would be held up by countless null collisions, so the extinction is clamped to this limit. Hardly
+/// any light passes a voxel at the limit, unless cells are much larger than [`VOXELS_PER_CELL`].
 pub(super) const MOST_TRIED: f32 = 1024.0;
 
 /// Upper bounds of extinction in the cells of a box in world space.
@@ -34,22 +33,22 @@ pub(super) struct MajorantGrid {
     /// The number of cells along each axis.
     cells: IVec3,
     cell_size: Vec3,
-    /// By cell; x grows fastest.
+    /// The bound of each cell; x varies fastest.
     majorants: Vec<f32>,
     /// The extinction outside of the box.
     outside: f32,
-    /// Where what is denser than [`MOST_TRIED`] allows counts as that.
+    /// The cells where extinction is clamped by [`MOST_TRIED`]; None if there are none.
     limited: Option<Limited>,
 }
 
-/// What was found too dense to be tracked.
+/// The part of a medium that is too dense to be tracked and is clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limited {
     /// The number of cells of 8 voxels along an edge, or more in large grids.
     pub cells: usize,
-    /// The largest extinction that there is in them.
+    /// The largest extinction in these cells.
     pub densest: f32,
-    /// What it counts as, at most.
+    /// The largest extinction after clamping.
     pub limit: f32,
 }
 
@@ -64,18 +63,18 @@ impl Display for Limited {
     }
 }
 
-/// A part of a ray along which one bound holds.
+/// A part of a path segment along which one bound holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Segment {
-    /// The distance at which it ends; it begins where the one before ends.
+    /// The distance at which it ends; it begins at the end of the previous one.
     pub end: f32,
-    /// The upper bound of the extinction in all colours.
+    /// The upper bound of the extinction in all channels.
     pub majorant: f32,
-    /// Whether it is outside of the box, where the extinction is the same everywhere.
+    /// Whether it is outside of the box, where the extinction is constant.
     pub is_outside: bool,
 }
 
-/// How a box is divided into cells.
+/// The division of a box into cells.
 struct Cells {
     bounds: Aabb,
     /// The number along each axis.
@@ -84,8 +83,8 @@ struct Cells {
 }
 
 impl Cells {
-    /// Cells of about this edge. There are fewer where finding the bounds in all of them would take far longer than
-    /// reading the voxels once: cells of slanted or repeated grids may touch all voxels each.
+    /// Cells with about this edge. They are larger where bounding all of them would take far longer than reading the
+    /// voxels once: each cell of a slanted or repeated grid may touch all voxels.
     fn new(bounds: Aabb, edge: f32, grids: &[&GridVolume]) -> Self {
         let extent = bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
         let along = (extent / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MOST_CELLS));
@@ -107,7 +106,7 @@ impl Cells {
         self.along.to_array().into_iter().map(|along| along as usize).product()
     }
 
-    /// The cell of this index, a little enlarged.
+    /// The box of the cell with this index, enlarged by [`MARGIN`].
     fn within(&self, index: usize) -> Aabb {
         let (columns, rows) = (self.along.x as usize, self.along.y as usize);
         let cell = Vec3::new(
@@ -121,9 +120,9 @@ impl Cells {
         }
     }
 
-    /// The number of voxels of all cells together, some of them counted several times.
+    /// The number of voxels that all cells touch together; a voxel counts once per cell.
     fn touched(&self, grids: &[&GridVolume]) -> u64 {
-        // Not worth counting.
+        // Even if every cell touched every voxel, the limit would hold.
         let voxels: u64 = grids.iter().map(|grid| grid.voxels()).sum();
         if (self.count() as u64).saturating_mul(voxels) <= MOST_READ {
             return 0;
@@ -137,7 +136,7 @@ impl Cells {
 }
 
 impl MajorantGrid {
-    /// The bounds of a medium of which extinction or emission is a grid.
+    /// The majorants of a medium whose extinction or emission is a grid.
     pub fn new(source: &MediumSource) -> Self {
         let grids: Vec<&GridVolume> = [&source.sigma_t, &source.emission]
             .into_iter()
@@ -155,7 +154,7 @@ impl MajorantGrid {
         let (cell_size, count) = (cells.size, cells.count());
         let limit = MOST_TRIED / cell_size.length();
         let bounds_of = |index: usize| cells.within(index);
-        // Where all is the same, no collision is a null collision.
+        // Where the extinction is constant, no collision is a null collision.
         let is_limited = |sigma_t: f32, within: &Aabb| {
             sigma_t > limit && source.sigma_t.lower_bound(within) * source.scale < sigma_t
         };
@@ -163,8 +162,7 @@ impl MajorantGrid {
             let within = bounds_of(index);
             let sigma_t = source.sigma_t.upper_bound(&within) * source.scale;
             let sigma_t = if is_limited(sigma_t, &within) { limit } else { sigma_t };
-            // Where a medium shines, its light is gathered at collisions, so that there have to be some: about one for
-            // each cell.
+            // Emission is gathered at collisions, so cells that emit need a majorant of about one collision per cell.
             match source.emission.upper_bound(&within) > 0.0 {
                 true => sigma_t.max(1.0 / cell_size.max_element()),
                 false => sigma_t,
@@ -176,7 +174,7 @@ impl MajorantGrid {
         };
         let majorants: Vec<f32> = (0..count).into_par_iter().map(majorant).collect();
         let too_dense = |index: usize| {
-            // Few cells have exactly that bound, and most often none.
+            // Few cells have exactly this bound, and most often none does.
             let within = (majorants[index] == limit).then(|| bounds_of(index))?;
             let sigma_t = source.sigma_t.upper_bound(&within) * source.scale;
             is_limited(sigma_t, &within).then_some((1, sigma_t))
@@ -193,12 +191,12 @@ impl MajorantGrid {
         }
     }
 
-    /// What was found too dense to be tracked, and counts as less; None in nearly all media.
+    /// The part of the medium that is too dense to be tracked and is clamped; None in nearly all media.
     pub fn limited(&self) -> Option<Limited> {
         self.limited
     }
 
-    /// The segments of a way, in order. The last one ends where the way does.
+    /// The parts of `way` with one bound each, in order. The last one ends with `way`.
     #[inline]
     pub fn walk(&self, way: &Way) -> Walk<'_> {
         let inverse = way.dir.recip();
@@ -206,7 +204,7 @@ impl MajorantGrid {
             (self.bounds.min - way.origin) * inverse,
             (self.bounds.max - way.origin) * inverse,
         );
-        // Zero times infinity, of a ray in the plane of a face, is no number, which min and max leave aside.
+        // Zero times infinity, of a ray in the plane of a face, is NaN, which min and max ignore.
         let enter = near.min(far).max_element().max(0.0);
         let exit = near.max(far).min_element().min(way.length);
         let is_missed = enter.is_nan() || exit.is_nan() || enter >= exit;
@@ -221,25 +219,25 @@ impl MajorantGrid {
     }
 }
 
-/// The segments of one way.
+/// Iterates over the parts of a path segment with one bound each.
 pub(super) struct Walk<'a> {
     grid: &'a MajorantGrid,
     length: f32,
-    /// Where the way comes into the box, and where it leaves it or ends.
+    /// The distances at which the path segment enters the box, and at which it leaves it or ends.
     enter: f32,
     exit: f32,
-    /// The end of the last segment.
+    /// The end of the last part.
     t: f32,
     cells: CellWalk,
 }
 
-/// The place among the cells.
+/// The current cell of a walk.
 struct CellWalk {
     cell: IVec3,
     step: IVec3,
-    /// The distances at which the way leaves the cell along each axis.
+    /// The distances at which the ray leaves the cell along each axis.
     leave: Vec3,
-    /// The distances from one border to the next.
+    /// The distances between cell borders along each axis.
     across: Vec3,
 }
 
@@ -294,7 +292,7 @@ impl Iterator for Walk<'_> {
             leave if leave.y <= leave.z => 1,
             _ => 2,
         };
-        // Rounding must not lead back.
+        // Rounding must not lead backwards.
         let mut end = leave[axis].max(self.t);
         self.cells.cell[axis] += self.cells.step[axis];
         self.cells.leave[axis] += self.cells.across[axis];

@@ -1,15 +1,13 @@
-//! Participating media: what fills the space between surfaces, and how light is absorbed, scattered and emitted there
-//! (PBR 4th ed., chapters 11 and 14; Novák et al., Monte Carlo Methods for Volumetric Light Transport Simulation,
-//! 2018).
+//! Participating media: the matter between surfaces, and how it absorbs, scatters and emits light (PBR 4th ed.,
+//! chapters 11 and 14; Novák et al., Monte Carlo Methods for Volumetric Light Transport Simulation, 2018).
 //!
-//! A medium is described by its extinction coefficient `sigma_t` (per unit of length), the part `albedo` of it that is
-//! scattering, the radiance `emission` that a unit of length adds, and a [`Phase`] function. Each of the first three is
-//! a [`Volume`]: the same everywhere, or a grid.
+//! A medium is described by its extinction coefficient `sigma_t` (per unit of length), its single-scattering `albedo`,
+//! the radiance `emission` that a unit of length adds, and a [`Phase`] function. Each of the first three is a
+//! [`Volume`]: constant or a grid.
 //!
-//! Where all is the same everywhere, distances and transmittances have formulas (`uniform.rs`). Otherwise they are
-//! found by null-collision tracking against a grid of majorants (`tracking.rs`, `majorants.rs`). Both forms are used
-//! through [`Medium::travel`] and [`Medium::transmit`]. Surfaces name the media on their sides by a
-//! [`MediumInterface`].
+//! In homogeneous media distances and transmittances have formulas (`uniform.rs`). Otherwise they are found by
+//! null-collision tracking against a grid of majorants (`tracking.rs`, `majorants.rs`). [`Medium::travel`] and
+//! [`Medium::transmit`] choose between both. Surfaces name the media on their sides by a [`MediumInterface`].
 
 mod equiangular;
 mod grid;
@@ -46,22 +44,21 @@ pub struct MediumId(pub u32);
 /// The media on the two sides of a surface (PBR 4th ed., section 11.4); None is empty space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MediumInterface {
-    /// On the side that the geometric normal points away from.
+    /// The medium on the side that the geometric normal points away from.
     pub interior: Option<MediumId>,
-    /// On the side that the geometric normal points to.
+    /// The medium on the side that the geometric normal points to.
     pub exterior: Option<MediumId>,
 }
 
 impl MediumInterface {
-    /// Whether the surface says what is on its sides. Light that crosses any other surface stays in the medium that it
-    /// was in.
+    /// Whether the surface separates media. Light that crosses any other surface stays in its medium.
     #[inline(always)]
     pub fn is_transition(&self) -> bool {
         self.interior.is_some() || self.exterior.is_some()
     }
 
-    /// The medium into which light goes that leaves the surface in direction `dir`, and was in `before`. `normal` is
-    /// the geometric normal.
+    /// The medium of light that leaves the surface in direction `dir` after it was in `before`. `normal` is the
+    /// geometric normal.
     #[inline(always)]
     pub fn entered(&self, before: Option<MediumId>, dir: Vec3, normal: Vec3) -> Option<MediumId> {
         match self.is_transition() {
@@ -72,24 +69,24 @@ impl MediumInterface {
     }
 }
 
-/// What a medium is made from.
+/// The description of a medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumSource {
     /// The extinction coefficient per unit of length in world space, not negative, before `scale`.
     pub sigma_t: Volume,
     /// The factor on `sigma_t`, not negative.
     pub scale: f32,
-    /// The part of the extinction that is scattering, in [0, 1].
+    /// The single-scattering albedo, in [0, 1]: the scattered part of the extinction.
     pub albedo: Volume,
     /// The radiance that is emitted per unit of length, W/(m^3 sr), not negative. It does not depend on the
     /// extinction.
     pub emission: Volume,
-    /// The directions of scattered light.
+    /// The phase function.
     pub phase: Phase,
 }
 
 impl MediumSource {
-    /// Whether light is scattered anywhere. Where it is only absorbed, it need not be lost at random.
+    /// Whether light is scattered anywhere. Where it is only absorbed, it need not be absorbed at random.
     #[inline(always)]
     fn scatters(&self) -> bool {
         self.albedo != Volume::ZERO
@@ -102,21 +99,21 @@ impl MediumSource {
     }
 }
 
-/// A medium that is ready for light transport.
+/// A medium prepared for light transport.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     source: MediumSource,
     distances: Distances,
-    /// What is needed of it in lanes, if it is of the commonest kind.
+    /// The medium's data for lanes, if it is of the commonest kind.
     plain: Option<PlainMedium>,
 }
 
-/// The way in which distances are found in a medium.
+/// The sampling of distances in a medium.
 #[derive(Clone, Debug, PartialEq)]
 enum Distances {
-    /// By formulas, where extinction and emission are the same everywhere.
+    /// By formulas, where extinction and emission are constant.
     Uniform(Uniform),
-    /// By null collisions.
+    /// By null-collision tracking.
     Tracked(MajorantGrid),
 }
 
@@ -127,12 +124,12 @@ pub struct MediumTable {
 }
 
 impl MediumTable {
-    /// The media with these sources, in the same order. The grids of majorants take a while for large volumes.
+    /// The media with these sources, in the same order. Building majorants takes time for large volumes.
     pub fn new(sources: Vec<MediumSource>) -> Self {
         Self::default().with(sources)
     }
 
-    /// The media with these sources, of which those that are as they were before are not prepared again.
+    /// The media with these sources; unchanged ones are not prepared again.
     pub fn with(&self, sources: Vec<MediumSource>) -> Self {
         let prepare = |(index, source): (usize, MediumSource)| match self.media.get(index) {
             Some(before) => before.with(source),
@@ -143,7 +140,7 @@ impl MediumTable {
         }
     }
 
-    /// Whether all space is empty.
+    /// Whether there are no media.
     pub fn is_empty(&self) -> bool {
         self.media.is_empty()
     }
@@ -161,7 +158,7 @@ impl MediumTable {
 }
 
 real_struct! {
-    /// A straight way through a medium.
+    /// A straight path segment through a medium.
     pub struct Way<R> {
         /// The start, in world space.
         pub origin: R::Vec3,
@@ -180,19 +177,19 @@ impl<R: Real> Way<R> {
     }
 }
 
-/// What has become of light on its way through a medium.
+/// The result of sampling a path segment through a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
-    /// The distance at which it is scattered; None if it arrives at the end.
+    /// The distance at which light is scattered; None if it arrives at the end.
     pub scattered_at: Option<f32>,
-    /// The probability of having come so far, given the tentative collisions on the way, if no lamp had been
-    /// considered.
+    /// The probability of having come this far, given the tentative collisions on the segment, if no lamp had been
+    /// sampled.
     ///
-    /// With it a density per solid angle at the start of the way becomes that of arriving, which is what multiple
-    /// importance sampling compares (Miller, Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of
-    /// Light Transport, 2019).
+    /// It turns a density per solid angle at the start of the segment into that of arriving, which multiple importance
+    /// sampling compares (Miller, Georgiev and Jarosz, A Null-Scattering Path Integral Formulation of Light Transport,
+    /// 2019).
     pub passed: f32,
-    /// The radiance that the medium has emitted along the way, as it arrives at the start, times the throughput there.
+    /// The radiance that the segment's medium emits to the segment's start, times the throughput there.
     pub emitted: Rgb,
 }
 
@@ -213,7 +210,7 @@ impl Medium {
         }
     }
 
-    /// The medium with another source. Majorants are only prepared again if what they depend on has changed.
+    /// The medium with another source. Majorants are rebuilt only if their sources have changed.
     fn with(&self, source: MediumSource) -> Self {
         fn tracked(source: &MediumSource) -> (&Volume, f32, &Volume) {
             (&source.sigma_t, source.scale, &source.emission)
@@ -228,7 +225,7 @@ impl Medium {
         }
     }
 
-    /// What of its extinction is too dense to be tracked and counts as less; None in nearly all media.
+    /// The part of the extinction that is too dense to be tracked and is clamped; None in nearly all media.
     pub fn limited(&self) -> Option<Limited> {
         match &self.distances {
             Distances::Uniform(_) => None,
@@ -241,14 +238,14 @@ impl Medium {
         &self.source.phase
     }
 
-    /// What is needed of the medium in lanes, if it is of the kind that goes there.
+    /// The medium's data for lanes; None if lanes cannot handle its kind.
     #[inline(always)]
     pub(crate) fn plain(&self) -> Option<&PlainMedium> {
         self.plain.as_ref()
     }
 
-    /// The distance along a way of this length around which lights are worth looking for, to be considered in
-    /// [`Self::travel`]. None where light is not scattered, or where there are no formulas.
+    /// The distance along a segment of this length around which lamps are chosen for [`Self::travel`]. None where light
+    /// is not scattered, or where the medium is tracked.
     #[inline]
     pub fn midway(&self, length: f32) -> Option<f32> {
         match &self.distances {
@@ -257,10 +254,10 @@ impl Medium {
         }
     }
 
-    /// Samples how far light goes, and turns the `throughput` before the way into that after it: behind the scattering,
-    /// or at the end. `u` decides where there are formulas, and the first collision where there are none; `stream`
-    /// gives what numbers are needed beyond. `throughput` is not zero. With the place of a `lamp`, light is
-    /// scattered more often near it; the mean is the same.
+    /// Samples the distance that light travels, and turns the `throughput` at the segment's start into that after it:
+    /// after scattering, or at the end. `u` decides everything where there are formulas, and the first collision
+    /// otherwise; `stream` gives further numbers. `throughput` must not be zero. With the position of a `lamp`, more
+    /// distances near it are sampled; the estimate stays unbiased.
     #[inline]
     pub fn travel(
         &self,
@@ -290,9 +287,9 @@ impl Medium {
         }
     }
 
-    /// An unbiased estimate of the share of light that passes the whole way, exact where there are formulas. `carried`
-    /// is the throughput of the light, up to a factor; it becomes that at the end. Also returns the probability
-    /// with which [`Self::travel`] would have passed in the same manner.
+    /// An unbiased estimate of the segment's transmittance, exact where there are formulas. `carried` is the throughput
+    /// of the light, up to a factor, and is updated to the segment's end. Also returns the probability with which
+    /// [`Self::travel`] would have passed likewise.
     #[inline]
     pub fn transmit(&self, way: &Way, carried: &mut Rgb, stream: &mut RandomStream) -> (Rgb, f32) {
         match &self.distances {
@@ -306,7 +303,7 @@ impl Medium {
     }
 }
 
-/// The medium, if it does not shine, has one albedo, and has formulas for scattering and for distances.
+/// The data for lanes of a medium with formulas, a constant albedo, a phase function with a formula, and no emission.
 fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
     match (distances, &source.albedo) {
         (Distances::Uniform(uniform), Volume::Constant(albedo)) if source.emission == Volume::ZERO => {
@@ -320,12 +317,12 @@ fn plain(source: &MediumSource, distances: &Distances) -> Option<PlainMedium> {
     }
 }
 
-/// The probability that light of this `throughput` passes where each of its colours would do so with the probabilities
-/// `passing`. The colours decide by turns, each as often as its share of the throughput, which is multiple importance
-/// sampling over them by the balance heuristic.
+/// The probability that light of this `throughput` passes, where its channels pass with the probabilities `passing`. A
+/// channel decides with a probability of its share of the throughput: multiple importance sampling over channels by the
+/// balance heuristic.
 ///
-/// Divided by it, `throughput * passing` has the sum that `throughput` had. Probabilities of parts of a way therefore
-/// multiply to that of the whole.
+/// Divided by it, `throughput * passing` keeps the sum of `throughput`. Probabilities along parts of a segment
+/// therefore multiply to the probability of the whole.
 #[inline(always)]
 fn chance<R: Real>(throughput: R::Vec3, passing: R::Vec3) -> R {
     throughput.dot(passing) / throughput.sum()

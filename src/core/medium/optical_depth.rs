@@ -1,5 +1,5 @@
-//! The optical depth of a way: the integral of the extinction along it, whose negative exponential is the share of
-//! light that passes (PBR 4th ed., section 11.2). It is found by quadrature instead of tracking, since the logarithm of
+//! The optical depth of a path segment: the integral of the extinction along it, whose negative exponential is the
+//! transmittance (PBR 4th ed., section 11.2). It is found by quadrature instead of tracking, because the logarithm of
 //! an estimate would be biased.
 
 use glam::Vec3;
@@ -8,20 +8,20 @@ use super::{Medium, Volume, Way};
 use crate::color::Rgb;
 use crate::math::Aabb;
 
-/// The steps in the edge of a voxel.
+/// The quadrature steps per edge of a voxel.
 const STEPS_PER_VOXEL: f32 = 2.0;
-/// The most steps along a way.
+/// The most steps along a segment.
 const MOST_STEPS: f32 = 4096.0;
 
 impl Medium {
-    /// The optical depth of a way, by colour. It is infinite for an endless way through a medium that is the same
-    /// everywhere.
+    /// The optical depth of a segment, per channel. It is infinite for an infinite segment through a homogeneous
+    /// medium.
     pub fn optical_depth(&self, way: &Way) -> Rgb {
         let scale = self.source.scale;
         match &self.source.sigma_t {
             Volume::Constant(sigma_t) => {
                 let sigma_t = *sigma_t * scale;
-                // Infinity times zero is no number, where there is no extinction.
+                // Infinity times zero would be NaN where there is no extinction.
                 Rgb::select(sigma_t.cmpgt(Rgb::ZERO), sigma_t * way.length, Rgb::ZERO)
             }
             volume => volume.bounds().map_or(Rgb::ZERO, |bounds| along(volume, &bounds, way)) * scale,
@@ -29,12 +29,12 @@ impl Medium {
     }
 }
 
-/// The integral of a volume along a way within its box, by the rule of midpoints.
+/// The integral of a volume along the part of a segment within its box, by the midpoint rule.
 fn along(volume: &Volume, bounds: &Aabb, way: &Way) -> Rgb {
     let to = |corner: Vec3| (corner - way.origin) / way.dir;
     let (low, high) = (to(bounds.min), to(bounds.max));
-    // A direction along an axis gives infinities there, or no number where it lies in the border itself, which min and
-    // max pass over.
+    // A direction along an axis gives infinities there, or NaN where the ray lies in a face itself, which min and max
+    // ignore.
     let enters = low.min(high).to_array().into_iter().fold(0.0f32, f32::max);
     let leaves = low.max(high).to_array().into_iter().fold(way.length, f32::min);
     let length = leaves - enters;

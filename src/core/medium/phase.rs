@@ -1,5 +1,5 @@
-//! Phase functions: the directions into which media scatter light (PBR 4th ed., section 11.3). Those here depend only
-//! on the angle between the old and the new direction, and are sampled exactly, so that the density of a sample is the
+//! Phase functions: the directions into which media scatter light (PBR 4th ed., section 11.3). They depend only on the
+//! angle between the old and the new direction, and are sampled exactly, so that the density of a sample equals the
 //! value of the function.
 
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use crate::sampling::warp::{self, UNIFORM_SPHERE_PDF};
 /// A distribution of scattered directions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
-    /// All directions alike.
+    /// Uniform over all directions.
     Isotropic,
     /// The function of Henyey and Greenstein (1941).
     HenyeyGreenstein {
-        /// The mean cosine, in (-1, 1): above 0 light goes on forwards.
+        /// The mean cosine, in (-1, 1): above 0 light is scattered forwards.
         g: f32,
     },
     /// Scattering by particles that are much smaller than the wavelength.
@@ -28,18 +28,18 @@ pub enum Phase {
     Blend(Box<BlendedPhase>),
 }
 
-/// Two phase functions of which each has a share that depends on the place.
+/// Two phase functions mixed with weights that vary in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlendedPhase {
-    /// The share of the second one, in [0, 1]; the first component counts.
+    /// The weight of the second one, in [0, 1]; only the volume's first component is used.
     pub weight: Volume,
-    /// The functions.
+    /// The mixed functions.
     pub of: [Phase; 2],
 }
 
 impl Phase {
-    /// The density per solid angle at the place `at` with which light that goes in direction `dir` is scattered to
-    /// `wi`, both unit vectors in the direction in which the path goes. The integral over all `wi` is 1.
+    /// The density per solid angle with which light is scattered at the point `at` from direction `dir` to `wi`, both
+    /// unit vectors along the path. The integral over all `wi` is 1.
     pub fn pdf(&self, at: Vec3, dir: Vec3, wi: Vec3) -> f32 {
         let cosine = dir.dot(wi).clamp(-1.0, 1.0);
         match self {
@@ -54,7 +54,7 @@ impl Phase {
         }
     }
 
-    /// A direction with the density of [`Self::pdf`], and that density.
+    /// Samples a direction, and returns it with its density [`Self::pdf`].
     pub fn sample(&self, at: Vec3, dir: Vec3, u_choice: f32, u: Vec2) -> (Vec3, f32) {
         let cosine = match self {
             Self::Isotropic => 2.0 * u.x - 1.0,
@@ -76,7 +76,7 @@ impl Phase {
         (wi, self.pdf(at, dir, wi))
     }
 
-    /// The function by its formula, if it has one.
+    /// The function as a formula; None for tables and mixtures.
     pub(super) fn plain(&self) -> Option<PlainPhase> {
         match *self {
             Self::Isotropic => Some(PlainPhase::ISOTROPIC),
@@ -100,17 +100,17 @@ impl BlendedPhase {
 }
 
 real_struct! {
-    /// A phase function that has a formula, in frames whose z axis is the direction in which the path has come.
+    /// A phase function with a formula, in frames whose z axis is the old direction of the path.
     pub(crate) struct PlainPhase<R> {
-        /// The mean cosine of the function of Henyey and Greenstein, which is isotropic where it is zero.
+        /// The mean cosine of the function of Henyey and Greenstein; zero is isotropic.
         g: R,
-        /// Whether it is that of Rayleigh instead.
+        /// Whether it is the Rayleigh function instead.
         is_rayleigh: R::Mask,
     }
 }
 
 impl<R: Real> PlainPhase<R> {
-    /// All directions alike.
+    /// Uniform over all directions.
     pub const ISOTROPIC: Self = Self {
         g: R::ZERO,
         is_rayleigh: R::Mask::NEVER,
@@ -147,8 +147,8 @@ fn henyey_greenstein<R: Real>(g: R, cosine: R) -> R {
     R::splat(UNIFORM_SPHERE_PDF) * rest * (R::ONE + size) / (squared * squared.sqrt())
 }
 
-/// The cosine by inversion (PBR 4th ed., equation 11.20, with the sign of forward scattering), solved for its distance
-/// from the peak. So it does not cancel there, and holds for all `g`.
+/// Samples the cosine by inversion (PBR 4th ed., equation 11.20, with the sign of forward scattering), solved for its
+/// distance from the peak. That form does not cancel near the peak, and works for all `g`.
 #[inline(always)]
 fn sample_henyey_greenstein<R: Real>(g: R, u: R) -> R {
     let (size, rest, sign) = (g.abs(), R::ONE - g.abs(), R::ONE.copy_sign(g));
@@ -165,8 +165,8 @@ fn rayleigh<R: Real>(cosine: R) -> R {
     R::splat(0.75 * UNIFORM_SPHERE_PDF) * cosine.mul_add(cosine, R::ONE)
 }
 
-/// The real root of the cubic equation of inversion (Frisvad, Importance sampling the Rayleigh phase function, JOSA A
-/// 28(12), 2011).
+/// Samples the cosine: the real root of the cubic equation of inversion (Frisvad, Importance sampling the Rayleigh
+/// phase function, JOSA A 28(12), 2011).
 #[inline(always)]
 fn sample_rayleigh<R: Real>(u: R) -> R {
     let half = R::splat(4.0) * u - R::splat(2.0);

@@ -5,13 +5,13 @@
 pub struct TabulatedPhase {
     /// Densities per solid angle from cosine -1 (backwards) to 1 (forwards).
     values: Vec<f32>,
-    /// The integral over the cosine of all steps before, normalised; it begins with 0 and ends with 1.
+    /// The integral over the cosine up to each value, normalised from 0 to 1.
     sums: Vec<f32>,
 }
 
 impl TabulatedPhase {
-    /// The function in proportion to `values`, from cosine -1 to 1. None if there are fewer than two, one is negative
-    /// or not finite, or all are zero.
+    /// The function in proportion to `values`, from cosine -1 to 1. None if there are fewer than two values, one is
+    /// negative or not finite, or all are zero.
     pub fn new(values: &[f32]) -> Option<Self> {
         let is_bad = |value: &f32| !(*value >= 0.0 && value.is_finite());
         if values.len() < 2 || values.iter().any(is_bad) {
@@ -44,7 +44,7 @@ impl TabulatedPhase {
         self.values[step] + part * (self.values[step + 1] - self.values[step])
     }
 
-    /// The cosine by inversion: `u` falls into a step, where the density is linear.
+    /// Samples the cosine by inversion: `u` falls into a step, where the density is linear.
     pub(super) fn sample(&self, u: f32) -> f32 {
         let last = self.values.len() - 2;
         let step = self.sums.partition_point(|&sum| sum <= u).saturating_sub(1).min(last);

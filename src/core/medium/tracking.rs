@@ -1,7 +1,7 @@
-//! Null-collision tracking through media that vary: collisions are found as if the extinction were that of the
-//! majorants, and some of them are null collisions, at which nothing happens (Woodcock et al. 1965; Kutz et al.,
-//! Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes, 2017; PBR 4th ed., sections 11.2.1 and
-//! 14.2). Shadow rays multiply the shares of null collisions: ratio tracking (Novák, Selle and Jarosz 2014).
+//! Null-collision tracking through heterogeneous media: collisions are sampled as if the extinction were the majorant,
+//! and some of them are null collisions, which have no effect (Woodcock et al. 1965; Kutz et al., Spectral and
+//! Decomposition Tracking for Rendering Heterogeneous Volumes, 2017; PBR 4th ed., sections 11.2.1 and 14.2). Shadow
+//! rays multiply the probabilities of null collisions: ratio tracking (Novák, Selle and Jarosz 2014).
 
 use glam::Vec3;
 
@@ -10,7 +10,8 @@ use super::{MediumSource, Travel, Volume, Way, chance};
 use crate::color::Rgb;
 use crate::sampling::RandomStream;
 
-/// The share below which a shadow ray may be given up, and the probability that it goes on.
+/// The transmittance below which Russian roulette is applied to a shadow ray, and the probability that the ray
+/// survives.
 const FAINT: f32 = 0.1;
 const GOES_ON: f32 = 0.5;
 
@@ -19,12 +20,12 @@ struct Collision {
     t: f32,
     point: Vec3,
     majorant: f32,
-    /// The share that is a null collision, for each colour.
+    /// The probability of a null collision, per channel.
     null: Rgb,
 }
 
-/// Calls `collide` with the throughput at each tentative collision until that returns something or the way ends. `u`
-/// decides where the first one is. Grids end with their boxes, as in Mitsuba.
+/// Calls `collide` with the throughput at each tentative collision until that returns a value or the segment ends. `u`
+/// decides where the first collision is. Grids end with their boxes, as in Mitsuba.
 #[inline(always)]
 fn track<T>(
     source: &MediumSource,
@@ -41,8 +42,8 @@ fn track<T>(
     let mut depth = exponential(u);
     for segment in majorants.walk(way) {
         let mut majorant = segment.majorant;
-        // Outside, where nothing varies, a colour that is left may have a longer way than the others, or one without an
-        // end.
+        // Outside, where the extinction is constant, the segment may be long or infinite. The majorant then drops to
+        // the largest extinction of the channels with light left.
         let is_long = segment.is_outside && majorant * (segment.end - t) > MOST_TRIED;
         if majorant > 0.0 {
             while t + depth / majorant < segment.end {
@@ -65,7 +66,7 @@ fn track<T>(
                     majorant = Rgb::select(is_left, extinction, Rgb::ZERO).max_element();
                 }
             }
-            // Infinity times zero is no number.
+            // Infinity times zero would be NaN.
             if majorant > 0.0 {
                 depth -= majorant * (segment.end - t);
             }
@@ -75,7 +76,7 @@ fn track<T>(
     None
 }
 
-/// Does what [`super::Medium::travel`] says.
+/// Implements [`super::Medium::travel`].
 pub(super) fn travel(
     source: &MediumSource,
     majorants: &MajorantGrid,
@@ -107,7 +108,7 @@ pub(super) fn travel(
             }
             if !scatters {
                 *throughput *= null;
-                // What is left goes to the end without further ado.
+                // Light that is not absorbed goes on to the end.
                 return (*throughput == Rgb::ZERO).then_some(None);
             }
             let is_null = chance::<f32>(*throughput, null);
@@ -127,7 +128,7 @@ pub(super) fn travel(
     }
 }
 
-/// Does what [`super::Medium::transmit`] says.
+/// Implements [`super::Medium::transmit`].
 pub(super) fn transmit(
     source: &MediumSource,
     majorants: &MajorantGrid,
@@ -137,7 +138,7 @@ pub(super) fn transmit(
 ) -> (Rgb, f32) {
     let (mut share, mut passed) = (Rgb::ONE, 1.0);
     let scatters = source.scatters();
-    // What roulette has given to rays that have gone on. The weights of multiple importance sampling do not see it.
+    // The factor by which roulette has raised surviving rays. The weights of multiple importance sampling ignore it.
     let mut raised = 1.0;
     let u = stream.draw();
     let given_up = track(

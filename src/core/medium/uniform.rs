@@ -1,5 +1,4 @@
-//! Media that are the same everywhere: distances and transmittances by Beer's law (PBR 4th ed., sections 11.2 and
-//! 14.1).
+//! Homogeneous media: distances and transmittances by Beer's law (PBR 4th ed., sections 11.2 and 14.1).
 
 use super::equiangular::{Equiangular, reach};
 use super::{PlainPhase, Way, chance};
@@ -7,7 +6,7 @@ use crate::color::Rgb;
 use crate::math::{Mask, Real, Vector, exp, ln, real_struct};
 
 real_struct! {
-    /// The extinction of a medium that is the same everywhere.
+    /// The extinction of a homogeneous medium.
     pub(crate) struct Uniform<R> {
         /// The extinction coefficient per unit of length.
         pub sigma_t: R::Vec3,
@@ -17,60 +16,60 @@ real_struct! {
 }
 
 real_struct! {
-    /// A medium that is the same everywhere with its scattering, and does not shine.
+    /// A homogeneous medium that scatters by a formula and does not emit.
     pub(crate) struct PlainMedium<R> {
         pub uniform: Uniform<R>,
-        /// The part of the extinction that is scattering.
+        /// The single-scattering albedo.
         pub albedo: R::Vec3,
         pub phase: PlainPhase<R>,
     }
 }
 
-/// What has become of light, as [`super::Travel`].
+/// The result of sampling a path segment, as [`super::Travel`].
 pub(crate) struct Passage<R: Real> {
-    /// The distance at which it is scattered, where it is.
+    /// The distance of scattering; undefined where light is not scattered.
     pub distance: R,
     pub is_scattered: R::Mask,
     pub throughput: R::Vec3,
-    /// The probability of having come so far, see [`super::Travel::passed`].
+    /// The probability of having come this far, see [`super::Travel::passed`].
     pub passed: R,
 }
 
-/// The share of distances that are sampled by the place of the lamp, where that is near.
+/// The probability of sampling the distance by a lamp that is near.
 const EQUIANGULAR_SHARE: f32 = 0.4;
 
-/// The share of light that passes `distance`, which may be infinite.
+/// The transmittance over `distance`, which may be infinite.
 #[inline(always)]
 fn beer<R: Real>(sigma_t: R::Vec3, distance: R) -> R::Vec3 {
-    // Infinity times zero is no number, where there is no extinction.
+    // Infinity times zero would be NaN where there is no extinction.
     sigma_t.map(|sigma_t| R::select(sigma_t.is_more(R::ZERO), exp(-sigma_t * distance), R::ONE))
 }
 
 impl<R: Real> Uniform<R> {
-    /// Does what [`super::Medium::midway`] says; zero where there is none.
+    /// Implements [`super::Medium::midway`]; zero where it would be None.
     #[inline(always)]
     pub fn midway(&self, length: R) -> R {
         let densest = self.sigma_t.max_element();
         (R::HALF * length.min(R::ONE / densest)).only(self.scatters & densest.is_more(R::ZERO))
     }
 
-    /// Whether a lamp may be near that is within `radius` of `center`.
+    /// Whether a lamp within `radius` of `center` may be near the segment.
     #[inline(always)]
     pub fn may_be_near(&self, way: &Way<R>, center: R::Vec3, radius: f32) -> R::Mask {
         let to_center = center - way.origin;
         let nearest = to_center.dot(way.dir).max(R::ZERO).min(way.length);
-        // Rounding must leave out nothing that is near.
+        // The factor keeps rounding from missing a near lamp.
         let reach = (reach(way.length, self.sigma_t.max_element()) + R::splat(radius)) * R::splat(1.001);
         (to_center - way.dir * nearest)
             .length_squared()
             .is_at_most(reach.squared())
     }
 
-    /// Does what [`super::Medium::travel`] says, with the place of a `lamp` where `has_lamp` holds, and the albedo at a
-    /// distance. Each colour of the throughput decides as often as its share in it says, by the first number of `u`;
-    /// the second decides how far that colour goes. The weights are those of the balance heuristic over all colours, so
-    /// that no colour brings noise to the others (Wilkie et al., Hero Wavelength Spectral Sampling, 2014). Near a lamp,
-    /// some of the distances are about equiangular, with the same heuristic.
+    /// Implements [`super::Medium::travel`], with the position of a `lamp` where `has_lamp` is set, and the albedo at a
+    /// distance. The first number of `u` chooses a channel by its share of the throughput; the second samples the
+    /// channel's distance. The weights are those of the balance heuristic over all channels, so that no channel brings
+    /// noise to the others (Wilkie et al., Hero Wavelength Spectral Sampling, 2014). Near a lamp, some of the distances
+    /// are roughly equiangular, with the same heuristic.
     #[inline(always)]
     pub fn travel(
         &self,
@@ -97,7 +96,7 @@ impl<R: Real> Uniform<R> {
         if let Some(near) = &near {
             distance = R::select(u[0].is_less(of_lamp), near.sample(u[1]), distance);
         }
-        // Without extinction the distance is infinite, or no number if the logarithm was zero.
+        // Without extinction the distance is infinite, or NaN if the logarithm was zero.
         let is_scattered = distance.is_less(way.length) & scatters;
         let passing = beer(sigma_t, R::select(is_scattered, distance, way.length));
         let passed = R::select(scatters, chance::<R>(throughput, passing), R::ONE);
@@ -106,7 +105,7 @@ impl<R: Real> Uniform<R> {
             let collided = sigma_t * passing;
             let mut density = of_colours * share.dot(collided);
             if let Some(near) = &near {
-                // Where there is none, its density is perhaps no number.
+                // Without a near lamp its density may be NaN.
                 density += (of_lamp * near.pdf(distance)).only(of_lamp.is_more(R::ZERO));
             }
             let scattered = throughput * albedo(distance) * collided / density;
@@ -120,7 +119,7 @@ impl<R: Real> Uniform<R> {
         }
     }
 
-    /// Does what [`super::Medium::transmit`] says.
+    /// Implements [`super::Medium::transmit`].
     #[inline(always)]
     pub fn transmit(&self, length: R, carried: R::Vec3) -> (R::Vec3, R) {
         let passing = beer(self.sigma_t, length);
@@ -129,8 +128,8 @@ impl<R: Real> Uniform<R> {
     }
 }
 
-/// The integral of [`beer`] from 0 to `distance`. Where it is infinite it counts as 0: a space without end and without
-/// extinction that shines has no finite radiance.
+/// The integral of [`beer`] from 0 to `distance`, or 0 where it is infinite: infinite emitting space without extinction
+/// has no finite radiance.
 pub(super) fn optical_length(sigma_t: Rgb, distance: f32) -> Rgb {
     let one = |sigma_t: f32| {
         let depth = sigma_t * distance;

@@ -1,8 +1,8 @@
 //! Mitsuba's `.vol` files: a box of voxels with one or three values each.
 //!
-//! All is little-endian: `VOL` and the version 3, then as 32-bit integers the type of the values, the numbers of voxels
-//! along x, y and z and that of values per voxel, then two corners of a box as six floats, and the values. x grows
-//! fastest, and the values of a voxel are side by side.
+//! All numbers are little-endian: `VOL` and the version 3, then as 32-bit integers the type of the values, the numbers
+//! of voxels along x, y and z and of values per voxel, then two corners of a box as six floats, and the values. x
+//! varies fastest, and the values of a voxel are adjacent.
 
 use glam::{UVec3, Vec3};
 use half::f16;
@@ -28,11 +28,11 @@ const DIRECTIONS: i32 = 4;
 pub struct VolFile {
     /// The voxels.
     pub grid: VolumeGrid,
-    /// The box that they fill in the space of the file; None if what the file says is none, or is flat.
+    /// The box of the voxels in the space of the file; None if the file's box is invalid or flat.
     pub bounds: Option<Aabb>,
 }
 
-/// Says why bytes are no `.vol` file that can be read. Callers add the file's name.
+/// The reason why bytes cannot be read as a `.vol` file. Callers add the file's name.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum VolError {
@@ -62,7 +62,7 @@ pub enum VolError {
     Memory { what: String, shortage: Shortage },
 }
 
-/// Reads a whole file. Values that are negative or no numbers become zero, see [`VolumeGrid::mended`].
+/// Reads a whole file. Negative and NaN values become zero, see [`VolumeGrid::mended`].
 pub fn read_vol(bytes: &[u8]) -> Result<VolFile, VolError> {
     if !bytes.starts_with(MAGIC) {
         return Err(VolError::Magic);
@@ -136,7 +136,7 @@ pub fn read_vol(bytes: &[u8]) -> Result<VolFile, VolError> {
         max: Vec3::from_array([8, 9, 10].map(float)),
     };
     let is_box = bounds.min.is_finite() && bounds.max.is_finite() && bounds.min.cmplt(bounds.max).all();
-    // Each is above 0.
+    // Each size is above 0.
     let resolution = UVec3::from_array(size.map(|along| along as u32));
     Ok(VolFile {
         grid: VolumeGrid::new(resolution, channels, voxels)?.holding(memory),

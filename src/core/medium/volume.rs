@@ -13,16 +13,16 @@ use crate::math::Aabb;
 pub enum Volume {
     /// The same everywhere.
     Constant(Rgb),
-    /// A grid that has been put into the world.
+    /// A grid placed in the world.
     Grid(GridVolume),
 }
 
-/// How values between voxels are found.
+/// The reconstruction of values between voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeFilter {
-    /// A place has the value of the voxel that it is in.
+    /// The value of the voxel that holds the point.
     Nearest,
-    /// Values change linearly along all three axes, between the centres of voxels.
+    /// Linear along all three axes between the centres of voxels.
     #[default]
     Trilinear,
 }
@@ -30,12 +30,12 @@ pub enum VolumeFilter {
 /// The values outside of a grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeWrap {
-    /// A place has the value of the nearest voxel.
+    /// The value of the nearest voxel.
     #[default]
     Clamp,
     /// The grid is repeated.
     Repeat,
-    /// The grid is repeated, every second time mirrored.
+    /// The grid is repeated, with every second copy mirrored.
     Mirror,
 }
 
@@ -47,18 +47,18 @@ pub struct GridVolume {
     /// The map from the unit cube to the world, invertible.
     pub(super) world_from_local: Affine3A,
     local_from_world: Affine3A,
-    /// The box around it in world space.
+    /// The bounding box in world space.
     bounds: Aabb,
-    /// The values between voxels.
+    /// The reconstruction between voxels.
     pub filter: VolumeFilter,
-    /// The values outside.
+    /// The values outside of the unit cube.
     pub wrap: VolumeWrap,
     /// The factor on all values, not negative.
     pub scale: f32,
 }
 
 impl PartialEq for GridVolume {
-    /// A grid that both share is not looked through.
+    /// A shared grid is not compared voxel by voxel.
     fn eq(&self, other: &Self) -> bool {
         let placed = |it: &Self| (it.world_from_local, it.filter, it.wrap, it.scale);
         placed(self) == placed(other) && (Arc::ptr_eq(&self.grid, &other.grid) || self.grid == other.grid)
@@ -66,7 +66,7 @@ impl PartialEq for GridVolume {
 }
 
 impl Volume {
-    /// No value anywhere.
+    /// Zero everywhere.
     pub const ZERO: Self = Self::Constant(Rgb::ZERO);
 
     /// The value at a point of world space.
@@ -88,7 +88,7 @@ impl Volume {
         }
     }
 
-    /// The box around the volume in world space; None if it has no end.
+    /// The bounding box of the volume in world space; None if it is infinite.
     pub fn bounds(&self) -> Option<Aabb> {
         match self {
             Self::Constant(_) => None,
@@ -114,7 +114,7 @@ impl Volume {
 }
 
 impl GridVolume {
-    /// A grid under this map, which is invertible.
+    /// A grid placed by this map, which must be invertible.
     pub fn new(grid: Arc<VolumeGrid>, world_from_local: Affine3A, filter: VolumeFilter, wrap: VolumeWrap) -> Self {
         let unit = Aabb {
             min: Vec3::ZERO,
@@ -161,7 +161,7 @@ impl GridVolume {
     #[inline(always)]
     fn voxel(&self, place: IVec3) -> Rgb {
         let size = self.grid.resolution();
-        // Points within the grid, most of them, need no division.
+        // Most points are within the grid, and need no division.
         let place = match place.cmpge(IVec3::ZERO).all() && place.as_uvec3().cmplt(size).all() {
             true => place.as_uvec3(),
             false => self.wrapped(place),
@@ -182,14 +182,14 @@ impl GridVolume {
         .as_uvec3()
     }
 
-    /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box or its surroundings of one
-    /// voxel touch.
+    /// The bound of [`Volume::upper_bound`]: the largest value of all voxels that the box, enlarged by one voxel,
+    /// touches.
     fn upper_bound(&self, within: &Aabb) -> f32 {
         let [first, last] = self.touched(within);
         self.grid.largest(first, last) * self.scale
     }
 
-    /// The bound of [`Volume::lower_bound`], likewise.
+    /// The bound of [`Volume::lower_bound`]: the least value of the same voxels.
     fn lower_bound(&self, within: &Aabb) -> f32 {
         let [first, last] = self.touched(within);
         self.grid.smallest(first, last) * self.scale
@@ -201,14 +201,14 @@ impl GridVolume {
         x * y * z
     }
 
-    /// The number of voxels that are looked at for the bound within a box.
+    /// The number of voxels that are read for the bound within a box.
     pub(super) fn voxels_of(&self, within: &Aabb) -> u64 {
         let [first, last] = self.touched(within);
         let [x, y, z] = (last - first + 1).to_array().map(u64::from);
         x * y * z
     }
 
-    /// The first and the last of all voxels that the box or its surroundings of one voxel touch.
+    /// The first and the last of all voxels that the box, enlarged by one voxel, touches.
     fn touched(&self, within: &Aabb) -> [UVec3; 2] {
         let size = self.grid.resolution();
         let local = within.transformed(&self.local_from_world);
@@ -216,7 +216,7 @@ impl GridVolume {
             VolumeFilter::Nearest => 0.01,
             VolumeFilter::Trilinear => 0.51,
         });
-        // Far away any place is as good as the next one.
+        // The clamp keeps far corners within integers.
         let limit = Vec3::splat(1e9);
         let place = |corner: Vec3| (corner * size.as_vec3()).clamp(-limit, limit);
         let first = (place(local.min) - around).floor().as_ivec3();
@@ -224,7 +224,7 @@ impl GridVolume {
         let largest = size.as_ivec3() - 1;
         let (first, last) = match self.wrap {
             VolumeWrap::Clamp => (first.clamp(IVec3::ZERO, largest), last.clamp(IVec3::ZERO, largest)),
-            // An axis that the box leaves counts in full.
+            // Along an axis on which the box leaves the grid, all voxels count.
             _ => {
                 let stays = first.cmpge(IVec3::ZERO) & last.cmple(largest);
                 (

@@ -1,8 +1,8 @@
 //! Unpacks chunks of Blosc, version 1, as OpenVDB writes them: blocks whose bytes are sorted by significance and packed
 //! by LZ4.
 //!
-//! A chunk has a header of 16 bytes, the places of its blocks, and the blocks. A block is one stream, or one for each
-//! byte of a value.
+//! A chunk has a header of 16 bytes, the offsets of its blocks, and the blocks. A block is one stream, or one stream
+//! for each byte of a value.
 
 /// The length of the header, in bytes.
 const HEADER: usize = 16;
@@ -18,12 +18,12 @@ const UNSPLIT: u8 = 0x10;
 /// The packer, in the upper three bits of the flags.
 const LZ4: u8 = 1;
 
-/// Blocks of wider values are never split into streams.
+/// Values of more bytes than this are never split into streams.
 const WIDEST_SPLIT: usize = 16;
-/// Blocks of fewer values are not, either.
+/// Blocks of fewer values than this are not split either.
 const FEWEST_SPLIT: usize = 128;
 
-/// Unpacks a chunk that fills `into` exactly; None if it does not, or is of another kind.
+/// Unpacks a chunk that fills `into` exactly; None if its size differs, or its format is not supported.
 pub(super) fn unpack(chunk: &[u8], into: &mut [u8], scratch: &mut Vec<u8>) -> Option<()> {
     let (flags, width) = (*chunk.get(2)?, usize::from(*chunk.get(3)?).max(1));
     let [count, block] = [4, 8].map(|at| number(chunk, at));
@@ -52,7 +52,7 @@ pub(super) fn unpack(chunk: &[u8], into: &mut [u8], scratch: &mut Vec<u8>) -> Op
             let packed = number(chunk, at)?;
             let content = chunk.get(at.checked_add(4)?..)?.get(..packed)?;
             at += 4 + packed;
-            // What would have grown is kept as it was.
+            // A stream that packing would have enlarged is stored unpacked.
             match packed == stream.len() {
                 true => stream.copy_from_slice(content),
                 false => {
@@ -69,8 +69,8 @@ pub(super) fn unpack(chunk: &[u8], into: &mut [u8], scratch: &mut Vec<u8>) -> Op
     Some(())
 }
 
-/// Puts the bytes of values of `width` bytes together, of which the block has all first ones, then all second ones, and
-/// so on.
+/// Restores values of `width` bytes from a block that has the first bytes of all values, then all second bytes, and so
+/// on.
 fn unshuffle(sorted: &[u8], values: &mut [u8], width: usize) {
     let count = values.len() / width;
     for (byte, plane) in sorted[..count * width].chunks_exact(count.max(1)).enumerate() {
@@ -78,11 +78,11 @@ fn unshuffle(sorted: &[u8], values: &mut [u8], width: usize) {
             values[value * width + byte] = *from;
         }
     }
-    // What is left is less than a value.
+    // The rest is shorter than a value.
     values[count * width..].copy_from_slice(&sorted[count * width..]);
 }
 
-/// A number of 32 bits that is not negative.
+/// Reads a 32-bit integer that is not negative.
 fn number(chunk: &[u8], at: usize) -> Option<usize> {
     let bytes = chunk.get(at..at.checked_add(4)?)?.try_into().ok()?;
     usize::try_from(i32::from_le_bytes(bytes)).ok()

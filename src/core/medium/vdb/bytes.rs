@@ -1,8 +1,8 @@
-//! Numbers and texts of a .vdb file, one after the other, little-endian.
+//! Reads the numbers and texts of a .vdb file one after the other, little-endian.
 
 use super::VdbError;
 
-/// A place in a file.
+/// A position in a file.
 #[derive(Clone)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
@@ -14,19 +14,19 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0 }
     }
 
-    /// The present place, in bytes from the start of the file.
+    /// The current position, in bytes from the start of the file.
     pub(super) fn at(&self) -> u64 {
         self.at as u64
     }
 
-    /// Goes to a place in the file.
+    /// Moves to a position in the file.
     pub(super) fn seek(&mut self, at: u64) -> Result<(), VdbError> {
         let within = usize::try_from(at).ok().filter(|at| *at <= self.all.len());
         self.at = within.ok_or(self.truncated())?;
         Ok(())
     }
 
-    /// The next bytes.
+    /// The next `count` bytes.
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], VdbError> {
         let (taken, _) = self.all[self.at..].split_at_checked(count).ok_or(self.truncated())?;
         self.at += count;
@@ -37,7 +37,7 @@ impl<'a> Bytes<'a> {
         VdbError::Truncated(self.all.len() as u64)
     }
 
-    /// An error at the present place.
+    /// An error at the current position.
     pub(super) fn damaged(&self, expected: &'static str) -> VdbError {
         let at = self.at();
         VdbError::Damaged { at, expected }
@@ -73,7 +73,7 @@ impl<'a> Bytes<'a> {
         self.array().map(f64::from_le_bytes)
     }
 
-    /// A length and as many bytes.
+    /// The bytes after their own length.
     pub(super) fn sized(&mut self) -> Result<&'a [u8], VdbError> {
         let length = self.u32()?;
         self.take(length as usize)

@@ -1,4 +1,4 @@
-//! The beginning of a .vdb file, and that of a grid: what there is, where it is, and how it lies in the world.
+//! The header of a .vdb file with its table of grids, and the headers of grids with their compression and transform.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
@@ -8,20 +8,20 @@ use super::bytes::Bytes;
 /// The first eight bytes.
 const MAGIC: u64 = 0x5644_4220;
 
-/// The first version that has masks of inactive values and says how each grid is packed: OpenVDB 1.2 of 2013.
+/// The first version with masks of inactive values and a compression per grid: OpenVDB 1.2 of 2013.
 pub(super) const OLDEST: u32 = 222;
-/// The newest version that is known.
+/// The newest version that can be read.
 pub(super) const NEWEST: u32 = 224;
 
 /// The length of the identifier of a file.
 const IDENTIFIER: usize = 36;
 
-/// Between a name and a number, where names are not unique.
+/// Separates a name from the number that makes it unique.
 const SEPARATOR: char = '\u{1e}';
-/// The end of the types of grids that are stored in half precision.
+/// The suffix of the types of grids that are stored in half precision.
 const HALF_SUFFIX: &str = "_HalfFloat";
 
-/// What the table of a file says of a grid.
+/// The entry of a grid in the table of a file.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     /// The name in the file, which no other grid has.
@@ -34,16 +34,16 @@ pub(super) struct Entry {
     pub(super) is_half: bool,
     /// The unique name of the grid whose tree this one uses; empty if it has its own.
     parent: String,
-    /// The place of the grid.
+    /// The position of the grid in the file.
     pub(super) at: u64,
 }
 
 impl Entry {
-    /// The entry with the tree of this grid.
+    /// The entry whose tree this grid uses.
     pub(super) fn with_tree<'e>(&'e self, all: &'e [Self]) -> Option<&'e Self> {
         match self.parent.is_empty() {
             true => Some(self),
-            // A grid that uses another's tree has none, so there are no chains.
+            // A grid that uses another's tree has none of its own, so there are no chains.
             false => all
                 .iter()
                 .find(|entry| entry.unique_name == self.parent && entry.parent.is_empty()),
@@ -98,16 +98,16 @@ fn shown_name(unique_name: &str) -> String {
     }
 }
 
-/// How arrays of values are packed.
+/// The compression of arrays of values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Compression {
     pub(super) is_zip: bool,
     pub(super) is_blosc: bool,
-    /// Arrays have active values only.
+    /// Arrays hold active values only.
     pub(super) is_masked: bool,
 }
 
-/// What stands before the tree of a grid.
+/// The header of a grid, before its tree.
 pub(super) struct GridHeader {
     pub(super) compression: Compression,
     pub(super) is_half: bool,
@@ -116,7 +116,7 @@ pub(super) struct GridHeader {
     pub(super) world_from_index: Result<DAffine3, String>,
 }
 
-/// Reads what stands before the tree of a grid.
+/// Reads the header of a grid.
 pub(super) fn read_grid_header(bytes: &mut Bytes) -> Result<GridHeader, VdbError> {
     let flags = bytes.u32()?;
     if flags & !0x7 != 0 {
@@ -135,7 +135,7 @@ pub(super) fn read_grid_header(bytes: &mut Bytes) -> Result<GridHeader, VdbError
     })
 }
 
-/// What metadata say that matters here.
+/// The metadata that are used.
 #[derive(Default)]
 struct Metadata {
     is_half: bool,
@@ -155,7 +155,7 @@ fn read_metadata(bytes: &mut Bytes) -> Result<Metadata, VdbError> {
     Ok(found)
 }
 
-/// World from index space. A map that is not affine ends the reading: its length is not known.
+/// World from index space. The type of a map that is not affine ends the reading: the map's length is unknown.
 fn read_map(bytes: &mut Bytes) -> Result<Result<DAffine3, String>, VdbError> {
     let vector = |bytes: &mut Bytes| Ok::<_, VdbError>(DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?));
     let kind = bytes.string()?;

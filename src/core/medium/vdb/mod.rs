@@ -1,13 +1,12 @@
-//! Reads volumes from .vdb files, as OpenVDB and what is built on it write smoke and fire (Museth, VDB: High-Resolution
-//! Sparse Volumes with Dynamic Topology, 2013; the layout of the file is that of OpenVDB's own reader).
+//! Reads volumes from .vdb files, in which OpenVDB and programs built on it store smoke and fire (Museth, VDB:
+//! High-Resolution Sparse Volumes with Dynamic Topology, 2013; the layout of the file is that of OpenVDB's own reader).
 //!
-//! Read are trees of the usual form (5, 4, 3) whose values are one or three numbers in half, single or double
+//! Supported are trees of the usual form (5, 4, 3) whose values are one or three numbers in half, single or double
 //! precision, packed by zlib, by Blosc with LZ4, or not at all, of the versions 222 to 224, which are those of OpenVDB
-//! 1.2 to 12. A grid becomes a dense one over the box of its active voxels and one layer of voxels around it; the
-//! values there are those of the file, active or not. With that layer, most often of the background, values between
-//! voxels and beyond the box are those that OpenVDB finds. Not read are grids of integers, masks, points and
-//! level sets, frustums, files that were written as streams, and Blosc with other packers than LZ4, which OpenVDB does
-//! not use.
+//! 1.2 to 12. A grid is made dense over the box of its active voxels and one layer of voxels around it; the values
+//! there are those of the file, active or not. With that layer, mostly of the background, values between voxels and
+//! beyond the box equal OpenVDB's. Not supported are grids of integers, masks, points and level sets, frustums, files
+//! that were written as streams, and Blosc with other packers than LZ4, which OpenVDB does not use.
 
 mod blosc;
 mod bytes;
@@ -28,7 +27,7 @@ use self::values::{Component, Form, Number, ValueReader};
 use super::{GridError, VolumeGrid};
 use crate::memory::{self, Shortage};
 
-/// The grid that is read where no name is given and there are several.
+/// The grid that is read if there are several and no name is given.
 const USUAL_NAME: &str = "density";
 
 /// The most names that an error lists.
@@ -37,10 +36,10 @@ const MOST_LISTED: usize = 20;
 /// The reason why a grid of a .vdb file cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum VdbError {
-    /// The file does not start as such files do.
+    /// The file does not start as a .vdb file.
     #[error("this is not a .vdb file")]
     NotVdb,
-    /// The version of the file is not known.
+    /// The version of the file is not supported.
     #[error("the .vdb file has version {0}: versions {OLDEST} to {NEWEST} can be read")]
     Version(u32),
     /// The table of grids is missing.
@@ -49,15 +48,15 @@ pub enum VdbError {
     /// The file is shorter than it should be.
     #[error("the .vdb file ends too early, after {0} bytes")]
     Truncated(u64),
-    /// Something else stands where something was expected.
+    /// The content differs from the expected one.
     #[error("the .vdb file is damaged: expected {expected} before byte {at}")]
     Damaged {
-        /// The place, in bytes from the start of the file.
+        /// The position, in bytes from the start of the file.
         at: u64,
-        /// What was expected there.
+        /// The expected content.
         expected: &'static str,
     },
-    /// A grid is packed in an unknown way.
+    /// A grid is packed by an unsupported method.
     #[error("the grid is compressed in an unknown way ({0:#x}): zip and blosc can be read")]
     Compression(u32),
     /// There is no grid at all.
@@ -66,15 +65,15 @@ pub enum VdbError {
     /// There is no grid of this name.
     #[error("the .vdb file has no grid `{name}`, only {}", listed(.names))]
     UnknownGrid {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
         /// The names of all grids.
         names: Vec<String>,
     },
-    /// There are several grids, and it is not said which is meant.
+    /// There are several grids, and none of them was named.
     #[error("the .vdb file has several grids: name one of {}", listed(.0))]
     ManyGrids(Vec<String>),
-    /// The grid's values are of another type.
+    /// The grid's values are of an unsupported type.
     #[error("the grid `{name}` is a `{tree}`, which cannot be read: numbers and vectors of three numbers can")]
     Type {
         /// The name of the grid.
@@ -82,10 +81,10 @@ pub enum VdbError {
         /// The type of its tree, as the file names it.
         tree: String,
     },
-    /// The grid has distances to a surface.
+    /// The grid stores distances to a surface.
     #[error("the grid `{0}` is a level set, not a volume: convert it to a fog volume")]
     LevelSet(String),
-    /// The grid's place in the world is not affine, or it cannot be inverted.
+    /// The grid's map to the world is not affine or not invertible.
     #[error("the grid `{name}` has a {map}: only maps that are affine and can be inverted are read")]
     Map {
         /// The name of the grid.
@@ -93,10 +92,10 @@ pub enum VdbError {
         /// The type of the map, as the file names it.
         map: String,
     },
-    /// Nothing in the grid is active.
+    /// The grid has no active voxels.
     #[error("the grid `{0}` is empty")]
     Empty(String),
-    /// The box of what is active has too many voxels.
+    /// The box of active voxels has too many voxels.
     #[error(
         "the grid `{name}` has {} x {} x {} voxels, which take {bytes} bytes: at most {limit} are allowed",
         .size.x, .size.y, .size.z
@@ -111,17 +110,17 @@ pub enum VdbError {
         /// The most bytes that are allowed.
         limit: u64,
     },
-    /// The budget of memory has no room for the voxels.
+    /// The memory budget has no room for the voxels.
     #[error("the grid `{name}` has {} x {} x {} voxels, which need {shortage}", .size.x, .size.y, .size.z)]
     Memory {
         /// The name of the grid.
         name: String,
         /// The number of voxels along each axis.
         size: I64Vec3,
-        /// What is missing.
+        /// The missing memory.
         shortage: Shortage,
     },
-    /// A grid of this size cannot be.
+    /// The voxels do not make up a valid grid.
     #[error(transparent)]
     Grid(#[from] GridError),
 }
@@ -133,18 +132,18 @@ fn listed(names: &[String]) -> String {
     shown.join(", ") + more
 }
 
-/// A grid that was read.
+/// A grid read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VdbVolume {
-    /// The voxels in the box of those that are active, and one layer around it. Values are in half precision if the
-    /// file has them so, otherwise in single precision.
+    /// The voxels in the box of active ones, and one layer around it. Values are in half precision if the file's are,
+    /// otherwise in single precision.
     pub grid: VolumeGrid,
-    /// World from local space, in which the grid fills the unit cube, [0, 1]^3. Invertible. The world is that of the
-    /// file: its units of length and its axes.
+    /// World from local space, in which the grid fills the unit cube, [0, 1]^3; invertible. The world has the units and
+    /// axes of the file.
     pub world_from_local: Affine3A,
 }
 
-/// A .vdb file of which the table of grids has been read.
+/// A .vdb file after its table of grids has been read.
 pub struct VdbFile<'a> {
     bytes: &'a [u8],
     entries: Vec<Entry>,
@@ -162,8 +161,8 @@ impl<'a> VdbFile<'a> {
         self.entries.iter().map(|entry| entry.name.clone()).collect()
     }
 
-    /// Reads the grid of this name; without a name `density`, or else the only one. Its voxels may take up `limit`
-    /// bytes of memory, and what the budget of memory has left.
+    /// Reads the grid with this name; without a name, the grid `density`, or else the only one. Its voxels may take up
+    /// to `limit` bytes, and no more than the memory budget has left.
     pub fn read(&self, name: Option<&str>, limit: u64) -> Result<VdbVolume, VdbError> {
         let entry = self.choose(name)?;
         let damaged = VdbError::Damaged {
@@ -206,7 +205,7 @@ impl<'a> VdbFile<'a> {
     }
 }
 
-/// The grid that is read.
+/// The grid to be read.
 struct Source<'a> {
     entry: &'a Entry,
     bytes: &'a [u8],
@@ -214,7 +213,7 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Reads the grid with the tree of `with_tree`, which is most often the same.
+    /// Reads the grid, whose tree is stored with `with_tree`, most often the grid itself.
     fn read(&self, with_tree: &Entry, channels: usize, single: Number) -> Result<VdbVolume, VdbError> {
         let mut bytes = Bytes::new(self.bytes);
         bytes.seek(self.entry.at)?;
@@ -225,7 +224,7 @@ impl<'a> Source<'a> {
         if header.is_level_set {
             return Err(VdbError::LevelSet(self.entry.name.clone()));
         }
-        // The tree would not be found after a map of unknown length.
+        // After a map of unknown length the position of the tree is unknown.
         header.world_from_index.map_err(|map| self.map_error(&map))?;
         if bytes.u32()? != 1 {
             return Err(bytes.damaged("one buffer of values"));
@@ -241,7 +240,7 @@ impl<'a> Source<'a> {
             (_, Number::Half) => self.fill(ValueReader::<f16, 3>::new(bytes, form, compression)?)?,
             _ => self.fill(ValueReader::<f32, 3>::new(bytes, form, compression)?)?,
         };
-        // The centres of voxels are at integers there, and half a voxel from the faces of the cube here.
+        // In index space the centres of voxels are at integers, half a voxel from the faces of the local unit cube.
         let index_from_local =
             DAffine3::from_translation(first.as_dvec3() - 0.5) * DAffine3::from_scale(grid.resolution().as_dvec3());
         let world_from_local = DMat4::from(world_from_index * index_from_local).as_mat4();
@@ -252,8 +251,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The voxels in the box of what is active and around it, and the first of them in index space. The root of the
-    /// tree is next in the file.
+    /// Reads the tree, which is next in the file: the voxels in the box of active ones and around it, and the first of
+    /// them in index space.
     fn fill<T: Component, const C: usize>(
         &self,
         mut reader: ValueReader<'a, T, C>,

@@ -1,9 +1,9 @@
 //! The tree of a grid: a root with tiles and children, two levels of internal nodes of 32^3 and 16^3 children, and
-//! leaves of 8^3 voxels. What has no children is a tile, of one value.
+//! leaves of 8^3 voxels. A child that is not a node is a tile of constant value.
 //!
 //! The file has all nodes first, depth first, with the values of their tiles and the masks of active voxels, and then
-//! the values of all leaves in the same order. The nodes are gone through twice, first for the box of what is active
-//! and then to fill it, so that no more than the leaves' places has to be kept.
+//! the values of all leaves in the same order. Nodes are read twice, first to find the box of active voxels and then to
+//! fill it, so that only the positions of leaves have to be stored.
 
 use std::collections::HashSet;
 
@@ -17,7 +17,7 @@ const LEAF: i32 = 8;
 /// Voxels of a leaf.
 const LEAF_VOXELS: usize = 512;
 
-/// A kind of internal nodes.
+/// A level of internal nodes.
 #[derive(Clone, Copy)]
 struct Level {
     /// The logarithm, to base 2, of the number of children along an edge.
@@ -35,7 +35,7 @@ impl Level {
         1 << (3 * self.children)
     }
 
-    /// Where a child begins, from where the node begins. The last coordinate grows fastest.
+    /// The offset of a child from its node in voxels. The last coordinate varies fastest.
     fn offset(self, index: usize) -> IVec3 {
         let along = |place: usize| ((place & ((1 << self.children) - 1)) << self.child) as i32;
         IVec3::new(
@@ -46,15 +46,15 @@ impl Level {
     }
 }
 
-/// Takes what a tree consists of. Places are those of the first voxel, in index space.
+/// Receives the tiles and leaves of a tree. Positions are those of the first voxel, in index space.
 pub(super) trait Visit<T, const C: usize> {
-    /// A cube of `edge` voxels along an edge, of one value.
+    /// A cube of `edge` voxels along an edge, of constant value.
     fn tile(&mut self, first: IVec3, edge: i32, value: [T; C], is_active: bool);
     /// A leaf, whose values come later.
     fn leaf(&mut self, first: IVec3, active: Mask);
 }
 
-/// Goes through all nodes. Afterwards the values of the leaves are next.
+/// Visits all nodes. Afterwards the reader is at the values of the leaves.
 pub(super) fn visit_nodes<T: Component, const C: usize>(
     reader: &mut ValueReader<T, C>,
     visitor: &mut impl Visit<T, C>,
@@ -108,7 +108,7 @@ fn visit_internal<'a, T: Component, const C: usize>(
     Ok(children)
 }
 
-/// The box of what is active, and the places of all leaves.
+/// The box of active voxels, and the positions of all leaves.
 #[derive(Default)]
 pub(super) struct Extent {
     /// The first and the last active voxel along each axis; None if there is none.
@@ -125,7 +125,7 @@ impl Extent {
     /// The box with one layer of voxels around it: its first voxel, and the numbers of voxels along its edges.
     pub(super) fn bordered_box(&self) -> Option<(IVec3, I64Vec3)> {
         let [first, last] = self.bounds?;
-        // There is nothing before the first place of index space.
+        // Index space has no voxel before its first one.
         let first = first.saturating_sub(IVec3::ONE);
         Some((first, last.as_i64vec3() - first.as_i64vec3() + 2))
     }
@@ -147,13 +147,13 @@ impl<T, const C: usize> Visit<T, C> for Extent {
     }
 }
 
-/// The place of a leaf's value within the leaf.
+/// The position of a leaf's value within the leaf.
 fn in_leaf(index: usize) -> IVec3 {
     let along = |place: usize| place as i32 & (LEAF - 1);
     IVec3::new(along(index >> 6), along(index >> 3), along(index))
 }
 
-/// A box of voxels, x fastest, to be filled.
+/// A dense box of voxels to be filled; x varies fastest.
 pub(super) struct Dense<T, const C: usize> {
     first: IVec3,
     size: UVec3,
@@ -162,7 +162,7 @@ pub(super) struct Dense<T, const C: usize> {
 }
 
 impl<T: Component, const C: usize> Dense<T, C> {
-    /// A box that starts at a voxel of index space. Everything in it is the background.
+    /// A box that starts at a voxel of index space, filled with the background.
     pub(super) fn new(first: IVec3, size: UVec3, background: [T; C]) -> Self {
         let [x, y, z] = size.to_array().map(|along| along as usize);
         Self {
@@ -173,13 +173,13 @@ impl<T: Component, const C: usize> Dense<T, C> {
         }
     }
 
-    /// The part of a cube that is in the box, from its first voxel to behind its last, in coordinates of the box.
+    /// The part of a cube within the box, from its first voxel to one past its last, in coordinates of the box.
     fn part_of(&self, first: IVec3, edge: i32) -> [UVec3; 2] {
         let first = first.as_i64vec3() - self.first.as_i64vec3();
         [first, first + i64::from(edge)].map(|corner| corner.clamp(I64Vec3::ZERO, self.size.as_i64vec3()).as_uvec3())
     }
 
-    /// Fills the values of leaves, which are next in the file.
+    /// Fills in the values of leaves, which are next in the file.
     pub(super) fn fill_leaves(&mut self, extent: &Extent, reader: &mut ValueReader<T, C>) -> Result<(), VdbError> {
         let mut values = Vec::new();
         for &leaf in &extent.leaves {

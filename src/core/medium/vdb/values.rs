@@ -1,4 +1,4 @@
-//! The values of nodes, as they are packed.
+//! Unpacks the values of nodes.
 
 use flate2::{Decompress, FlushDecompress, Status};
 use half::f16;
@@ -8,7 +8,7 @@ use super::header::Compression;
 use super::{VdbError, blosc};
 use crate::medium::Voxels;
 
-/// A number of a voxel.
+/// One number of a voxel's value.
 pub(super) trait Component: Copy + PartialEq {
     fn from_half(number: f16) -> Self;
     fn from_single(number: f32) -> Self;
@@ -52,7 +52,7 @@ impl Component for f16 {
     }
 }
 
-/// How a number is stored.
+/// The format of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     Half,
@@ -79,17 +79,17 @@ impl Number {
     }
 }
 
-/// How the values of a grid are stored.
+/// The format of a grid's values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Form {
-    /// Numbers of single values: the background, tiles of the root, inactive values.
+    /// The format of single values: the background, tiles of the root, inactive values.
     pub(super) single: Number,
-    /// Numbers in arrays are in half precision, though the grid's type has another one.
+    /// Whether arrays are in half precision, although the grid's type has another one.
     pub(super) is_reduced: bool,
 }
 
 impl Form {
-    /// Numbers in arrays.
+    /// The format of values in arrays.
     pub(super) fn in_arrays(self) -> Number {
         match self.is_reduced {
             true => Number::Half,
@@ -98,7 +98,7 @@ impl Form {
     }
 }
 
-/// A bit for each value of a node.
+/// A mask with a bit for each value of a node.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<'a>(pub(super) &'a [u8]);
 
@@ -120,7 +120,7 @@ impl<'a> Mask<'a> {
         self.0.iter().map(|byte| byte.count_ones() as usize).sum()
     }
 
-    /// The places of all bits that are set.
+    /// The indices of all bits that are set.
     pub(super) fn ones(self) -> impl Iterator<Item = usize> + 'a {
         (0..self.len()).filter(move |&index| self.has(index))
     }
@@ -132,14 +132,14 @@ pub(super) struct ValueReader<'a, T, const C: usize> {
     form: Form,
     compression: Compression,
     pub(super) background: [T; C],
-    /// The numbers of an array as they are stored.
+    /// The unpacked numbers of an array in their stored format.
     unpacked: Vec<u8>,
     scratch: Vec<u8>,
     inflate: Decompress,
 }
 
 impl<'a, T: Component, const C: usize> ValueReader<'a, T, C> {
-    /// A reader at a place in the file where the background is next.
+    /// A reader at a position in the file where the background is next.
     pub(super) fn new(mut bytes: Bytes<'a>, form: Form, compression: Compression) -> Result<Self, VdbError> {
         Ok(Self {
             background: read_single(&mut bytes, form)?,
@@ -152,15 +152,15 @@ impl<'a, T: Component, const C: usize> ValueReader<'a, T, C> {
         })
     }
 
-    /// A value that stands alone.
+    /// Reads a single value.
     pub(super) fn single(&mut self) -> Result<[T; C], VdbError> {
         read_single(&mut self.bytes, self.form)
     }
 
-    /// The values of a node of which `active` are active, into `values`.
+    /// Reads the values of a node, of which `active` are active, into `values`.
     ///
-    /// Inactive values are left out of the array where they are the background, its negative (in level sets), or at
-    /// most two others.
+    /// The array omits inactive values that are the background, its negative (in level sets), or one of at most two
+    /// others.
     pub(super) fn array(&mut self, active: Mask, values: &mut Vec<[T; C]>) -> Result<(), VdbError> {
         let code = self.bytes.u8()?;
         let first = match code {
@@ -202,7 +202,7 @@ impl<'a, T: Component, const C: usize> ValueReader<'a, T, C> {
     fn unpack(&mut self, count: usize) -> Result<(), VdbError> {
         let size = count * C * self.form.in_arrays().size();
         self.unpacked.resize(size, 0);
-        // Of reduced values nothing is written if there are none.
+        // An empty array in reduced precision is not in the file at all.
         if size == 0 && self.form.is_reduced {
             return Ok(());
         }
