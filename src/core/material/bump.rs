@@ -1,30 +1,30 @@
-//! Shading about normals that are not the surface's own.
+//! Shading with normals that differ from the surface's own: bump and normal maps.
 
 use glam::{Vec2, Vec3};
 
 use crate::accel::SurfacePoint;
 use crate::math::{Frame, Real, Vector, real_struct};
 
-/// The treatment of shading normals that are not the surface's.
+/// The treatment of mapped normals that differ from the surface's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BumpOptions {
-    /// Whether normals that face away from the viewer are turned about the surface's own.
+    /// Whether normals that face away from the viewer are rotated by half a turn about the surface's own.
     pub flip_invalid_normals: bool,
-    /// Whether the border of light and shadow is softened: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing
+    /// Whether the border between light and shadow is softened: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing
     /// Function to Solve the Bump Terminator Problem, Ray Tracing Gems 2019.
     pub use_shadowing_function: bool,
 }
 
-/// The least sine that [`Bump::chance`] counts with: chances that differ by more would overflow.
+/// The least sine in [`Bump::chance`]: chances with a larger ratio would overflow.
 const LEAST_SINE: f32 = 1e-3;
 
-/// A shading frame whose z may be turned to the back of the surface; the frame itself stays upright.
+/// A shading frame and the side of it that is shaded. The z axis points to that side; the frame itself stays upright.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Orientation {
     pub frame: Frame,
-    /// The side: 1, or -1 behind.
+    /// The side: 1, or -1 from behind.
     pub side: f32,
-    /// Whether what is behind is another material.
+    /// Whether the other side has another material.
     pub is_of_one_side: bool,
 }
 
@@ -39,8 +39,8 @@ impl Orientation {
     }
 }
 
-/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by
-/// u and v are `gradient`. On the side of the geometric normal, not of unit length.
+/// The normal, in `frame`, of the surface at `point` displaced along `frame.n` by a height whose derivatives by u and v
+/// are `gradient`. It is on the side of the geometric normal and not of unit length.
 pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec2) -> Vec3 {
     let tilted = |derivative: Vec3, slope: f32| derivative + (slope - frame.n.dot(derivative)) * frame.n;
     let normal = tilted(point.dp_du, gradient.x).cross(tilted(point.dp_dv, gradient.y));
@@ -53,9 +53,9 @@ pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec
 }
 
 real_struct! {
-    /// The shadow that a surface casts on the one that is bumped from it.
+    /// The shadowing of bumped normals by the surface below them.
     pub(crate) struct BumpShadow<R> {
-        /// The normals of the surface and of the bumped one.
+        /// The unit normals of the surface and of the bumped surface.
         surface: R::Vec3,
         bumped: R::Vec3,
         /// The squared roughness of the shadowing function; 0 without it.
@@ -64,7 +64,7 @@ real_struct! {
 }
 
 impl<R: Real> BumpShadow<R> {
-    /// The factor of the light towards `wi`: zero where a surface and the one bumped from it disagree about the side.
+    /// The factor on light towards `wi`: zero where surface and bumped surface disagree about the side of `wi`.
     #[inline(always)]
     pub fn factor(&self, wi: R::Vec3) -> R {
         let cos = wi.dot(self.surface);
@@ -75,29 +75,29 @@ impl<R: Real> BumpShadow<R> {
     }
 }
 
-/// The difference between a bumped surface and the one it lies on.
+/// A bump or normal map on a surface, in world space.
 #[derive(Clone, Debug)]
 pub(super) struct Bump {
     shadow: BumpShadow,
-    /// Whether only viewers before the surface see it.
+    /// Whether only viewers in front of the surface see it.
     is_of_one_side: bool,
     turning: Option<Turning>,
-    /// The map that this one lies in. Maps in maps are rare.
+    /// The map below this one. Maps on maps are rare.
     outer: Option<Box<Bump>>,
 }
 
-/// How the normal depends on the viewer: see [`BumpOptions::flip_invalid_normals`].
+/// The two normals of a map whose normal depends on the viewer, see [`BumpOptions::flip_invalid_normals`].
 #[derive(Clone, Copy, Debug)]
 struct Turning {
-    /// Whether this is the normal after turning.
+    /// Whether this map's own normal is the turned one.
     is_turned: bool,
-    /// The normal of viewers who do not see this one.
+    /// The normal for viewers who do not see this map's own.
     other: Vec3,
 }
 
 impl Bump {
-    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. `below` is
-    /// bumped by `outer` already. None if the normal is no direction.
+    /// The frame about `normal` (in `below`, not of unit length), with the corrections that shading in it needs.
+    /// `below` is already bumped by `outer`. None if the normal has no direction.
     pub fn new(
         normal: Vec3,
         is_turned: bool,
@@ -137,28 +137,28 @@ impl Bump {
         Some((orientation, bump))
     }
 
-    /// The map and those that it lies in.
+    /// This map and all maps below it.
     fn chain(&self) -> impl Iterator<Item = &Self> {
         std::iter::successors(Some(self), |bump| bump.outer.as_deref())
     }
 
-    /// Whether viewers elsewhere see this map with another normal.
+    /// Whether other viewers see this map with another normal.
     pub fn may_turn(&self) -> bool {
         self.turning.is_some()
     }
 
-    /// Whether viewers elsewhere see this map, or one that it lies in, with another normal.
+    /// Whether other viewers see this map, or one below it, with another normal.
     pub fn may_turn_at_all(&self) -> bool {
         self.chain().any(Self::may_turn)
     }
 
-    /// Whether this normal, or that of a map that this one lies in, is one after turning.
+    /// Whether the normal of this map, or of one below it, is the turned one.
     pub fn is_turned(&self) -> bool {
         self.chain()
             .any(|bump| bump.turning.is_some_and(|turning| turning.is_turned))
     }
 
-    /// Whether a viewer in this direction sees the normal turned.
+    /// Whether a viewer in this direction sees the turned normal.
     pub fn turns_for(&self, viewer: Vec3) -> bool {
         self.turning.is_some_and(|Turning { is_turned, other }| {
             let normal = if is_turned { other } else { self.shadow.bumped };
@@ -166,8 +166,8 @@ impl Bump {
         })
     }
 
-    /// Whether a viewer in this direction sees all maps, and with these normals. `transmits`: whether viewers on the
-    /// other side see light as well.
+    /// Whether a viewer in this direction sees all maps with exactly these normals. `transmits` means that viewers on
+    /// the other side see light as well.
     pub fn is_seen_from(&self, viewer: Vec3, transmits: bool) -> bool {
         self.chain().all(|bump| {
             let is_turned = bump.turning.is_some_and(|turning| turning.is_turned);
@@ -176,12 +176,12 @@ impl Bump {
         })
     }
 
-    /// The share of the light from a lamp in this direction that is sent on as from these normals, while one does not
-    /// know yet which viewers it will come to.
+    /// The probability with which a path that comes from a lamp in this direction is scattered by these normals. The
+    /// viewers that it will reach, and with them the normal, are not yet known.
     ///
-    /// A normal that cannot be lit from there has none. Of the others, those after turning have as much as makes a
-    /// diffuse surface least noisy: they send the share sin^2 of the light, where the angle is that between normal
-    /// and surface, and the noise of a share is least if it has its root of the samples.
+    /// A normal that cannot be lit from there has probability zero. If both can, the ratio is the least noisy one for a
+    /// diffuse surface: viewers see the turned normal for a share sin^2 of the light, with the angle between normal and
+    /// surface, and noise is least when samples follow the root of the share.
     pub fn chance(&self, lamp: Vec3) -> f32 {
         self.chain().map(|bump| bump.own_chance(lamp)).product()
     }
@@ -209,13 +209,13 @@ impl Bump {
         self.chain().map(|bump| bump.shadow.factor(wi)).product()
     }
 
-    /// The only shadow; None where the map lies in another one.
+    /// The shadow of this map; None if there is another map below it.
     pub fn sole_shadow(&self) -> Option<BumpShadow> {
         self.outer.is_none().then_some(self.shadow)
     }
 }
 
-/// The normal, in the frame that it is bumped from, on the other side of that frame's.
+/// The normal rotated by half a turn about z, the normal of the frame that it is bumped from.
 fn turned(normal: Vec3) -> Vec3 {
     Vec3::new(-normal.x, -normal.y, normal.z)
 }

@@ -1,4 +1,4 @@
-//! The definition of a material: a model, or other materials.
+//! The definition of a material: a scattering model, or a combination of other materials.
 
 use super::bump::BumpOptions;
 use super::textured::TexturedBsdf;
@@ -13,18 +13,18 @@ pub struct MaterialId(pub u32);
 /// A material of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
-    /// The same everywhere.
+    /// A model with constant parameters.
     Plain(Bsdf),
-    /// A model whose parameters vary over the surface.
+    /// A model with textured parameters.
     Textured(TexturedBsdf),
-    /// One material seen from the normal's side and another (or the same, mirrored) from behind.
+    /// One material seen from the front and another (or the same, mirrored) from behind.
     TwoSided {
         /// The material on the side that the shading normal points to.
         front: MaterialId,
         /// The material on the other side.
         back: MaterialId,
     },
-    /// A mixture of `second` with the share `weight`, and `first` with the rest.
+    /// A mixture of `second` with the weight `weight`, and `first` with the remaining weight.
     Blend {
         /// The material where the weight is 0.
         first: MaterialId,
@@ -33,38 +33,38 @@ pub enum Material {
         /// The weight, clamped to [0, 1].
         weight: Parameter<f32>,
     },
-    /// A mask: `nested` with the share `opacity`; the rest of the light passes through.
+    /// A mask: a share `opacity` of the light meets `nested`; the rest passes through.
     Mask {
         /// The material where the opacity is 1.
         nested: MaterialId,
         /// The opacity, clamped to [0, 1].
         opacity: Parameter<f32>,
     },
-    /// A material about the normals of a texture: n = 2 colour - 1 in the shading frame.
+    /// A material with the normals of a texture: n = 2 colour - 1 in the shading frame.
     NormalMap {
-        /// The material about the new normals.
+        /// The material with the new normals.
         nested: MaterialId,
         /// The normals as colours: (1, 1, 2) / 2 is the normal of the surface itself.
         normals: Parameter<Rgb>,
-        /// Whether they are in the tangent space of glTF, which follows the handedness of coordinates, rather than in
-        /// the shading frame.
+        /// Whether they are in glTF's tangent space, which follows the handedness of texture coordinates, rather than
+        /// in the shading frame.
         gltf_tangents: bool,
         /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },
-    /// A material about the normals that the surface has once it is moved by `scale` times a texture along its own
+    /// A material with the normals of the surface after displacement by `scale` times a texture along its own normals
     /// (Blinn, Simulation of Wrinkled Surfaces, 1978).
     BumpMap {
-        /// The material about the new normals.
+        /// The material with the new normals.
         nested: MaterialId,
-        /// Only bilinear bitmaps have an effect.
+        /// The displacement; only bilinear bitmaps have an effect.
         height: Parameter<f32>,
         /// World units per unit of the texture.
         scale: f32,
         /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },
-    /// Light passes as if nothing were there.
+    /// Light passes as if there were no surface.
     Null,
 }
 

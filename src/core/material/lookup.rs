@@ -1,10 +1,10 @@
-//! Looks up textured parameters: at a place, or those that are the same everywhere.
+//! Evaluates textured parameters: at a surface point, or where all of them are constant.
 
 use crate::color::Rgb;
 use crate::shading::{CoatedBase, ConductorSpecular, Microfacet, MicrofacetKind};
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
-/// A rough surface.
+/// The microfacets of a rough surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedFacets {
     /// The distribution of microfacet normals.
@@ -20,24 +20,24 @@ pub struct TexturedFacets {
 pub struct TexturedBase {
     /// The reflectance of the base, in [0, 1].
     pub diffuse_reflectance: Parameter<Rgb>,
-    /// Multiplies what the coat reflects; 1 is physical.
+    /// The factor on the coat's reflection; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
-    /// Whether light that is scattered again takes up the base's colour each time.
+    /// Whether light takes up the base's colour again at each internal reflection.
     pub nonlinear: bool,
 }
 
-/// A conductor's reflection.
+/// The reflection of a conductor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedSpecular {
     /// The real part of the refractive index relative to the outside.
     pub eta: Parameter<Rgb>,
     /// The imaginary part of it (extinction), positive.
     pub k: Parameter<Rgb>,
-    /// Multiplies the reflection; 1 is physical.
+    /// The factor on the reflection; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
 }
 
-/// Gives the numbers of parameters.
+/// Evaluates parameters.
 pub(super) trait Lookup {
     fn color(&mut self, parameter: Parameter<Rgb>) -> Rgb;
     fn float(&mut self, parameter: Parameter<f32>) -> f32;
@@ -46,7 +46,7 @@ pub(super) trait Lookup {
         self.color(parameter).clamp(Rgb::ZERO, Rgb::ONE)
     }
 
-    /// A number in [0, 1].
+    /// The value clamped to [0, 1].
     fn share(&mut self, parameter: Parameter<f32>) -> f32 {
         self.float(parameter).clamp(0.0, 1.0)
     }
@@ -72,7 +72,7 @@ pub(super) trait Lookup {
     }
 }
 
-/// Looks textures up at one place.
+/// Evaluates textures at one surface point.
 pub(super) struct At<'a> {
     pub textures: &'a TextureTable,
     pub point: &'a TexturePoint<'a>,
@@ -88,7 +88,7 @@ impl Lookup for At<'_> {
     }
 }
 
-/// A lookup that finds out whether there is a texture at all.
+/// Evaluates constants, and records whether a parameter was textured instead.
 #[derive(Default)]
 pub(super) struct Constants {
     pub met_texture: bool,

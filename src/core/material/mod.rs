@@ -1,8 +1,8 @@
 //! Materials of surfaces: scattering models whose parameters may be textured, and materials made of other materials.
 //!
-//! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with the shares they
-//! have. Light transport asks that, in world space. Numbers are in range already but for what textures say, which is
-//! brought into range here.
+//! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with their weights, which
+//! light transport evaluates and samples in world space. Constant parameters are already in range; textured ones are
+//! clamped here.
 
 mod bump;
 mod definition;

@@ -1,4 +1,4 @@
-//! Resolves materials inside materials: which are allowed, and what they are at a place.
+//! Resolves materials inside materials: checks the nesting, and evaluates it at a surface point.
 
 use std::borrow::Cow;
 
@@ -13,19 +13,19 @@ use crate::shading::lanes::BsdfLanes;
 use crate::shading::{Bsdf, ShadingTables, TransportMode};
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
-/// The greatest depth of materials inside each other; the stack is finite.
+/// The greatest depth of nested materials; the stack is finite.
 const DEEPEST: usize = 64;
 
-/// The most normal and bump maps inside each other. Each doubles what a path from a lamp looks at.
+/// The most nested normal and bump maps. Each doubles the number of models that a path from a lamp has to consider.
 const DEEPEST_MAPS: usize = 8;
 
-/// The reason why a list of materials is no table.
+/// The reason why a list of materials is not a valid table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("material {place} {problem}")]
 pub struct MaterialTableError {
-    /// The index in the list.
+    /// The index of the material in the list.
     pub place: usize,
-    /// The problem there.
+    /// The problem of the material.
     pub problem: NestingProblem,
 }
 
@@ -102,7 +102,7 @@ pub(super) fn clear(materials: &[Material]) -> Vec<bool> {
     })
 }
 
-/// Whether `is_so` holds for each material, or for one that is nested in it.
+/// Whether `is_so` holds for each material, or for one nested in it.
 fn where_any_is(materials: &[Material], is_so: impl Fn(&Material) -> bool) -> Vec<bool> {
     let mut found: Vec<bool> = materials.iter().map(is_so).collect();
     loop {
@@ -144,7 +144,7 @@ pub(super) fn for_lanes(materials: &[Material], parametrised: &[bool]) -> Vec<bo
     }
 }
 
-/// Whether the material itself is parametrised, without those nested in it.
+/// Whether the material itself, without nested ones, depends on texture coordinates or tangents.
 fn is_parametrised(material: &Material) -> bool {
     match material {
         Material::Plain(bsdf) => !bsdf.is_isotropic(),
@@ -155,7 +155,7 @@ fn is_parametrised(material: &Material) -> bool {
     }
 }
 
-/// The most models that a material can amount to; None if it is nested too deep.
+/// The most models that a material resolves to; None if it is nested too deep.
 fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>], depth: usize) -> Option<usize> {
     if depth > DEEPEST {
         return None;
@@ -163,7 +163,7 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
     if known[index].is_none() {
         let mut counts = [0; 2];
         for (count, nested) in counts.iter_mut().zip(materials[index].nested()) {
-            // One that is not there is reported at its own turn.
+            // A reference out of range is an error of its own.
             if let Some(nested) = nested.filter(|nested| (nested.0 as usize) < materials.len()) {
                 *count = count_parts(materials, nested.0 as usize, known, depth + 1)?;
             }
@@ -177,13 +177,13 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
     known[index]
 }
 
-/// The most maps inside each other whose normals may turn. The material is not nested too deep.
+/// The most nested maps whose normals may turn. The material must not be nested too deep.
 fn count_maps(materials: &[Material], index: usize, known: &mut [Option<usize>]) -> usize {
     if let Some(count) = known[index] {
         return count;
     }
     let nested = materials[index].nested().into_iter().flatten();
-    // One that is not there is reported at its own turn.
+    // A reference out of range is an error of its own.
     let inside = nested
         .filter(|nested| (nested.0 as usize) < materials.len())
         .map(|nested| count_maps(materials, nested.0 as usize, known))
@@ -197,7 +197,7 @@ fn count_maps(materials: &[Material], index: usize, known: &mut [Option<usize>])
     count
 }
 
-/// Resolves the material `id` at a place.
+/// Resolves the material `id` at a surface point.
 pub(super) fn resolve<'a>(
     materials: &'a [Material],
     tables: &'a ShadingTables,
@@ -208,7 +208,7 @@ pub(super) fn resolve<'a>(
     textures: &TextureTable,
     at: &TexturePoint,
 ) -> Scattering<'a> {
-    // It is large: made where it will stay.
+    // The value is large, so it is built in place.
     let mut scattering = Scattering::new(wo, mode, tables);
     let upright = upright(point);
     let mut resolver = Resolver {
@@ -223,8 +223,7 @@ pub(super) fn resolve<'a>(
     scattering
 }
 
-/// [`resolve`] for a material that is one model about the normal of the surface, on each of its sides; None for any
-/// other.
+/// [`resolve`] for a material that has one model about the surface's own normal on each side; None for any other.
 #[expect(clippy::too_many_arguments, reason = "those of `resolve`")]
 pub(super) fn single<'a>(
     materials: &'a [Material],
@@ -264,7 +263,7 @@ fn upright(point: &SurfacePoint) -> Orientation {
     }
 }
 
-/// The material of the side that is seen from `wo`, front or back, with its orientation.
+/// The material of the side that is seen from `wo`, front or back, with the orientation of that side.
 fn side_seen([front, back]: [MaterialId; 2], wo: Vec3, orientation: Orientation) -> (MaterialId, Orientation) {
     let is_before = orientation.to_local(wo).z > 0.0;
     let (seen, side) = if is_before { (front, 1.0) } else { (back, -1.0) };
@@ -341,10 +340,10 @@ impl<'a> Resolver<'a, '_> {
         }
     }
 
-    /// Adds a bumped material. `normal` is in the frame of `below`, the orientation without it.
+    /// Adds a bumped material. `normal` is in the frame of `below`, the orientation of the surface below the map.
     ///
-    /// A path from the camera knows its viewer, and with it on which side the normal is. A path from a lamp does not
-    /// yet, so it has both.
+    /// A path from the camera knows its viewer, which decides on the side of the normal. A path from a lamp does not
+    /// know it yet, so it gets both normals.
     fn add_bumped(
         &mut self,
         nested: MaterialId,
@@ -375,7 +374,7 @@ impl<'a> Resolver<'a, '_> {
         }
     }
 
-    /// The chance that a path takes the surface to be bumped like this.
+    /// The probability that a path is scattered by these normals.
     fn chance(&self, bump: Option<&Bump>) -> f32 {
         match (self.scattering.mode(), bump) {
             (TransportMode::Importance, Some(bump)) => bump.chance(self.wo),

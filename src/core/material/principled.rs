@@ -18,7 +18,7 @@ pub struct TexturedPrincipled {
     pub metallic: Parameter<f32>,
     /// As [`Principled::spec_trans`].
     pub spec_trans: Parameter<f32>,
-    /// Index inside over that outside; not 1 if there may be glass.
+    /// Refractive index inside over outside; not 1 if there may be glass.
     pub eta: f32,
     /// As [`Principled::spec_tint`].
     pub spec_tint: Parameter<f32>,
@@ -101,6 +101,6 @@ impl TexturedPrincipledThin {
     }
 }
 
-/// The lowest index that a texture may give.
+/// The range of refractive indices from textures.
 const LOWEST_INDEX: f32 = 0.01;
 const HIGHEST_INDEX: f32 = 100.0;

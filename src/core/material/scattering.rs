@@ -1,5 +1,5 @@
-//! The scattering of light at one place of a surface: a weighted list of models, and a share that passes straight
-//! through.
+//! The scattering of light at one point of a surface: a weighted list of models, and a share of light that passes
+//! straight through.
 //!
 //! Directions are unit vectors in world space; `wo` and the mode of transport are part of the value. Contracts are
 //! those of [`crate::shading`].
@@ -17,44 +17,44 @@ use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, Trans
 /// The most models that a material may mix at one place.
 pub(super) const LARGEST_MIX: usize = 8;
 
-/// A model, its share, and its orientation in the world.
+/// A model with its weight and its orientation in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Part<'a> {
-    /// The share in what a viewer sees who sees this orientation.
+    /// The model's weight for viewers who see this orientation.
     pub share: f32,
-    /// The probability of choosing it: the share, or less of it if others are there for other viewers.
+    /// The probability of choosing it: the share, or less if other viewers see another orientation.
     pub weight: f32,
     /// The scattering's `wo` in the orientation.
     pub wo: Vec3,
     pub orientation: Orientation,
     pub bump: Option<Bump>,
-    /// The model. Models are large, so those that are the same everywhere stay in the table.
+    /// The model. Models are large, so constant ones are borrowed from the table.
     pub bsdf: Cow<'a, Bsdf>,
 }
 
-/// The scattering at one place of a surface, seen from one direction.
+/// The scattering at one point of a surface, seen from one direction.
 #[derive(Clone, Debug)]
 pub struct Scattering<'a> {
     wo: Vec3,
     mode: TransportMode,
     tables: &'a ShadingTables,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
-    /// The same models about the normals that other viewers see, which a path from a lamp may come to.
+    /// The same models about the normals that other viewers see, whom a path from a lamp may reach.
     turned: Vec<Part<'a>>,
     /// The share of the light that passes straight through.
     null_share: f32,
 }
 
-/// The greatest cosine with `wo` of a delta lobe that goes straight on. Reflection is below it only at grazing angles
-/// that no path has.
+/// The greatest cosine with `wo` of a delta lobe that passes straight through. Reflection has smaller cosines except at
+/// grazing angles that no path reaches.
 const STRAIGHT: f32 = -1.0 + 1e-6;
 
-/// The kind of continuation that a sample is.
+/// The kind of a sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
-    /// One of a density of directions.
+    /// A direction sampled by a density.
     Smooth,
-    /// The only direction of its lobe.
+    /// The only direction of a delta lobe.
     Delta,
     /// Straight through, as if there were no surface.
     Null,
@@ -69,9 +69,10 @@ pub struct ScatterSample {
     pub weight: Rgb,
     /// Solid angle density of `wi`; for delta and null lobes the probability of choosing them.
     pub pdf: f32,
-    /// The lobe, which tells the meaning of `pdf`, and whether sampling lights could have found the direction.
+    /// The kind of the sample, which decides on the meaning of `pdf` and on whether light sampling could have found
+    /// `wi`.
     pub lobe: Lobe,
-    /// The eta of [`BsdfSample::eta`].
+    /// The relative index as of [`BsdfSample::eta`].
     pub eta: f32,
 }
 
@@ -85,38 +86,38 @@ pub struct Single<'a> {
 }
 
 impl<'a> Single<'a> {
-    /// A scattering of this part alone, which has all of it; None for what light passes straight through.
+    /// The scattering of a single part with full weight; None for a model through which light passes straight.
     pub(super) fn of(part: Part<'a>, wo: Vec3, mode: TransportMode, tables: &'a ShadingTables) -> Option<Self> {
         (!part.bsdf.has_null_lobe()).then_some(Self { wo, mode, tables, part })
     }
 
-    /// Whether some of its light is scattered with a density, as of [`Scattering::has_smooth_lobe`].
+    /// Whether part of its light is scattered with a density, as [`Scattering::has_smooth_lobe`].
     pub fn has_smooth_lobe(&self) -> bool {
         self.part.bsdf.has_smooth_lobe()
     }
 
-    /// The normal as of [`Scattering::one_sided_normal`].
+    /// The normal as [`Scattering::one_sided_normal`] gives it.
     pub fn one_sided_normal(&self) -> Option<Vec3> {
         (!self.part.bsdf.transmits()).then(|| self.part.orientation.to_world(Vec3::Z))
     }
 
-    /// The colour as of [`Scattering::albedo`].
+    /// The colour as [`Scattering::albedo`] gives it.
     pub fn albedo(&self) -> Rgb {
         self.part.bsdf.albedo()
     }
 
-    /// Whether it has a [`Self::diffuse_lobe`], which may be empty.
+    /// Whether [`Self::diffuse_lobe`] may be non-empty.
     pub fn may_have_diffuse_lobe(&self) -> bool {
         self.part.bsdf.may_have_diffuse_lobe()
     }
 
-    /// Its diffuse lobe as [`Bsdf::diffuse_lobe`], and the normal of that in the world.
+    /// Its diffuse lobe as [`Bsdf::diffuse_lobe`], and that lobe's normal in the world.
     pub fn diffuse_lobe(&self) -> (DiffuseLobe, Vec3) {
         self.part.diffuse_lobe(self.tables)
     }
 
-    /// The model; None where a map lies in another, or where a path from a lamp has come to a map: it does not yet know
-    /// its viewers.
+    /// The model; None where a map is on another one, or where a path from a lamp has reached a map, whose viewers it
+    /// does not know yet.
     pub(crate) fn model(&self) -> Option<Model<'_>> {
         let shadow = match (&self.part.bump, self.mode) {
             (None, _) => None,
@@ -149,13 +150,13 @@ pub(crate) struct Model<'a> {
     pub bsdf: &'a Bsdf,
     /// The frame in the world.
     pub frame: Frame,
-    /// The side of the frame that it is seen from: 1, or -1 from behind.
+    /// The side of the frame seen by the viewer: 1, or -1 from behind.
     pub side: f32,
-    /// What the surface below a map leaves of the light; None without a map.
+    /// The shadowing by the surface below a map; None without a map.
     pub shadow: Option<BumpShadow>,
 }
 
-/// A sample that no other part could have found, of a part that was chosen with probability `chosen`.
+/// A sample of a part chosen with probability `chosen`, whose direction no other part could have sampled.
 fn only(wo: Vec3, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample {
     let straight = || part.bsdf.has_null_lobe() && sample.wi.dot(wo) < STRAIGHT;
     ScatterSample {
@@ -177,8 +178,8 @@ impl Part<'_> {
         (self.bsdf.diffuse_lobe(tables, self.wo), normal)
     }
 
-    /// The factor of the maps on light between `wo` and `wi`, in world space: that of where the light comes from. Zero
-    /// also where it goes on from a lamp to viewers who see other normals.
+    /// The factor of the maps on light between `wo` and `wi`, in world space, for the direction that the light comes
+    /// from. Also zero where light from a lamp goes on to viewers who see other normals.
     fn factor(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
         match (&self.bump, mode) {
             (None, _) => 1.0,
@@ -190,7 +191,7 @@ impl Part<'_> {
         }
     }
 
-    /// The value f |cos wi|, times the share, and its density, times the weight. Directions are in world space.
+    /// The value f |cos wi| times the share, and the density times the weight. Directions are in world space.
     fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         let factor = self.factor(wo, wi, mode);
         if factor == 0.0 {
@@ -201,7 +202,7 @@ impl Part<'_> {
         (self.share * factor * value, self.weight * pdf)
     }
 
-    /// Samples in world space and with the factor of the maps, without the share.
+    /// Samples in world space, with the factor of the maps but without the share.
     fn sample(
         &self,
         tables: &ShadingTables,
@@ -220,7 +221,7 @@ impl Part<'_> {
         })
     }
 
-    /// The light that goes from `wo`, the direction of a lamp in world space, to `wi`: f |cos wo| of a path that comes
+    /// The light scattered from `wo`, the direction of a lamp in world space, to `wi`: f |cos wo| of a path that comes
     /// from `wi`, times the share.
     fn eval_reverse(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3) -> Rgb {
         let factor = self.factor(wo, wi, TransportMode::Importance);
@@ -231,7 +232,7 @@ impl Part<'_> {
         self.share * factor * self.bsdf.eval(tables, wi, self.wo, TransportMode::Radiance)
     }
 
-    /// Density per solid angle with which a path that comes from `wi` goes on to `wo`, in world space, times the
+    /// Density per solid angle with which a path that comes from `wi` continues to `wo`, in world space, times the
     /// probability that it chooses this part.
     fn reverse_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
         if self.factor(wo, wi, mode) == 0.0 {
@@ -244,8 +245,8 @@ impl Part<'_> {
         self.share * chance * self.bsdf.pdf(tables, self.orientation.to_local(wi), self.wo)
     }
 
-    /// The factor that turns the weight of a delta lobe into that for light from a lamp, but for the cosines with the
-    /// geometric normal.
+    /// The factor that turns the weight of a delta lobe into its adjoint, without the cosines with the geometric
+    /// normal.
     fn delta_correction(&self, wi: Vec3) -> f32 {
         (self.wo.z / self.orientation.to_local(wi).z).abs()
     }
@@ -267,7 +268,7 @@ impl<'a> Scattering<'a> {
         self.mode
     }
 
-    /// The table has made sure that there is room.
+    /// Adds a part; the table's check guarantees the room.
     pub(super) fn push(&mut self, part: Part<'a>) {
         match part.bump.as_ref().is_some_and(Bump::is_turned) && self.mode == TransportMode::Importance {
             true => self.turned.push(part),
@@ -292,7 +293,7 @@ impl<'a> Scattering<'a> {
         })
     }
 
-    /// Samples a direction for the path, from independent uniform numbers. None if the light is absorbed.
+    /// Samples the path's next direction from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         self.sample_part(u_lobe, u).map(|(sample, _)| sample)
     }
@@ -334,7 +335,7 @@ impl<'a> Scattering<'a> {
             let sample = BsdfSample { weight, ..sample };
             return Some((only(self.wo, part, sample, part.weight), Some(part)));
         }
-        // Other parts could have sampled the direction as well.
+        // Other parts could have sampled this direction, too.
         let pdf = part.weight * sample.pdf;
         let start = (part.share * sample.pdf * sample.weight, pdf);
         let others = self.parts().enumerate().filter(|&(index, _)| index != chosen);
@@ -361,7 +362,7 @@ impl<'a> Scattering<'a> {
         value * self.cosine_ratio(wi, normal)
     }
 
-    /// The density with which a path that comes from `wi` is sent on to `wo`, without delta and null lobes.
+    /// The density with which a path that comes from `wi` continues to `wo`, without delta and null lobes.
     pub fn reverse_pdf(&self, wi: Vec3) -> f32 {
         let parts = self.parts();
         parts
@@ -370,8 +371,8 @@ impl<'a> Scattering<'a> {
     }
 
     /// Samples a direction for light that has come from a lamp along `-wo`, as [`Self::sample`] does, with the weight
-    /// of [`Self::eval_adjoint`]. The scattering has to be that of [`TransportMode::Importance`]. What is not seen
-    /// as the path has taken it to be counts as absorbed.
+    /// of [`Self::eval_adjoint`]. The scattering must have [`TransportMode::Importance`]. Light to viewers who see
+    /// other normals than the chosen ones counts as absorbed.
     pub fn sample_adjoint(&self, u_lobe: f32, u: Vec2, normal: Vec3) -> Option<ScatterSample> {
         debug_assert_eq!(self.mode, TransportMode::Importance);
         let (sample, part) = self.sample_part(u_lobe, u)?;
@@ -389,7 +390,7 @@ impl<'a> Scattering<'a> {
         (wi.dot(normal) / self.wo.dot(normal)).abs()
     }
 
-    /// Takes out the only model; None if there are several, or if light passes straight through.
+    /// Moves the only model out; None if there are several, or if light passes straight through.
     pub(crate) fn take_single(&mut self) -> Option<Single<'a>> {
         let is_single = self.null_share == 0.0 && self.parts.len() == 1;
         let part = if is_single { self.parts.pop() } else { None };
@@ -403,14 +404,13 @@ impl<'a> Scattering<'a> {
         Rgb::splat(self.null_share) + self.parts().map(of_part).sum::<Rgb>()
     }
 
-    /// The share of the light that passes straight through because the material is open here.
+    /// The share of the light that passes straight through masks and null materials.
     pub fn null_share(&self) -> f32 {
         self.null_share
     }
 
-    /// The direction in which a view goes on that knows neither roughness nor refraction, with the share of the light
-    /// from there: straight on through glass and what is open, or as in a mirror, whichever is more. None where
-    /// neither is, as on diffuse surfaces.
+    /// The next direction of a view that ignores roughness and refraction, with the throughput: straight on through
+    /// glass and openings, or mirrored, whichever is brighter. None on surfaces without either, as diffuse ones.
     pub fn onward(&self) -> Option<(Vec3, Rgb)> {
         let mut straight = Rgb::splat(self.null_share);
         let (mut mirror, mut strongest) = (Rgb::ZERO, None::<&Part>);
@@ -431,13 +431,13 @@ impl<'a> Scattering<'a> {
         (share.max_element() > 0.0).then_some((dir, share))
     }
 
-    /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
+    /// Whether part of its light is scattered with a density, so that light sampling helps.
     pub fn has_smooth_lobe(&self) -> bool {
         self.parts().any(|part| part.bsdf.has_smooth_lobe())
     }
 
-    /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not
-    /// known, or all of space.
+    /// The normal of the half space of all light that [`Self::eval_and_pdf`] counts; None if it is unknown, or the
+    /// whole space.
     pub fn one_sided_normal(&self) -> Option<Vec3> {
         match &self.parts[..] {
             [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
@@ -445,8 +445,8 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// [`Self::one_sided_normal`] where it is the same for light that goes the other way: None also where viewers
-    /// elsewhere see another normal.
+    /// [`Self::one_sided_normal`] if it holds for light in both directions: None also where other viewers see another
+    /// normal.
     pub fn one_sided_normal_both_ways(&self) -> Option<Vec3> {
         let may_turn = |part: &Part| part.bump.as_ref().is_some_and(Bump::may_turn_at_all);
         if self.parts().any(may_turn) {
@@ -455,7 +455,7 @@ impl<'a> Scattering<'a> {
         self.one_sided_normal()
     }
 
-    /// [`Single::diffuse_lobe`] of the only model; None where there are several, and where the lobe is empty.
+    /// [`Single::diffuse_lobe`] of the only model; None if there are several, or if the lobe is empty.
     pub fn diffuse_lobe(&self) -> Option<(DiffuseLobe, Vec3)> {
         match (&self.parts[..], self.null_share) {
             ([part], 0.0) => Some(part.diffuse_lobe(self.tables)).filter(|(lobe, _)| lobe.share > 0.0),

@@ -1,4 +1,4 @@
-//! The table of a scene's materials, which light transport asks what a surface does with light.
+//! The table of a scene's materials, which gives light transport the scattering at surfaces.
 
 use glam::Vec3;
 
@@ -18,7 +18,7 @@ pub struct MaterialTable {
     tables: ShadingTables,
     /// Whether light can pass straight through each material somewhere.
     clear: Vec<bool>,
-    /// Whether it can through any of them.
+    /// Whether it can through any of the materials.
     has_null_lobe: bool,
     /// Whether any of them has a delta lobe.
     has_delta_lobe: bool,
@@ -30,20 +30,20 @@ pub struct MaterialTable {
     albedos: Vec<Rgb>,
 }
 
-/// The one model that a surface is made of about its own shading normal.
+/// The only model of a surface, about its own shading normal.
 #[derive(Clone, Copy, Debug)]
 pub struct PlainSide<'a> {
-    /// The model, whose frame has its z along the shading normal.
+    /// The model, in a frame whose z is along the shading normal.
     pub bsdf: &'a Bsdf,
     /// The colour for denoisers, see [`Bsdf::albedo`].
     pub albedo: Rgb,
-    /// The side it is seen from: 1, or -1 from behind.
+    /// The side seen by the viewer: 1, or -1 from behind.
     pub side: f32,
 }
 
 impl MaterialTable {
-    /// A table whose [`MaterialId`]s are the positions in `materials`, without models that need [`ShadingTables`].
-    /// Nested materials must be of the same list, before or after.
+    /// A table in which the index in `materials` is the [`MaterialId`], without models that need [`ShadingTables`].
+    /// Nested materials must be in the same list, before or after.
     pub fn new(materials: Vec<Material>) -> Result<Self, MaterialTableError> {
         Self::with_tables(materials, ShadingTables::default())
     }
@@ -55,7 +55,7 @@ impl MaterialTable {
     }
 
     /// Checks that these materials can be a table: nested materials exist, contain neither themselves nor too many
-    /// levels, and all ids are of `tables`.
+    /// levels, and all ids are from `tables`.
     pub fn check(materials: &[Material], tables: &ShadingTables) -> Result<(), MaterialTableError> {
         nesting::check(materials, tables)
     }
@@ -98,7 +98,7 @@ impl MaterialTable {
         Self::with_tables(materials, self.tables.clone())
     }
 
-    /// The number of materials, with nested ones.
+    /// The number of materials, nested ones included.
     pub fn len(&self) -> usize {
         self.materials.len()
     }
@@ -118,27 +118,27 @@ impl MaterialTable {
         self.materials.get(id.0 as usize)
     }
 
-    /// Whether any surface may let light pass straight through, so that shadow rays have to look up what they hit.
+    /// Whether light may pass straight through any material, so that shadow rays have to evaluate their hits.
     pub fn has_null_lobe(&self) -> bool {
         self.has_null_lobe
     }
 
-    /// Whether light may pass straight through a surface of it somewhere.
+    /// Whether light may pass straight through the material somewhere.
     pub(crate) fn is_clear(&self, id: MaterialId) -> bool {
         self.clear[id.0 as usize]
     }
 
-    /// Whether any surface sends some of its light in the only direction of a lobe, as mirrors and glass do.
+    /// Whether any material has a delta lobe, as mirrors and glass have.
     pub fn has_delta_lobe(&self) -> bool {
         self.has_delta_lobe
     }
 
-    /// Whether it is a border that light does not notice.
+    /// Whether the material is invisible: light passes as if there were no surface.
     pub(crate) fn is_null(&self, id: MaterialId) -> bool {
         matches!(self.materials.get(id.0 as usize), Some(Material::Null))
     }
 
-    /// The detail of a surface that [`Self::scattering`] needs.
+    /// The detail of a surface point that [`Self::scattering`] needs for this material.
     pub(crate) fn detail(&self, id: MaterialId) -> Detail {
         match self.parametrised[id.0 as usize] {
             true => Detail::Parametrised,
@@ -146,13 +146,13 @@ impl MaterialTable {
         }
     }
 
-    /// Whether it is made of models that [`crate::shading::lanes`] has, and depends only on the side it is seen from.
+    /// Whether all its models are in [`crate::shading::lanes`], chosen only by the side seen.
     pub(crate) fn is_for_lanes(&self, id: MaterialId) -> bool {
         self.for_lanes[id.0 as usize]
     }
 
-    /// The model of a surface, where `cos` is the cosine of the direction it is seen from. None if the material is not
-    /// as simple as that.
+    /// The model of a surface, where `cos` is the cosine of the direction to the viewer. None for materials other than
+    /// plain and two-sided ones.
     #[inline(always)]
     pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<PlainSide<'_>> {
         let mut side = 1.0;
@@ -169,8 +169,8 @@ impl MaterialTable {
         }
     }
 
-    /// The scattering of the surface at `point` for a path from `wo`, a unit vector in world space. Textures are looked
-    /// up at `at`.
+    /// The scattering of the surface at `point` for a path from `wo`, a unit vector in world space. Textures are
+    /// evaluated at `at`.
     pub fn scattering(
         &self,
         id: MaterialId,
@@ -183,8 +183,8 @@ impl MaterialTable {
         nesting::resolve(&self.materials, &self.tables, id, point, wo, mode, textures, at)
     }
 
-    /// The only model of [`Self::scattering`], where that is found without looking at all of it; None for mixtures,
-    /// maps of normals, and what light passes straight through.
+    /// The only model of [`Self::scattering`], if it is cheap to find; None for mixtures, normal maps, and models
+    /// through which light passes straight.
     pub(crate) fn single(
         &self,
         id: MaterialId,

@@ -1,6 +1,6 @@
-//! Tangent space as glTF 2.0 has it (section 3.7.2.1): x goes along the tangent, and y along the bitangent, whose side
-//! follows from the handedness of the texture coordinates. Mitsuba's y is the shading normal times the direction of u,
-//! which is the other way where coordinates are mirrored.
+//! Tangent space of glTF 2.0 (section 3.7.2.1): x is along the tangent and y along the bitangent, whose side follows
+//! the handedness of the texture coordinates. Mitsuba's y is the shading normal times the direction of u, which is
+//! opposite where coordinates are mirrored.
 
 use glam::{DMat2, DVec2, Vec2, Vec3};
 
@@ -10,10 +10,10 @@ use crate::geometry::triangle;
 use crate::math::Frame;
 use crate::texture::MeshPoint;
 
-/// The normal of a map, in `frame`, the shading frame. Tangents that the mesh has of its own take the place of the
-/// direction of u.
+/// A normal of a map, transformed to the shading frame `frame`. Tangents stored with the mesh replace the direction of
+/// u.
 pub(super) fn in_frame(normal: Vec3, point: &SurfacePoint, frame: &Frame, mesh: Option<MeshPoint>) -> Vec3 {
-    // v points down in pictures, and the bitangent up.
+    // v points down in images, and the bitangent up.
     let of_coordinates = || {
         let is_mirrored = frame.t.dot(point.dp_dv) > 0.0;
         (Vec2::X, if is_mirrored { -1.0 } else { 1.0 })
@@ -24,8 +24,8 @@ pub(super) fn in_frame(normal: Vec3, point: &SurfacePoint, frame: &Frame, mesh: 
     across.extend(normal.z)
 }
 
-/// The direction of the mesh's tangent in the plane of the frame, and the side of the bitangent. None if the mesh has
-/// none.
+/// The direction of the mesh's own tangent in the plane of the frame, and the side of the bitangent. None if the mesh
+/// has no tangents.
 fn own_tangent(at: &MeshPoint, point: &SurfacePoint, frame: &Frame) -> Option<(Vec2, f32)> {
     let mesh = at.mesh;
     let of_mesh = |name| {
@@ -41,13 +41,13 @@ fn own_tangent(at: &MeshPoint, point: &SurfacePoint, frame: &Frame) -> Option<(V
     };
     let (u, v) = (at.barycentric.y, at.barycentric.z);
     let local = triangle::parametrisation(mesh.corners(at.triangle as usize), u, v, Some([a, b, c]));
-    // The same combination of the derivatives is the tangent in the world.
+    // The world tangent is the same linear combination of the derivatives in world space.
     let (du, dv, own) = (local.dp_du.as_dvec3(), local.dp_dv.as_dvec3(), own.as_dvec3());
     let products = DMat2::from_cols_array(&[du.dot(du), du.dot(dv), du.dot(dv), dv.dot(dv)]);
     let along = products.inverse() * DVec2::new(own.dot(du), own.dot(dv));
     let world = (along.x * point.dp_du.as_dvec3() + along.y * point.dp_dv.as_dvec3()).as_vec3();
     let tangent = Vec2::new(frame.s.dot(world), frame.t.dot(world)).try_normalize()?;
-    // Where the transform mirrors, or normals are flipped, the bitangent stays on its side of the coordinates.
+    // Where the transform mirrors, or normals are flipped, the bitangent keeps its side of the texture coordinates.
     let normal = local_normal(mesh, at)?;
     let is_turned =
         (local.dp_du.cross(local.dp_dv).dot(normal) < 0.0) != (point.dp_du.cross(point.dp_dv).dot(frame.n) < 0.0);

@@ -1,4 +1,4 @@
-//! Scattering models with textured parameters, and how they resolve to numbers at a place.
+//! Scattering models with textured parameters, and their evaluation at a surface point.
 
 use super::lookup::{At, Constants, Lookup, TexturedBase, TexturedFacets, TexturedSpecular};
 use super::principled::{TexturedPrincipled, TexturedPrincipledThin};
@@ -57,7 +57,7 @@ pub enum TexturedBsdf {
     },
     /// A textured [`ThinDielectric`].
     ThinDielectric {
-        /// Index of the pane over that around it.
+        /// Refractive index of the pane over that around it.
         eta: f32,
         /// The law of the Fresnel reflectance.
         model: DielectricModel,
@@ -68,14 +68,14 @@ pub enum TexturedBsdf {
     },
     /// A textured [`Plastic`].
     Plastic {
-        /// The same everywhere.
+        /// The coat, which is not textured.
         coat: SmoothCoat,
         /// The base below the coat.
         base: TexturedBase,
     },
     /// A textured [`RoughPlastic`].
     RoughPlastic {
-        /// The coat of the constant roughness, or one for any.
+        /// The coat of the constant roughness, or one for all roughnesses.
         coat: CoatId,
         /// Roughness, above 0.
         alpha: Parameter<f32>,
@@ -95,7 +95,7 @@ pub enum TexturedBsdf {
     PrincipledThin(TexturedPrincipledThin),
     /// A textured [`crate::shading::Hair`].
     Hair {
-        /// Roughness and refractive index of the fibre, the same everywhere.
+        /// Roughness and refractive index of the fibre, which are not textured.
         fiber: Fiber,
         /// The absorption per radius of the fibre, times `scale`.
         sigma_a: Parameter<Rgb>,
@@ -105,7 +105,7 @@ pub enum TexturedBsdf {
 }
 
 impl TexturedBsdf {
-    /// The model at a place.
+    /// The model at a surface point.
     pub(super) fn at(&self, textures: &TextureTable, point: &TexturePoint) -> Bsdf {
         self.resolve(&mut At { textures, point })
     }
@@ -117,12 +117,12 @@ impl TexturedBsdf {
         (!constants.met_texture).then_some(bsdf)
     }
 
-    /// Whether light may pass straight through it somewhere.
+    /// Whether light may pass straight through it.
     pub(super) fn has_null_lobe(&self) -> bool {
         matches!(self, Self::ThinDielectric { .. } | Self::Hair { .. })
     }
 
-    /// Whether some of its light may go in the only direction of its lobe.
+    /// Whether it has a delta lobe.
     pub(super) fn has_delta_lobe(&self) -> bool {
         match self {
             Self::Conductor { .. }
@@ -140,7 +140,7 @@ impl TexturedBsdf {
         }
     }
 
-    /// Whether `tables` has all tables to whose ids the model refers.
+    /// Whether all ids within the model are valid in `tables`.
     pub(super) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {
             Self::RoughConductor {

@@ -22,7 +22,7 @@ const FRAC_1_SQRT_PI: f32 = 0.5 * FRAC_2_SQRT_PI;
 /// Keeps slopes finite: nearer to -1 or 1 the error function has no digits left.
 const LARGEST_ERF: f32 = 1.0 - 2.0 * f32::EPSILON;
 
-/// Three steps are usual; where rounding leaves Newton nowhere to go, far in the tail, bisection ends.
+/// Three steps are usual; far in the tail, where rounding stops Newton's method, bisection finishes.
 const MOST_STEPS: usize = 20;
 
 real_struct! {
@@ -54,7 +54,7 @@ impl<R: Real> Beckmann<R> {
         density.only(slope2.is_at_most(R::splat(50.0)))
     }
 
-    /// |cos v|, and the length of the tangential part at unit roughness, both but for a common factor.
+    /// |cos v|, and the length of the tangential part at unit roughness, both up to a common factor.
     #[inline(always)]
     fn stretched(&self, v: R::Vec3) -> (R, R) {
         let (x, y) = (self.alpha_x * v.x(), self.alpha_y * v.y());
@@ -75,15 +75,15 @@ impl<R: Real> Beckmann<R> {
         R::HALF / rational_reach(cos, sin)
     }
 
-    /// The G1 of [`Self::g1`] over the exact one.
+    /// G1 of [`Self::g1`] over the exact G1.
     #[inline(always)]
     pub(crate) fn masking_ratio(&self, v: R::Vec3) -> R {
         let (cos, sin) = self.stretched(v);
         reach(cos, sin) / rational_reach(cos, sin)
     }
 
-    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1
-    /// being exact. Only where `is_asked` holds is it exact.
+    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo for
+    /// the exact G1. It is undefined where `is_asked` is not set.
     #[inline(always)]
     pub(crate) fn sample_visible(&self, wo: R::Vec3, [u, v]: [R; 2], is_asked: R::Mask) -> R::Vec3 {
         let alpha = R::Vec3::of(self.alpha_x, self.alpha_y, R::ONE);
@@ -112,7 +112,7 @@ fn reach<R: Real>(cos: R, sin: R) -> R {
     cos * (R::ONE + erf(cot)) + R::splat(FRAC_1_SQRT_PI) * sin * exp(-cot * cot)
 }
 
-/// The result of [`reach`] by the rational function.
+/// [`reach`] by the rational function.
 #[inline(always)]
 fn rational_reach<R: Real>(cos: R, sin: R) -> R {
     let (c, s) = (R::splat, sin);
@@ -121,7 +121,7 @@ fn rational_reach<R: Real>(cos: R, sin: R) -> R {
     R::select(cos.is_less(c(1.6) * s), (above + above) / below, cos + cos)
 }
 
-/// Inverts H at the share `u` of its largest value.
+/// Inverts H at the fraction `u` of its largest value.
 #[inline(always)]
 fn visible_slope<R: Real>(cos: R, sin: R, u: R, is_asked: R::Mask) -> R {
     let one = R::ONE;
@@ -143,7 +143,7 @@ fn visible_slope<R: Real>(cos: R, sin: R, u: R, is_asked: R::Mask) -> R {
         let next = R::select(inside, newton, R::HALF * (low + high));
         let step = (next - b).abs();
         b = R::select(goes_on, next, b);
-        // The error that remains after Newton's step is of the order of its square.
+        // Newton's step leaves an error of the order of its square.
         goes_on = goes_on & !(inside & step.is_at_most(R::splat(3e-4) * (one + b)));
         if !goes_on.any() {
             break;

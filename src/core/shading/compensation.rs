@@ -11,13 +11,13 @@ use crate::color::Rgb;
 use crate::math::{Mask, Real, Vector, real_struct};
 
 real_struct! {
-    /// The compensation for the light that a rough metal loses between its microfacets: the number of its table, and
-    /// the factors that do not depend on directions.
+    /// The compensation for the light that a rough metal loses between its microfacets: the index of its table, and the
+    /// factors that do not depend on directions.
     pub struct Compensation<R> {
-        /// Whether there is one. Else the scattering is single.
+        /// Whether there is compensation; otherwise the scattering is single.
         is_there: R::Mask,
         table: R::Word,
-        /// The place of the roughness among the nodes.
+        /// The position of the roughness among the table's nodes.
         row: R,
         /// The reflectance at normal incidence.
         head_on: R::Vec3,
@@ -33,8 +33,8 @@ impl Compensation {
         head_on: Rgb::ZERO,
     };
 
-    /// The compensation of a metal by the table of its distribution. Where roughness depends on the direction, it is
-    /// that of the root mean square: some percent off.
+    /// The compensation of a metal by its distribution's table. For anisotropic roughness the root mean square is used,
+    /// which is some percent off.
     pub fn new(table: MicroalbedoId, distribution: &Microfacet, specular: &ConductorSpecular) -> Self {
         Self {
             is_there: true,
@@ -51,7 +51,7 @@ impl Compensation {
 }
 
 impl<R: Real> Compensation<R> {
-    /// The factor on single scattering, at least 1, seen at `cos` in [0, 1].
+    /// The factor on single scattering, at least 1, for a viewer at the cosine `cos` in [0, 1].
     #[inline(always)]
     pub(super) fn gain(&self, tables: &ShadingTables, cos: R) -> R::Vec3 {
         let one = R::Vec3::even(R::ONE);

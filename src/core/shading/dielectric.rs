@@ -9,7 +9,7 @@ real_struct! {
     pub struct Dielectric<R> {
         /// Refractive index inside over outside, above 0.
         pub eta: R,
-        /// How the Fresnel reflectance is computed: the same in all lanes.
+        /// The law of the Fresnel reflectance: the same in all lanes.
         pub model: DielectricModel,
         /// Multiplies reflected light; 1 is physical.
         pub specular_reflectance: R::Vec3,

@@ -1,12 +1,12 @@
-//! The part of a model whose directions are spread by the cosine.
+//! The lobe of a model whose directions follow the cosine with the normal.
 
 use crate::math::{Real, real_struct};
 
 real_struct! {
-    /// The numbers `u_lobe` for which [`Bsdf::sample`](super::Bsdf::sample) takes a direction with the density of the
-    /// cosine with the normal: those from `start` on, up to `start + share`, from 0 to 1.
+    /// The range of `u_lobe` in which [`Bsdf::sample`](super::Bsdf::sample) samples a direction by the cosine with the
+    /// normal: from `start` to `start + share`, within [0, 1].
     pub struct DiffuseLobe<R> {
-        /// The first number.
+        /// The start of the range.
         pub start: R,
         /// The probability of the lobe.
         pub share: R,
@@ -14,18 +14,18 @@ real_struct! {
 }
 
 impl<R: Real> DiffuseLobe<R> {
-    /// No such part.
+    /// No diffuse lobe.
     pub const NONE: Self = Self {
         start: R::ONE,
         share: R::ZERO,
     };
-    /// All of a model.
+    /// The whole model is the lobe.
     pub const ALL: Self = Self {
         start: R::ZERO,
         share: R::ONE,
     };
 
-    /// The part below a coat that is sampled with the probability `coat`, seen from `wo`: none from behind.
+    /// The base below a coat that is sampled with the probability `coat`; empty where the base is not seen.
     #[inline(always)]
     pub(super) fn below(coat: R, is_seen: R::Mask) -> Self {
         Self {

@@ -23,8 +23,8 @@ pub enum DielectricModel {
     /// Fresnel's equations.
     #[default]
     Exact,
-    /// Schlick's polynomial, in the angle on the thinner side: it meets total internal reflection without a jump and is
-    /// the same both ways.
+    /// Schlick's polynomial, in the angle on the thinner side: it is continuous at total internal reflection and equal
+    /// in both directions.
     Schlick,
 }
 
@@ -103,8 +103,8 @@ pub fn conductor<R: Real>(cos_i: R, eta: R::Vec3, k: R::Vec3) -> R::Vec3 {
     )
 }
 
-/// The difference over the sum. 0 / 0 happens at two limits only, index 0 head on and index 1 at grazing incidence: all
-/// is reflected there.
+/// The difference over the sum. 0 / 0 occurs at two limits only, index 0 head on and index 1 at grazing incidence:
+/// there the reflectance is 1.
 #[inline(always)]
 fn ratio<R: Real>(even: R, odd: R) -> R {
     let sum = even + odd;
@@ -115,12 +115,11 @@ fn ratio<R: Real>(even: R, odd: R) -> R {
 /// of 2 F(mu) mu over the cosines. From inside it is that of `1 / eta`.
 ///
 /// Duntley, The Optical Properties of Diffusing Materials, JOSA 1942, for eta > 1. Below, by conservation: with the
-/// solid angle stretched by eta^2, as much gets through one way as the other, 1 - F(1 / n) = (1 - F(n)) / n^2.
+/// solid angle stretched by eta^2, the same flux passes in both directions, 1 - F(1 / n) = (1 - F(n)) / n^2.
 pub fn diffuse_reflectance(eta: f32) -> f32 {
     let n = f64::from(eta.max(eta.recip()));
     let n2 = n * n;
-    // The terms have a pole of second order at 1 and cancel: below this, the first one of the series has more digits
-    // left.
+    // The terms have a pole of second order at 1 and cancel: below this, the first term of the series is more accurate.
     let outside = if n < 1.0 + 1e-4 {
         (n - 1.0) / 3.0
     } else {

@@ -79,14 +79,14 @@ impl<R: Real> Ggx<R> {
         let z = (-v).mul_add(R::ONE + view.z(), R::ONE);
         let radius = (-z).mul_add(z, R::ONE).max(R::ZERO).sqrt();
         let (sin, cos) = sin_cos(R::splat(TAU) * u);
-        // Rounding must not take it below the horizon.
+        // Rounding must not put it below the horizon.
         let half = alpha
             * R::Vec3::of(
                 radius.mul_add(cos, view.x()),
                 radius.mul_add(sin, view.y()),
                 (z + view.z()).max(R::ZERO),
             );
-        // It vanishes for the lower rim of a grazing view only.
+        // It vanishes only for the lower rim of a grazing view.
         unit_or_up::<R>(half)
     }
 }

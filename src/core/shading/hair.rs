@@ -4,18 +4,18 @@
 //! 2016, with the longitudinal function of d'Eon et al., An Energy-Conserving Hair Reflectance Model, 2011, and the
 //! conventions of Mitsuba 3 and of Pharr, The Implementation of a Hair Scattering Model, 2016.
 //!
-//! The fibre runs along y. One evaluation stands for the whole way of light through the fibre: p = 0 is reflected (R),
-//! p = 1 crosses it (TT), p = 2 is reflected once inside (TRT), the last lobe is all that is reflected more often. Each
-//! lobe is the product of what is left of the light, A_p, a function of the inclinations to the cross-section, M_p, and
-//! one of the azimuths around the fibre, N_p. f |cos wi| = sum A_p M_p N_p, and M_p N_p is a density of directions, so
-//! that a lobe is chosen by its luminance and then sampled exactly.
+//! The fibre runs along y. One evaluation covers the whole path of light through the fibre: p = 0 is reflected (R), p =
+//! 1 crosses it (TT), p = 2 is reflected once inside (TRT), the last lobe is all light that is reflected more often.
+//! Each lobe is the product of the attenuation A_p, a function of the inclinations to the cross-section, M_p, and one
+//! of the azimuths around the fibre, N_p. f |cos wi| = sum A_p M_p N_p, and M_p N_p is a density of directions, so that
+//! a lobe is chosen by its luminance and then sampled exactly.
 //!
-//! Where the ray meets the fibre off its axis follows from the direction to the viewer in the frame of the surface, not
-//! from texture coordinates: h is the sine of the azimuth of `wo` about the normal. So the surface must be round
-//! across, as cylinders are. Seen from behind, that is from within the fibre, the surface lets light pass straight
-//! through: the light that leaves on the far side was scattered when it came in.
+//! The offset of the hit from the fibre's axis follows from the direction to the viewer in the frame of the surface,
+//! not from texture coordinates: h is the sine of the azimuth of `wo` about the normal. So the surface must have a
+//! round cross-section, as cylinders have. From behind, that is from within the fibre, light passes straight through
+//! the surface: light that leaves on the far side was scattered when it came in.
 //!
-//! The model is not reciprocal, for A_p and the tilt of the scales depend on `wo` alone. Importance is scattered as
+//! The model is not reciprocal, because A_p and the tilt of the scales depend on `wo` alone. Importance is scattered as
 //! radiance is.
 
 use std::f32::consts::{FRAC_PI_8, PI, TAU};
@@ -38,9 +38,9 @@ const LEAST_ROUGHNESS: f32 = 0.01;
 /// A fibre's shape and surface, without its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fiber {
-    /// Refractive index inside over that outside, above 0.
+    /// Refractive index inside over outside, above 0.
     eta: f32,
-    /// The variance of the inclinations that are mirrored.
+    /// The variance of the inclinations of mirrored light.
     variance: f32,
     /// The scale of the logistic distribution of azimuths.
     azimuthal_scale: f32,
@@ -53,7 +53,7 @@ pub struct Fiber {
 /// A fibre with its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {
-    /// Roughness and refractive index, with what follows from them.
+    /// The fibre's shape and surface.
     pub fiber: Fiber,
     /// The absorption coefficient inside, per radius of the fibre, at least 0.
     pub sigma_a: Rgb,
@@ -66,8 +66,8 @@ pub fn melanin_absorption(eumelanin: f32, pheomelanin: f32) -> Rgb {
 }
 
 impl Fiber {
-    /// Roughnesses are in [0, 1], along the fibre and around it, and about linear to the eye. `scale_tilt` is the angle
-    /// of the scales on the surface, in radians; above 0, it turns what is mirrored by twice as much towards +y.
+    /// The roughnesses along the fibre and around it are in [0, 1], and roughly linear to the eye. `scale_tilt` is the
+    /// angle of the scales on the surface, in radians; above 0, it turns mirrored light by twice as much towards +y.
     pub fn new(eta: f32, longitudinal_roughness: f32, azimuthal_roughness: f32, scale_tilt: f32) -> Self {
         let [along, around] =
             [longitudinal_roughness, azimuthal_roughness].map(|beta| beta.clamp(LEAST_ROUGHNESS, 1.0));
@@ -85,14 +85,14 @@ impl Fiber {
     }
 }
 
-/// One lobe as a viewer sees it.
+/// One lobe as seen by a viewer.
 struct Lobe {
-    /// The attenuation A_p: the share of the light that leaves this way.
+    /// The attenuation A_p: the share of the light that leaves in this lobe.
     attenuation: Rgb,
     /// Sine and cosine of the viewer's inclination, turned by the scales.
     inclination: Vec2,
     variance: f32,
-    /// The azimuth of its middle about the normal, and its scale; None if it goes all around.
+    /// The azimuth of the lobe's centre about the normal, and its scale; None if azimuths are uniform.
     azimuth: Option<(f32, f32)>,
 }
 
@@ -131,7 +131,7 @@ impl Lobe {
     /// A direction with the density M_p N_p.
     fn sample(&self, u_azimuth: f32, u: Vec2) -> Vec3 {
         let v = self.variance;
-        // The distribution is around the mirror image of the viewer, as in d'Eon, Marschner and Hanika, A Fiber
+        // The distribution is centred on the mirror image of the viewer, as in d'Eon, Marschner and Hanika, A Fiber
         // Scattering Model with Non-Separable Lobes, 2014.
         let depth = -v * (u.x * (-2.0 / v).exp_m1()).ln_1p();
         let (cos, sin) = (1.0 - depth, (depth * (2.0 - depth)).max(0.0).sqrt());
@@ -181,17 +181,17 @@ impl Hair {
         })
     }
 
-    /// The attenuations A_p, by reflection and absorption on the way.
+    /// The attenuations A_p, by reflection and absorption along the path.
     fn attenuations(&self, wo: Vec3) -> [Rgb; LOBES] {
         let eta_squared = self.fiber.eta.powi(2);
         let reflected = fresnel::dielectric(wo.z, self.fiber.eta, DielectricModel::Exact).reflectance;
-        // The way once across the fibre, in radii, is 2 cos gamma_t / cos theta_t.
+        // The length of one crossing of the fibre, in radii, is 2 cos gamma_t / cos theta_t.
         let index_squared = (eta_squared - wo.y * wo.y).max(f32::MIN_POSITIVE);
         let length = 2.0 * self.fiber.eta * (index_squared - wo.x * wo.x).max(0.0).sqrt() / index_squared;
         let transmittance = (-length * self.sigma_a).exp();
         let again = reflected * transmittance;
         let crossed = (1.0 - reflected).powi(2) * transmittance;
-        // Where everything is reflected, nothing is inside to be reflected again.
+        // Under total reflection no light is inside to be reflected again.
         let rest = crossed * again * again / (Rgb::ONE - again).max(Rgb::splat(f32::EPSILON));
         [Rgb::splat(reflected), crossed, crossed * again, rest]
     }
@@ -201,7 +201,7 @@ impl Hair {
         if wo.z < 0.0 { Rgb::ONE } else { Rgb::ZERO }
     }
 
-    /// The colour of many such fibres together (section 4.2 of the paper).
+    /// The colour of many such fibres (section 4.2 of the paper).
     pub(super) fn albedo(&self) -> Rgb {
         self.sigma_a
             .map(|sigma_a| (-self.fiber.darkening * sigma_a.sqrt()).exp())
@@ -228,7 +228,7 @@ impl Model<f32> for Hair {
             };
         }
         let lobes = self.lobes(wo);
-        // The rest of the number within the chosen lobe's share is uniform again.
+        // The rest of the number, within the share of the chosen lobe, is uniform again.
         let mut left = u_lobe * total(&lobes);
         let mut chosen = 0;
         let mut share = luminance(lobes[0].attenuation);
@@ -261,7 +261,7 @@ fn value_and_density(lobes: &[Lobe; LOBES], wi: Vec3) -> (Rgb, f32) {
         .iter()
         .map(|lobe| lobe.attenuation * (lobe.longitudinal(wi) * lobe.azimuthal(wi)))
         .sum();
-    // Lobes are chosen by their luminance, so the density is proportional to that of the value.
+    // Lobes are chosen by luminance, so the density is in proportion to the value's luminance.
     let total = total(lobes);
     (value, if total > 0.0 { luminance(value) / total } else { 0.0 })
 }

@@ -2,8 +2,8 @@
 //!
 //! The names are those of the Mitsuba 3 scene format. Dielectrics: refractive index near 589 nm at room temperature
 //! (mostly Hecht, Optics). Conductors: complex index from spectra by Palik (Handbook of Optical Constants of Solids)
-//! and others, integrated against the CIE observer and taken to linear sRGB, negative components cut off, as renderers
-//! do that work in RGB.
+//! and others, integrated against the CIE observer and converted to linear sRGB with negative components clamped, as is
+//! usual in RGB renderers.
 
 use crate::color::Rgb;
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub fn dielectric_ior(name: &str) -> Option<f32> {
 
 /// The complex index (eta, k) of a metal or semiconductor, by name, in any case. `none` is a perfect mirror.
 ///
-/// A `_palik` at the end asks for Palik's measurement, which most entries are anyway.
+/// The suffix `_palik` asks for Palik's measurement, which most entries are anyway.
 pub fn conductor_ior(name: &str) -> Option<(Rgb, Rgb)> {
     let find = |name: &str| {
         CONDUCTORS

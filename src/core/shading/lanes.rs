@@ -1,7 +1,7 @@
-//! Models for sixteen surfaces at once: every lane has a model of its own with its own parameters.
+//! Models for sixteen surfaces at once: each lane has its own model with its own parameters.
 //!
-//! Each model that some lane has is evaluated in all lanes, and each lane keeps its own. Contracts are those of
-//! [`super`].
+//! Each model that some lane has is evaluated in all lanes, and each lane keeps the result of its own. Contracts are
+//! those of [`super`].
 
 use super::{Bsdf, BsdfSample, DiffuseLobe, Model, ModelLanes, ShadingTables, TransportMode, Visit};
 use crate::math::Vector;
@@ -34,7 +34,7 @@ impl BsdfLanes {
         ModelLanes::knows(bsdf)
     }
 
-    /// Makes this the model of a lane that has none. It must be [known](Self::knows).
+    /// Sets the model of a lane that has none. It must be [known](Self::knows).
     #[inline(always)]
     pub fn set(&mut self, lane: usize, bsdf: &Bsdf) {
         self.models.set(lane, bsdf);
@@ -50,7 +50,7 @@ impl BsdfLanes {
         self.smooth
     }
 
-    /// The lanes with [`Bsdf::may_have_diffuse_lobe`], whose directions are worth guiding.
+    /// The lanes with [`Bsdf::may_have_diffuse_lobe`], for which path guiding pays off, a bit each.
     pub fn guided(&self) -> u32 {
         self.guided
     }
@@ -192,7 +192,7 @@ impl Visit for SeekingLobes<'_> {
 }
 
 impl BsdfSample<Lanes> {
-    /// No continuation.
+    /// Absorbed light.
     const NONE: Self = Self {
         wi: Vec3Lanes::ZERO,
         weight: Vec3Lanes::ZERO,

@@ -4,9 +4,9 @@
 //! surface it is absorbed. The model is defined by this process (Shirley, Ray Tracing in One Weekend), not by a
 //! reflectance formula: its BSDF is colour times the density of the direction over its cosine, which is not reciprocal.
 //!
-//! The density has a closed form. The point is uniform in a ball of radius f around the unit vector r; per solid angle
-//! about w that leaves the integral of t^2 dt along the chord of the ray t w, over the volume 4/3 pi f^3. With c = w.r
-//! and the half chord s = sqrt(f^2 - sin^2) the chord is c - s to c + s, hence
+//! The density has a closed form. The point is uniform in a ball of radius f around the unit vector r; the density per
+//! solid angle about w is the integral of t^2 dt along the chord of the ray t w, over the volume 4/3 pi f^3. With c =
+//! w.r and the half chord s = sqrt(f^2 - sin^2) the chord is c - s to c + s, hence
 //!
 //!   p(w) = ((c + s)^3 - (c - s)^3) / (4 pi f^3) = s (3 c^2 + s^2) / (2 pi f^3),   where c > 0 and sin < f.
 
@@ -16,12 +16,12 @@ use super::{BsdfSample, Model, ShadingTables, TransportMode};
 use crate::math::{Real, Vector, real_struct};
 use crate::sampling::warp;
 
-/// The least fuzz. Below it the density's `f^2 - sin^2` has too few digits left, and no picture shows the difference to
-/// a mirror.
+/// The least fuzz. Below it the density's `f^2 - sin^2` has too few digits left, and no image shows the difference to a
+/// mirror.
 const LEAST_FUZZ: f32 = 1e-4;
 
 real_struct! {
-    /// A coloured mirror with a blur.
+    /// A coloured mirror with blur.
     pub struct Metal<R> {
         /// The reflected fraction of the power where nothing is absorbed, [0, 1].
         pub color: R::Vec3,
@@ -69,7 +69,7 @@ impl<R: Real> Model<R> for Metal<R> {
         let sum = center + warp::unit_ball(u, u_radius) * self.radius();
         let length_squared = sum.length_squared();
         let fuzzy = sum * (R::ONE / length_squared.sqrt());
-        // The density is zero below the surface (absorbed), and where rounding has put the direction on the rim of the
+        // The density is zero below the surface (absorbed), and where rounding puts the direction on the rim of the
         // lobe.
         let pdf = self.pdf(wo, fuzzy).only(length_squared.is_more(R::ZERO));
         BsdfSample {

@@ -1,4 +1,4 @@
-//! Tables of the albedo of a rough surface of perfect mirrors in one bounce.
+//! Tables of the single-scattering albedo of rough surfaces made of perfect mirrors.
 
 use std::sync::LazyLock;
 
@@ -21,7 +21,7 @@ pub(super) struct Microalbedo {
     albedos: [[f32; COSINES]; ALPHAS],
 }
 
-/// The table of one distribution, computed at the first call (a tenth of a second) and kept.
+/// The table of a distribution, computed at the first call (a tenth of a second) and kept.
 pub(super) fn of(kind: MicrofacetKind) -> &'static Microalbedo {
     static BECKMANN: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Beckmann));
     static GGX: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Ggx));
@@ -44,14 +44,14 @@ impl Microalbedo {
         }
     }
 
-    /// The number at a place of the table, whose rows lie one after the other.
+    /// The albedo at an index into the table's rows, which are stored one after the other.
     pub fn node(&self, place: usize) -> f32 {
         self.albedos[place / COSINES][place % COSINES]
     }
 }
 
-/// The albedo at the place `row` of [`row_of`], seen at `cos` in [0, 1], bilinear between the nodes that `node` gives
-/// as [`Microalbedo::node`].
+/// The albedo at the row position `row` of [`row_of`] and the cosine `cos` in [0, 1], bilinear between the nodes, which
+/// `node` returns as [`Microalbedo::node`] does.
 #[inline(always)]
 pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R {
     let (i, u) = node_before(row, ALPHAS);
@@ -62,25 +62,25 @@ pub(super) fn albedo<R: Real>(row: R, cos: R, node: impl Fn(R::Word) -> R) -> R 
     low.mix(high, u)
 }
 
-/// The node before a place among `count` nodes, and the share of the next.
+/// The node before a position among `count` nodes, and the weight of the next one.
 #[inline(always)]
 pub(super) fn node_before<R: Real>(place: R, count: usize) -> (R::Word, R) {
     let first = place.floor().min(R::splat((count - 2) as f32));
     (first.whole(), place - first)
 }
 
-/// The place of a roughness among the nodes of every table; as of 1 above that.
+/// The position of a roughness among the rows of every table, clamped at a roughness of 1.
 pub(super) fn row_of(alpha: f32) -> f32 {
     place(alpha, ALPHAS)
 }
 
-/// The place of a number in [0, 1] among `count` nodes, and of one outside as of the nearest inside.
+/// The position among `count` nodes of a number clamped to [0, 1].
 #[inline(always)]
 fn place<R: Real>(x: R, count: usize) -> R {
     x.saturated().sqrt() * R::splat((count - 1) as f32)
 }
 
-/// The albedo by quadrature over visible normals, each weighted with the visibility of what it reflects.
+/// The albedo by quadrature over visible normals, each weighted by the visibility of the light that it reflects.
 fn white_albedo(facets: &Microfacet, cos: f32, nodes: &[(f32, f32)]) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut albedo = 0.0;

@@ -22,7 +22,7 @@ real_struct! {
     pub struct Microfacet<R> {
         alpha_x: R,
         alpha_y: R,
-        /// Whether it is the distribution of Gaussian slopes, and not that of Trowbridge and Reitz.
+        /// Whether the distribution is Beckmann's rather than GGX.
         is_beckmann: R::Mask,
     }
 }
@@ -33,12 +33,12 @@ impl Microfacet {
         Self::with(kind == MicrofacetKind::Beckmann, alpha_x, alpha_y)
     }
 
-    /// Whether it is as rough along both tangents.
+    /// Whether the roughness is equal along both tangents.
     pub fn is_isotropic(&self) -> bool {
         self.alpha_x == self.alpha_y
     }
 
-    /// One roughness for both directions: the root mean square.
+    /// The root mean square of both roughnesses.
     pub(crate) fn mean_alpha(&self) -> f32 {
         (0.5 * (self.alpha_x * self.alpha_x + self.alpha_y * self.alpha_y)).sqrt()
     }
@@ -54,7 +54,7 @@ impl<R: Real> Microfacet<R> {
         }
     }
 
-    /// What `ggx` gives, or `beckmann` where that is the distribution.
+    /// The result of `ggx`, or that of `beckmann` where the distribution is Beckmann's.
     #[inline(always)]
     fn choose(&self, ggx: impl FnOnce(Ggx<R>) -> R, beckmann: impl FnOnce(Beckmann<R>) -> R) -> R {
         let of_ggx = ggx(Ggx::new(self.alpha_x, self.alpha_y));
@@ -86,8 +86,8 @@ impl<R: Real> Microfacet<R> {
         self.choose(|ggx| ggx.g1_over_four_cos(v), |beckmann| beckmann.g1_over_four_cos(v))
     }
 
-    /// The ratio of G1(v) to that with which visible normals are sampled: 1, except where the masking of the model is
-    /// an approximation.
+    /// The ratio of G1(v) to the G1 of sampled visible normals: 1, except where the model's masking is an
+    /// approximation.
     #[inline(always)]
     pub(crate) fn masking_ratio(&self, v: R::Vec3) -> R {
         self.choose(|_| R::ONE, |beckmann| beckmann.masking_ratio(v))

@@ -1,22 +1,21 @@
 //! The scattering of light at surfaces: the contract of every model, and the dispatch to them.
 //!
-//! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to the viewer (where
-//! the path came from), `wi` to the light (where it goes on). Along a path from a light the two change places: a
-//! [`TransportMode`] says what a path carries, and matters to models that refract. For every model:
+//! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to where the path
+//! came from (the viewer), `wi` to where it continues (the light). On a path from a light both change roles: the
+//! [`TransportMode`] is the quantity that a path carries, and matters to models that refract. For every model:
 //!
 //! - `eval(wo, wi, mode)` is f |cos wi|, without delta lobes.
 //! - `pdf(wo, wi)` is the solid angle density with which `sample(wo)` returns `wi`, without delta lobes. It integrates
 //!   to the probability that a sample is returned, at most 1. It is the same in both modes.
 //! - `sample(wo, mode)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The
-//!   mean of the weights is the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance,
-//!   and for the layers of [`Principled`]).
+//!   mean of the weights is the albedo under uniform light, at most 1 (except for the eta^2 of refracted radiance, and
+//!   for the layers of [`Principled`]).
 //!
-//! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission
-//! or geometry.
+//! Smooth and rough metals and diffuse surfaces are black from behind. Models are independent of textures, other
+//! models, emission and geometry.
 //!
-//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]). What
-//! some have tabulated is in the [`ShadingTables`] of the scene, which are the first argument: those that the ids
-//! within the model are of.
+//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]).
+//! Tabulated data are in the scene's [`ShadingTables`], the first argument, to which the ids within the models belong.
 
 mod beckmann;
 mod compensation;
@@ -68,7 +67,7 @@ use crate::color::Rgb;
 use crate::math::lanes::Lanes;
 use crate::math::{Held, Real, Vector, real_struct};
 
-/// The least squared length of a half vector that has a direction.
+/// The least squared length with which a half vector is normalised.
 const LEAST_HALF_VECTOR: f32 = 1e-30;
 
 real_struct! {
@@ -82,17 +81,17 @@ real_struct! {
         pub pdf: R,
         /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
         pub is_delta: R::Mask,
-        /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the
-        /// path sees it (Russian roulette divides radiance by its square).
+        /// The relative index: 1 on reflection; on refraction the index on the side of `wi` over that on the side of
+        /// `wo` (Russian roulette divides radiance by its square).
         pub eta: R,
-        /// Whether there is one: else the light is absorbed, and the other fields have any values.
+        /// Whether a direction was sampled: else the light is absorbed, and the other fields are undefined.
         pub is_returned: R::Mask,
     }
 }
 
-/// A scattering model in one form of numbers; the contracts are those of this module.
+/// A scattering model for one direction or for lanes; the contracts are those of this module.
 pub(crate) trait Model<R: Real> {
-    /// Whether it is so short that lanes evaluate it in place. Longer models would take the registers of all that is
+    /// Whether the model is so short that lanes evaluate it inline. Longer models would take the registers of the code
     /// around them.
     const IS_SHORT: bool = false;
 
@@ -103,8 +102,8 @@ pub(crate) trait Model<R: Real> {
         (R::Vec3::even(R::ZERO), R::ZERO)
     }
 
-    /// A direction for the path, by independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u`
-    /// places.
+    /// Samples the path's next direction from independent uniform numbers: `u_lobe` chooses the lobe (or is a third
+    /// coordinate), `u` the direction.
     fn sample(&self, tables: &ShadingTables, wo: R::Vec3, u_lobe: R, u: [R; 2], mode: TransportMode) -> BsdfSample<R>;
 
     /// The lobe of [`Bsdf::diffuse_lobe`].
@@ -114,13 +113,13 @@ pub(crate) trait Model<R: Real> {
     }
 }
 
-/// What is done with each kind of model that some lane has.
+/// An operation on each kind of model that some lane has.
 trait Visit {
     fn model<M: Model<Lanes>>(&mut self, lanes: Lanes, model: &M);
 }
 
-/// Declares the models: those whose formulas are for lanes as well, with their fields in [`ModelLanes`], and those that
-/// are evaluated one by one.
+/// Declares the models: those with formulas for lanes as well, with their fields in [`ModelLanes`], and those that are
+/// evaluated one by one.
 macro_rules! models {
     (
         in lanes { $($(#[$about:meta])* $Model:ident: $field:ident,)* }
@@ -133,7 +132,7 @@ macro_rules! models {
             $($(#[$about_other])* $Other($Other),)*
         }
 
-        /// The methods of the model, whichever it is.
+        /// Dispatches to the model.
         impl Model<f32> for Bsdf {
             fn eval_and_pdf(&self, tables: &ShadingTables, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
                 match self {
@@ -181,7 +180,7 @@ macro_rules! models {
                 $(self.$field.lanes = 0;)*
             }
 
-            /// Makes this the model of a lane that has none. It must be [known](Self::knows).
+            /// Sets the model of a lane that has none. It must be [known](Self::knows).
             #[inline(always)]
             fn set(&mut self, lane: usize, bsdf: &Bsdf) {
                 match bsdf {
@@ -227,9 +226,9 @@ models! {
         RoughPlastic: rough_plastic,
     }
     one by one {
-        /// A pane through which light goes straight.
+        /// A thin pane through which light passes straight.
         ThinDielectric,
-        /// A fibre that light passes through and is reflected inside of.
+        /// A fibre that transmits light and reflects it inside.
         Hair,
     }
 }
@@ -259,8 +258,8 @@ impl Bsdf {
         self.eval_and_pdf(tables, wo, wi, TransportMode::Radiance).1
     }
 
-    /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate),
-    /// `u` places. `None` if the light is absorbed.
+    /// Samples the path's next direction from independent uniform numbers: `u_lobe` chooses the lobe (or is a third
+    /// coordinate), `u` the direction. `None` if the light is absorbed.
     pub fn sample(
         &self,
         tables: &ShadingTables,
@@ -279,7 +278,7 @@ impl Bsdf {
         sample
     }
 
-    /// Whether `tables` has all tables to whose ids the model refers.
+    /// Whether all ids within the model are valid in `tables`.
     pub(crate) fn has_its_tables(&self, tables: &ShadingTables) -> bool {
         match self {
             Self::RoughConductor(rough) => {
@@ -291,7 +290,7 @@ impl Bsdf {
         }
     }
 
-    /// Whether there may be a [`Self::diffuse_lobe`].
+    /// Whether [`Self::diffuse_lobe`] may be non-empty.
     pub fn may_have_diffuse_lobe(&self) -> bool {
         matches!(
             self,
@@ -299,8 +298,8 @@ impl Bsdf {
         )
     }
 
-    /// The lobe of [`Self::sample`] whose directions have the density of the cosine with the normal. It is empty where
-    /// there is none, and for what lets light through.
+    /// The lobe of [`Self::sample`] whose directions follow the cosine with the normal. It is empty for models without
+    /// one, and for models that transmit light.
     pub fn diffuse_lobe(&self, tables: &ShadingTables, wo: Vec3) -> DiffuseLobe {
         Model::diffuse_lobe(self, tables, wo)
     }
@@ -310,7 +309,7 @@ impl Bsdf {
         !matches!(self, Self::Diffuse(_) | Self::Conductor(_) | Self::RoughConductor(_))
     }
 
-    /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
+    /// Whether part of its light is scattered with a density, so that light sampling helps.
     pub fn has_smooth_lobe(&self) -> bool {
         match self {
             Self::Diffuse(_)
@@ -326,7 +325,7 @@ impl Bsdf {
         }
     }
 
-    /// Whether some of its light goes in the only direction of its lobe.
+    /// Whether part of its light is scattered in a single direction.
     pub fn has_delta_lobe(&self) -> bool {
         match self {
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Plastic(_) => true,
@@ -341,7 +340,7 @@ impl Bsdf {
         }
     }
 
-    /// Whether it looks the same when the surface is turned about its normal.
+    /// Whether rotating the surface about its normal does not change its look.
     pub fn is_isotropic(&self) -> bool {
         match self {
             Self::RoughConductor(rough) => rough.distribution.is_isotropic(),
@@ -409,19 +408,18 @@ impl Bsdf {
     }
 }
 
-/// Where a view goes on at a surface if it knows neither roughness nor refraction, with the share of the light from
-/// there.
+/// The next direction of a view that ignores roughness and refraction, with the throughput.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Onward {
-    /// Behind the surface, in the same direction.
+    /// Straight through the surface.
     Straight(Rgb),
-    /// In the mirror.
+    /// The mirror direction.
     Mirrored(Rgb),
 }
 
 impl Bsdf {
-    /// Where a view from `wo` goes on without roughness and refraction: glass is passed, and metals are mirrors on
-    /// their front. None for other surfaces, whose gloss does not count.
+    /// The next direction of a view from `wo` that ignores roughness and refraction: straight through glass, and
+    /// mirrored at the front of metals. None for other surfaces, whose gloss is ignored.
     pub fn onward(&self, wo: Vec3) -> Option<Onward> {
         let is_front = wo.z > 0.0;
         let mirror = |share: Rgb| is_front.then_some(Onward::Mirrored(share));

@@ -1,10 +1,10 @@
-//! A diffuse base below a smooth dielectric coat, light between the two being reflected until it escapes; black from
+//! A diffuse base below a smooth dielectric coat, with light reflected between the two until it escapes; black from
 //! behind.
 //!
-//! The coat mirrors F(wo); the rest gets in, is scattered by the base, and of that the fraction R_int returns to the
-//! base each time: f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic
-//! keeps the colour by leaving a out of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet
-//! Surfaces, 2007; Elias, Simonot and Menu, 2001.)
+//! The coat reflects F(wo); the rest enters and is scattered by the base, and each time the fraction R_int returns to
+//! the base: f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic keeps
+//! the colour by omitting a from the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, 2007;
+//! Elias, Simonot and Menu, 2001.)
 
 use super::fresnel::{self, DielectricModel};
 use super::{BsdfSample, DiffuseLobe, Model, ShadingTables, TransportMode};
@@ -12,7 +12,7 @@ use crate::math::{Real, Vector, real_struct};
 use crate::sampling::warp;
 
 real_struct! {
-    /// The coat, with what follows from its index alone.
+    /// The coat, with all values that depend on its index alone.
     pub struct SmoothCoat<R> {
         eta: R,
         internal_reflectance: R,
@@ -30,7 +30,7 @@ impl SmoothCoat {
 }
 
 impl<R: Real> SmoothCoat<R> {
-    /// The reflected fraction at a cosine.
+    /// The reflected fraction at the cosine `cos`.
     #[inline(always)]
     fn reflectance(&self, cos: R) -> R {
         fresnel::dielectric(cos, self.eta, DielectricModel::Exact).reflectance
@@ -42,15 +42,15 @@ real_struct! {
     pub struct CoatedBase<R> {
         /// The reflectance of the base, [0, 1].
         pub diffuse_reflectance: R::Vec3,
-        /// Whether light that is scattered again takes up the base's colour each time.
+        /// Whether light takes up the base's colour again at each internal reflection.
         pub nonlinear: R::Mask,
-        /// Multiplies what the coat reflects; 1 is physical.
+        /// The factor on the coat's reflection; 1 is physical.
         pub specular_reflectance: R::Vec3,
     }
 }
 
 impl<R: Real> CoatedBase<R> {
-    /// The share of the light inside that gets out, per squared transmittance: albedo / (eta^2 (1 - a R_int)).
+    /// The fraction of light inside that escapes, per squared transmittance: albedo / (eta^2 (1 - a R_int)).
     #[inline(always)]
     pub(super) fn escaping(&self, eta: R, internal_reflectance: R) -> R::Vec3 {
         let color = R::Vec3::select(self.nonlinear, self.diffuse_reflectance, R::Vec3::even(R::ONE));
@@ -63,7 +63,7 @@ impl<R: Real> CoatedBase<R> {
     pub(super) fn coat_probability(&self, reflected: R) -> R {
         let coat = reflected * self.specular_reflectance.sum();
         let base = (R::ONE - reflected) * self.diffuse_reflectance.sum();
-        // If both are black, either choice will do.
+        // If both are black, either choice is right.
         R::select((coat + base).is_more(R::ZERO), coat / (coat + base), R::ONE)
     }
 }
@@ -79,7 +79,7 @@ real_struct! {
 }
 
 impl<R: Real> Plastic<R> {
-    /// What the base scatters to a viewer for whom the coat reflects the fraction `reflected`, and the density of that.
+    /// The base's value towards a viewer for whom the coat reflects the fraction `reflected`, and its density.
     #[inline(always)]
     fn of_base(&self, reflected: R, wi: R::Vec3) -> (R::Vec3, R) {
         let cosine = warp::cosine_hemisphere_pdf(wi.z());

@@ -1,10 +1,9 @@
-//! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays
-//! inside.
+//! Tables of the light that a rough dielectric coat transmits from outside, and of the diffuse light below it that it
+//! reflects back inside.
 //!
-//! They are computed by quadrature over visible normals: what a facet lets through or reflects arrives if it is on the
-//! right side of the surface and not masked. One table serves all surfaces with the same distribution, index and
-//! roughness, or with any roughness up to 1. It takes some ten milliseconds to make and 260 bytes per roughness to
-//! keep.
+//! They are computed by quadrature over visible normals: light that a facet transmits or reflects counts if it is on
+//! the right side of the surface and not masked. One table serves all surfaces with the same distribution, index and
+//! roughness, or with any roughness up to 1. It takes some ten milliseconds to compute and 260 bytes per roughness.
 
 use super::fresnel::{self, DielectricModel};
 use super::microalbedo::node_before;
@@ -14,14 +13,14 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-/// The number of nodes over the cosine, as in the renderer whose scene format this program reads: pictures show the
-/// interpolation between the first two.
+/// The number of nodes over the cosine, as in the renderer whose scene format this program reads: the interpolation
+/// between the first two is visible in images.
 const COSINES: usize = 64;
 
 /// Nodes over the root of the roughness, where it varies.
 const ALPHAS: usize = 32;
 
-/// Gauss nodes along each of the two numbers that a normal is made from. The one with total internal reflection has
+/// Gauss nodes along each of the two numbers that sample a normal. The integrand with total internal reflection has
 /// kinks.
 const NODES: u32 = 32;
 const NODES_WITH_KINKS: u32 = 48;
@@ -59,8 +58,8 @@ impl CoatKey {
     }
 }
 
-/// The layers of a coat: one, or [`ALPHAS`] with their roughness in equal steps of its root from 0 to 1. They are
-/// computed once and kept for the scenes that come later.
+/// The layers of a coat: one, or [`ALPHAS`] with roughness in equal steps of its root from 0 to 1. They are computed
+/// once and kept for later scenes.
 pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
     static COMPUTED: LazyLock<Mutex<HashMap<CoatKey, Arc<[CoatLayer]>>>> = LazyLock::new(Mutex::default);
     // A thread that panics while it holds the lock leaves no incomplete entry.
@@ -77,29 +76,29 @@ pub(super) fn layers(key: CoatKey) -> Arc<[CoatLayer]> {
     computed.entry(key).or_insert_with(compute).clone()
 }
 
-/// A coat at the roughness of a place.
+/// A coat at the roughness of a surface point.
 #[derive(Clone, Copy)]
 pub(super) struct CoatThere<'a, R: Real> {
     /// Whether the distribution of the coat's microfacet normals is Beckmann's.
     pub is_beckmann: R::Mask,
     /// The refractive index of the coat relative to the outside.
     pub eta: R,
-    /// All layers of the scene, and those of the coat before and behind the roughness.
+    /// All layers of the scene, and the indices of the coat's layers below and above the roughness.
     pub layers: &'a [CoatLayer],
     pub low: R::Word,
     pub high: R::Word,
-    /// The weight of high against low, [0, 1].
+    /// The weight of `high` against `low`, in [0, 1].
     pub between: R,
 }
 
 impl<R: Real> CoatThere<'_, R> {
-    /// A lane that is not asked for may have any number.
+    /// The layer `number`; lanes that are not in use may have any number.
     #[inline(always)]
     fn layer(&self, number: usize) -> &CoatLayer {
         &self.layers[number.min(self.layers.len() - 1)]
     }
 
-    /// The fraction of light that gets in at this cosine in [0, 1], or by reciprocity out.
+    /// The transmitted fraction at the cosine `cos` in [0, 1], into the coat or, by reciprocity, out.
     #[inline(always)]
     pub fn transmittance(&self, cos: R) -> R {
         let (i, share) = node_before(cos.saturated() * R::splat((COSINES - 1) as f32), COSINES);
@@ -127,8 +126,8 @@ impl CoatLayer {
         let nodes = |eta: f32| gauss_legendre(if eta > 1.0 { NODES } else { NODES_WITH_KINKS });
         let cosine = |i: usize| (i as f32 / (COSINES - 1) as f32).max(1e-6);
         let (outside, inside) = (nodes(eta), nodes(eta.recip()));
-        // The plain mean over the nodes, ends in full: 1.5 % less than the integral for glass, but so are the pictures
-        // to be matched.
+        // The plain mean over the nodes, with full weight at the ends: 1.5 % less than the integral for glass, as in
+        // the images to be matched.
         let reflected: f32 = (0..COSINES)
             .map(|i| cosine(i) * split(&facets, cosine(i), eta.recip(), &inside).reflected)
             .sum();
@@ -139,13 +138,13 @@ impl CoatLayer {
     }
 }
 
-/// The split of light that meets a rough interface; the rest would meet other facets.
+/// The split of light at a rough interface; the rest would meet other facets.
 struct Split {
     reflected: f32,
     transmitted: f32,
 }
 
-/// The split at the cosine `cos`, where `eta` is the index beyond over that before the interface.
+/// The split at the cosine `cos`, where `eta` is the index behind the interface over that in front.
 fn split(facets: &Microfacet, cos: f32, eta: f32, nodes: &[(f32, f32)]) -> Split {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut split = Split {

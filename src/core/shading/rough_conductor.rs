@@ -1,7 +1,7 @@
 //! A metal with a rough surface: scattering off microfacets; black from behind.
 //!
 //! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too
-//! dark, unless the lobe is scaled up by what it lost ([`Compensation`]).
+//! dark, unless the lobe is scaled up by the lost light ([`Compensation`]).
 
 use super::{BsdfSample, Compensation, ConductorSpecular, Microfacet, Model, ShadingTables, TransportMode};
 use crate::math::{Mask, Real, Vector, real_struct};
@@ -13,8 +13,8 @@ real_struct! {
         pub specular: ConductorSpecular<R>,
         /// Roughness of the surface.
         pub distribution: Microfacet<R>,
-        /// The compensation for light that bounces several times, of the same constants and roughness; none is single
-        /// scattering. With it the model is not reciprocal.
+        /// The compensation for multiple bounces, for the same constants and roughness; without it scattering is
+        /// single. With it the model is not reciprocal.
         pub multiple_scattering: Compensation<R>,
     }
 }
@@ -48,7 +48,7 @@ impl<R: Real> Model<R> for RoughConductor<R> {
         let ratio = facets.masking_ratio(wo);
         let pdf = facets.density(m) * facets.g1_over_four_cos(wo) / ratio;
         let gain = self.multiple_scattering.gain(tables, wo.z());
-        // Light below the horizon would hit another facet, which this model leaves out.
+        // Light below the horizon would meet another facet, which this model ignores.
         let is_above = wo.z().is_more(zero) & wi.z().is_more(zero) & cos.is_more(zero);
         BsdfSample {
             wi,

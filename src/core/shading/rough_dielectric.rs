@@ -10,8 +10,8 @@ use crate::math::{Mask, Real, Vector, real_struct};
 real_struct! {
     /// Ground glass, ice, and the like; the normal points outside.
     pub struct RoughDielectric<R> {
-        /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth
-        /// dielectric is used then.
+        /// The refractive index inside over outside, above 0. It must not be 1, without a surface and a density: the
+        /// smooth dielectric is used instead.
         pub eta: R,
         /// The law of the Fresnel reflectance: the same in all lanes.
         pub model: DielectricModel,
@@ -25,7 +25,7 @@ real_struct! {
 }
 
 impl<R: Real> RoughDielectric<R> {
-    /// The index beyond the surface over that before it.
+    /// The index behind the surface over that in front.
     #[inline(always)]
     fn eta_it(&self, wo: R::Vec3) -> R {
         R::select(wo.z().is_more(R::ZERO), self.eta, R::ONE / self.eta)
@@ -81,7 +81,7 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
         let is_reflected = u_lobe.is_less(fresnel.reflectance);
         let eta_ti = fresnel.eta_ti;
         let reflected = m * (cos_o + cos_o) - wo;
-        // A large eta_ti scales rounding up.
+        // A large `eta_ti` magnifies rounding.
         let refracted = (m * (eta_ti * cos_o + fresnel.cos_t) - wo * eta_ti).normalize();
         let wi = R::Vec3::select(is_reflected, reflected, refracted);
         let path = cos_o + eta_it * fresnel.cos_t;
@@ -94,7 +94,7 @@ impl<R: Real> Model<R> for RoughDielectric<R> {
             self.specular_transmittance * mode.refraction_factor(eta_ti),
         );
         let pdf = R::splat(4.0) * lobe * facets.reflected_density(wo, m) * cos_o * jacobian;
-        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
+        // Light on the wrong side of the surface would meet another facet, which this model ignores.
         let is_right = (is_reflected & wi.z().is_more(zero)) | (!is_reflected & wi.z().is_less(zero));
         let has_density = pdf.is_more(zero) & pdf.is_less(R::splat(f32::INFINITY));
         BsdfSample {

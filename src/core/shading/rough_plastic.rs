@@ -1,6 +1,6 @@
 //! A diffuse base below a rough dielectric coat; black from behind.
 //!
-//! As smooth plastic, with a microfacet lobe for the coat and tabulated transmittances in place of Fresnel's.
+//! The model of smooth plastic, with a microfacet lobe for the coat and tabulated transmittances in place of Fresnel's.
 
 use super::fresnel::{self, DielectricModel};
 use super::rough_coat::CoatThere;
@@ -20,13 +20,13 @@ real_struct! {
     }
 }
 
-/// Rough plastic as seen from one direction, with what all directions of the light have in common.
+/// Rough plastic as seen from one direction, with the values that do not depend on the light's direction.
 struct Seen<'a, R: Real> {
     wo: R::Vec3,
     base: &'a CoatedBase<R>,
     coat: CoatThere<'a, R>,
     facets: Microfacet<R>,
-    /// The fraction of light that gets out of the coat to the viewer.
+    /// The fraction of light that the coat transmits to the viewer.
     transmittance: R,
     /// The probability of sampling the coat.
     coat_probability: R,
@@ -70,7 +70,7 @@ impl<R: Real> Model<R> for RoughPlastic<R> {
             wi = R::Vec3::select(is_of_coat, m * (cos + cos) - wo, wi);
         }
         let (value, pdf) = seen.eval_and_pdf(wi);
-        // The density is zero below the horizon, where the light would hit another facet.
+        // The density is zero below the horizon, where the light would meet another facet.
         BsdfSample {
             wi,
             weight: value / pdf,
@@ -83,7 +83,7 @@ impl<R: Real> Model<R> for RoughPlastic<R> {
 }
 
 impl<R: Real> Seen<'_, R> {
-    /// Nothing is seen from behind.
+    /// The value and density; zero from behind.
     #[inline(always)]
     fn eval_and_pdf(&self, wi: R::Vec3) -> (R::Vec3, R) {
         let Self { wo, facets, coat, .. } = self;

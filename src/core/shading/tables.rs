@@ -1,5 +1,5 @@
 //! The tables that models refer to by index. They are part of a scene, as flat lists without pointers, so that they can
-//! be copied to another device as they are.
+//! be copied to another device unchanged.
 
 use super::MicrofacetKind;
 use super::microalbedo::{self, Microalbedo};
@@ -28,7 +28,7 @@ impl LanesOf<CoatId> for CoatId<WordLanes> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MicroalbedoId(pub u32);
 
-/// A rough coat, whose layers are `layer_count` of the list from `first_layer` on.
+/// A rough coat, with `layer_count` layers of the list from `first_layer` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Coat {
     kind: MicrofacetKind,
@@ -37,27 +37,27 @@ struct Coat {
     layer_count: u32,
 }
 
-/// What scattering models have tabulated: transmittances of rough coats, albedos of rough mirrors. The same requests in
-/// the same order give equal tables.
+/// The tabulated data of scattering models: transmittances of rough coats, albedos of rough mirrors. The same requests
+/// in the same order give equal tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadingTables {
     coats: Vec<Coat>,
-    /// The layers of all coats, those of a coat side by side.
+    /// The layers of all coats, adjacent for each coat.
     layers: Vec<CoatLayer>,
     microalbedos: Vec<Microalbedo>,
-    /// An index of the coats that are there already.
+    /// An index of the existing coats.
     coat_ids: HashMap<CoatKey, CoatId>,
     microalbedo_ids: HashMap<MicrofacetKind, MicroalbedoId>,
 }
 
 impl ShadingTables {
-    /// A coat of the same roughness everywhere, with the refractive index `eta` relative to the outside, above 0. It is
-    /// added unless it is there.
+    /// The coat of constant roughness with the refractive index `eta` relative to the outside, above 0. It is added if
+    /// missing.
     pub fn uniform_coat(&mut self, kind: MicrofacetKind, eta: f32, alpha: f32) -> CoatId {
         self.coat_of(CoatKey::new(kind, eta, Some(alpha)))
     }
 
-    /// A coat whose roughness varies between 0 and 1 (higher ones count as 1 here). It is added unless it is there.
+    /// The coat for any roughness between 0 and 1 (clamped at 1). It is added if missing.
     pub fn varying_coat(&mut self, kind: MicrofacetKind, eta: f32) -> CoatId {
         self.coat_of(CoatKey::new(kind, eta, None))
     }
@@ -76,7 +76,7 @@ impl ShadingTables {
         })
     }
 
-    /// The micro-albedo of a distribution. It is added unless it is there.
+    /// The micro-albedo of a distribution. It is added if missing.
     pub fn microalbedo_of(&mut self, kind: MicrofacetKind) -> MicroalbedoId {
         *self.microalbedo_ids.entry(kind).or_insert_with(|| {
             self.microalbedos.push(microalbedo::of(kind).clone());
@@ -84,21 +84,21 @@ impl ShadingTables {
         })
     }
 
-    /// Whether there is such a coat.
+    /// Whether the coat exists.
     pub(crate) fn has_coat(&self, id: CoatId) -> bool {
         (id.0 as usize) < self.coats.len()
     }
 
-    /// Whether there is such a micro-albedo.
+    /// Whether the micro-albedo exists.
     pub(crate) fn has_microalbedo(&self, id: MicroalbedoId) -> bool {
         (id.0 as usize) < self.microalbedos.len()
     }
 
-    /// A coat where its roughness is `alpha`, which only matters if it varies.
+    /// A coat at the roughness `alpha`, which only matters if the coat's roughness varies.
     #[inline(always)]
     pub(super) fn coat<R: Real>(&self, coat: R::Word, alpha: R) -> CoatThere<'_, R> {
         let of_coat = |get: &dyn Fn(&Coat) -> f32| R::gather(coat, |coat| get(&self.coats[coat]));
-        // Numbers of layers are below 2^24.
+        // The layers' numbers are below 2^24, so that floats hold them exactly.
         let (first, count) = (
             of_coat(&|coat| coat.first_layer as f32),
             of_coat(&|coat| coat.layer_count as f32),
@@ -116,14 +116,14 @@ impl ShadingTables {
         }
     }
 
-    /// The micro-albedo of the table of this number, at the place `row` of [`microalbedo::row_of`], seen at `cos` in
-    /// [0, 1].
+    /// The micro-albedo from the table `table`, at the row position `row` of [`microalbedo::row_of`], for a viewer at
+    /// the cosine `cos` in [0, 1].
     #[inline(always)]
     pub(super) fn microalbedo<R: Real>(&self, table: R::Word, row: R, cos: R) -> R {
         let size = R::Word::splat(microalbedo::NODES as u32);
         microalbedo::albedo(row, cos, |node| {
             let place = table * size + node;
-            // A lane that is not asked for may have any place.
+            // Lanes that are not in use may have any index.
             R::gather(place, |place| {
                 let table = self.microalbedos.get(place / microalbedo::NODES);
                 table.map_or(0.0, |table| table.node(place % microalbedo::NODES))

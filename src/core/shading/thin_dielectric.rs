@@ -1,5 +1,5 @@
-//! A thin pane of glass: both its interfaces and all reflections between them as one surface, through which light goes
-//! straight.
+//! A thin pane of glass: both its interfaces and all reflections between them as one surface, through which light
+//! passes straight.
 
 use super::fresnel::{self, DielectricModel};
 use super::{BsdfSample, Model, ShadingTables, TransportMode};
@@ -14,7 +14,7 @@ real_struct! {
         pub model: DielectricModel,
         /// Multiplies reflected light; 1 is physical.
         pub specular_reflectance: R::Vec3,
-        /// Multiplies the light that goes through; 1 is physical.
+        /// The factor on transmitted light; 1 is physical.
         pub specular_transmittance: R::Vec3,
     }
 }
@@ -27,7 +27,7 @@ impl<R: Real> ThinDielectric<R> {
         (once + once) / (R::ONE + once)
     }
 
-    /// The share of the light that goes through to `wo`.
+    /// The fraction of light transmitted to `wo`.
     #[inline(always)]
     pub(super) fn transmittance(&self, wo: R::Vec3) -> R::Vec3 {
         self.specular_transmittance * (R::ONE - self.reflectance(wo))

@@ -7,20 +7,20 @@ use std::f32::consts::FRAC_1_PI;
 use super::schlick;
 use crate::math::Real;
 
-/// The value f |cos wi| of a white base. It takes the cosines of viewer, light, and of the angle from either to their
-/// half vector, all above 0.
+/// The value f |cos wi| of a white base. The cosines are the viewer's, the light's, and that between either direction
+/// and the half vector, all above 0.
 #[inline(always)]
 pub(super) fn value<R: Real>(roughness: R, flatness: R, cos_o: R, cos_i: R, cos_half: R) -> R {
     let (one, half) = (R::ONE, R::HALF);
     let (weight_o, weight_i) = (schlick::weight(cos_o), schlick::weight(cos_i));
-    // Light that leaves at grazing angles where it came in: more, the rougher the surface.
+    // Retro-reflection at grazing angles, which grows with the roughness.
     let grazing = roughness * cos_half * cos_half;
     let retro = grazing + grazing;
     let diffuse = (one - half * weight_i) * (one - half * weight_o)
         + retro * (weight_i + weight_o + weight_i * weight_o * (retro - one));
 
     let profile = one.mix(grazing, weight_o) * one.mix(grazing, weight_i);
-    // The cosine is multiplied in here, so that nothing overflows at the horizon.
+    // The cosine is multiplied in here, to avoid overflow at the horizon.
     let even = half * cos_i;
     let flat = R::splat(1.25) * (profile * (cos_i / (cos_o + cos_i) - even) + even);
 

@@ -1,5 +1,5 @@
-//! The clear coat: an isotropic reflection of fixed index 1.5 over everything else, with the long-tailed distribution
-//! GTR of exponent 1 (Burley 2012, appendix B).
+//! The clear coat: an isotropic reflection of fixed index 1.5 on top of all other lobes, with the long-tailed
+//! distribution GTR of exponent 1 (Burley 2012, appendix B).
 
 use std::f32::consts::{PI, TAU};
 
@@ -37,7 +37,7 @@ impl<R: Real> Clearcoat<R> {
     }
 
     /// The value f |cos wi| of reflection off facets of normal `m` that are met with cosine `cos`. Both directions are
-    /// above the surface. `fresnel` is that of the main lobe, which says only on which side the angle counts.
+    /// above the surface. `fresnel` is the main lobe's; only its side of the interface is used.
     #[inline(always)]
     pub(super) fn value(&self, wo: R::Vec3, wi: R::Vec3, m: R::Vec3, cos: R, fresnel: &DielectricFresnel<R>) -> R {
         let reflectance = R::splat(NORMAL_REFLECTANCE).mix(R::ONE, schlick::facet_weight(cos, fresnel));

@@ -1,20 +1,20 @@
 //! The principled model: a diffuse base, metal and rough glass in any proportion, under sheen and a clear coat.
 //!
 //! Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes, and Extending the Disney BRDF to a BSDF with
-//! Integrated Subsurface Scattering, 2015 course notes; in the form in which Mitsuba 3 knows it, because its scenes
-//! must look the same here:
+//! Integrated Subsurface Scattering, 2015 course notes; in Mitsuba 3's form, because its scenes must look the same
+//! here:
 //!
-//! - Light scatters at the surface only: `flatness` imitates what happens below.
+//! - Light scatters at the surface only: `flatness` imitates subsurface scattering.
 //! - Masking is the separable Smith function of the lobe's own roughness, and dielectrics reflect by Fresnel's
 //!   equations.
 //! - The clear coat is darker than Burley's: f lacks the division by 4 cos wo cos wi. Its strength is 0.25 `clearcoat`.
-//! - Sheen lies over base and glass (the thin model's over the base alone), and nothing below is darkened for it.
+//! - Sheen covers base and glass (in the thin model the base alone), and does not darken the layers below.
 //! - Where `eta` is 1, metal reflects nothing either.
-//! - From behind only the glass is seen, without metal or tint, and black if there is none.
+//! - From behind only the glass is visible, without metal or tint; without glass the surface is black.
 //!
-//! The layers do not share energy: over a white base, up to 1.1 times what arrives leaves towards a viewer overhead,
-//! and 1.5 times towards a grazing one. Such values are kept. Reflection is reciprocal; radiance refracted one way is
-//! eta^2 times that the other way.
+//! The layers do not conserve energy: over a white base, up to 1.1 times the incoming light leaves towards a viewer
+//! overhead, and 1.5 times towards a grazing one. Such values are kept. Reflection is reciprocal; radiance refracted
+//! one way is eta^2 times that the other way.
 
 mod base;
 mod clearcoat;
@@ -35,7 +35,7 @@ use specular::Facet;
 /// The clear coat's strength relative to that of other lobes.
 const CLEARCOAT_SHARE: f32 = 0.25;
 
-/// The power of full sheen relative to a white base, at most: how often it is sampled over glass.
+/// The largest power of sheen relative to a white base, which decides how often it is sampled over glass.
 const SHEEN_SHARE: f32 = 0.25;
 
 real_struct! {
@@ -47,9 +47,9 @@ real_struct! {
         pub roughness: R,
         /// The stretch of highlights along the first tangent; 0 is isotropic.
         pub anisotropic: R,
-        /// The share of metal.
+        /// The weight of metal.
         pub metallic: R,
-        /// The share of glass in what is not metal; the rest is base.
+        /// The weight of glass in the part that is not metal; the rest is base.
         pub spec_trans: R,
         /// Refractive index inside over outside, above 0; not 1 if there is glass.
         pub eta: R,
@@ -71,8 +71,8 @@ real_struct! {
 }
 
 real_struct! {
-    /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not
-    /// the picture.
+    /// The rates at which lobes are sampled, relative to their strengths; not negative. They change noise, not the
+    /// image.
     pub struct SamplingRates<R> {
         /// The rate of reflection and refraction at the base's own interface.
         pub main_specular: R,
@@ -106,7 +106,7 @@ struct Evaluation<R: Real> {
 }
 
 impl<R: Real> Evaluation<R> {
-    /// The evaluation where `condition` holds, else that of no light.
+    /// The evaluation where `condition` holds, else zero.
     #[inline(always)]
     fn only(self, condition: R::Mask) -> Self {
         Self {
@@ -137,18 +137,17 @@ impl<R: Real> Evaluation<R> {
     }
 }
 
-/// The interface as a viewer meets it, and the probabilities of sampling each group of lobes.
+/// The interface as seen by a viewer, and the probabilities of sampling each group of lobes.
 struct Aspect<R: Real> {
     base: R,
     clearcoat: R,
     specular: R,
-    /// The probability that light that facets do not reflect is sampled as refracted; otherwise it is sampled as
-    /// reflected.
+    /// The probability that light which facets transmit is sampled as refracted; otherwise it is sampled as reflected.
     refracted: R,
     is_outside: R::Mask,
-    /// Index of the far side over that of the viewer's.
+    /// Index of the far side over that of the viewer's side.
     eta: R,
-    /// Whether anything is seen.
+    /// Whether the viewer sees any light.
     is_seen: R::Mask,
 }
 
@@ -160,7 +159,7 @@ impl<R: Real> Aspect<R> {
 }
 
 impl<R: Real> Principled<R> {
-    /// The share of glass in all.
+    /// The weight of glass in the whole material.
     #[inline(always)]
     fn glass(&self) -> R {
         (R::ONE - self.metallic) * self.spec_trans
@@ -299,7 +298,7 @@ impl<R: Real> Model<R> for Principled<R> {
                 wi = R::Vec3::select(is_refracted, refract(above, normal, &fresnel), wi);
             }
         }
-        // A facet may send light to the wrong side, where another would catch it: lost here.
+        // A facet may send light to the wrong side, where it would meet another one: such light is lost.
         let is_right = (is_refracted & wi.z().is_less(zero)) | (!is_refracted & wi.z().is_more(zero));
         let eta = R::select(is_refracted, aspect.eta, R::ONE);
         let wi = upright::<R>(wi, wo);

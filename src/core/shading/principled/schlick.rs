@@ -1,5 +1,4 @@
-//! Schlick's interpolation from the reflectance at normal incidence to 1 at grazing angles, and the hue that tints pull
-//! towards.
+//! Schlick's interpolation from the reflectance at normal incidence to 1 at grazing angles, and the hue of tints.
 
 use crate::color::LUMINANCE;
 use crate::math::{Real, Vector};
@@ -12,8 +11,8 @@ pub(super) fn weight<R: Real>(cos: R) -> R {
     grazing.squared().squared() * grazing
 }
 
-/// The weight of a facet met with cosine `cos`, in the angle on the thinner side: it meets total internal reflection
-/// without a jump.
+/// The weight for a facet met with cosine `cos`, in the angle on the thinner side: it is continuous at total internal
+/// reflection.
 #[inline(always)]
 pub(super) fn facet_weight<R: Real>(cos: R, fresnel: &DielectricFresnel<R>) -> R {
     weight(R::select(fresnel.eta_it.is_more(R::ONE), cos, fresnel.cos_t.abs()))
@@ -33,7 +32,7 @@ pub(super) fn tinted<R: Real>(color: R::Vec3, eta: R, cos: R, fresnel: &Dielectr
     interpolated(tint::<R>(color) * normal, cos, fresnel)
 }
 
-/// The hue and saturation of a colour: the colour over its luminance; white for black.
+/// The hue and saturation of a colour: the colour over its luminance; black gives white.
 #[inline(always)]
 pub(super) fn tint<R: Real>(color: R::Vec3) -> R::Vec3 {
     let luminance = color.dot(R::Vec3::same(LUMINANCE));

@@ -7,8 +7,8 @@ use crate::shading::{Ggx, LEAST_HALF_VECTOR};
 /// The least width of a lobe.
 const LEAST_ALPHA: f32 = 1e-3;
 
-/// The microfacets of a surface of `roughness` (its square looks even), stretched along the first tangent by
-/// `anisotropic`, in [0, 1].
+/// The microfacets of a surface of `roughness` (the square of which is perceptually even), stretched along the first
+/// tangent by `anisotropic`, in [0, 1].
 #[inline(always)]
 pub(super) fn microfacets<R: Real>(roughness: R, anisotropic: R) -> Ggx<R> {
     let aspect = (R::ONE - R::splat(0.9) * anisotropic).sqrt();
@@ -16,8 +16,8 @@ pub(super) fn microfacets<R: Real>(roughness: R, anisotropic: R) -> Ggx<R> {
     Ggx::new((alpha / aspect).max(least), (alpha * aspect).max(least))
 }
 
-/// A facet that takes light from `wi` to `wo`. Of the light that it reflects or refracts, f |cos wi| is `pdf` x
-/// `unmasked` (refracted radiance: over the squared relative index).
+/// The facet between two directions. Its value f |cos wi| is `pdf` x `unmasked` times its reflectance or transmittance
+/// (refracted radiance: over the squared relative index).
 #[derive(Clone, Copy)]
 pub(super) struct Facet<R: Real> {
     /// Unit normal, z > 0.
@@ -26,13 +26,13 @@ pub(super) struct Facet<R: Real> {
     pub cos: R,
     /// Solid angle density of `wi` if normals are sampled as visible from `wo`.
     pub pdf: R,
-    /// The part of its light that no other facet blocks, in [0, 1].
+    /// The fraction of its light that no other facet blocks, in [0, 1].
     pub unmasked: R,
     /// Whether there is such a facet.
     pub is_there: R::Mask,
 }
 
-/// The facet that reflects `wi` to `wo`, both above the surface. None where rounding lets it face neither.
+/// The facet that reflects `wi` to `wo`, both above the surface. None where rounding puts it edge-on.
 #[inline(always)]
 pub(super) fn reflecting<R: Real>(distribution: &Ggx<R>, wo: R::Vec3, wi: R::Vec3) -> Facet<R> {
     let half = wo + wi;
@@ -49,7 +49,7 @@ pub(super) fn reflecting<R: Real>(distribution: &Ggx<R>, wo: R::Vec3, wi: R::Vec
 }
 
 /// The facet that refracts `wi`, below the surface where the index is `eta` times that above, to `wo` above it. None if
-/// none can.
+/// no facet can.
 #[inline(always)]
 pub(super) fn refracting<R: Real>(distribution: &Ggx<R>, eta: R, wo: R::Vec3, wi: R::Vec3) -> Facet<R> {
     let half = wo + wi * eta;

@@ -1,13 +1,13 @@
 //! The thin principled model: a sheet that scatters diffusely and specularly to both sides, and looks the same from
-//! either.
+//! either side.
 //!
-//! Burley 2015 (thin surfaces), in the form in which Mitsuba 3 knows it:
+//! Burley 2015 (thin surfaces), in Mitsuba 3's form:
 //!
-//! - There is no metal and no coat. All specular light, also what is reflected, comes with the share `spec_trans`.
-//! - What passes is reflected by facets and mirrored to the other side; they are rougher or smoother by 0.65 `eta` -
-//!   0.35. Paths are not bent, nor do they bounce between the sheet's two faces. Facets that the light does not leave
-//!   from behind pass none: a part of what grazes is lost, and not reciprocally.
-//! - Sheen can make the sheet reflect more than arrives.
+//! - There is no metal and no coat. All specular light, reflected light included, has the weight `spec_trans`.
+//! - Transmitted light is reflected by facets and mirrored to the other side; these facets are rougher or smoother by
+//!   0.65 `eta` - 0.35. Paths are not bent, nor do they bounce between the sheet's two faces. Facets that light leaves
+//!   on the wrong side transmit none, so part of the grazing light is lost, and not reciprocally.
+//! - Sheen can make the sheet reflect more light than arrives.
 
 use super::{Evaluation, base, reflect, schlick, sheen, specular, upright};
 use crate::math::{Mask, Real, Vector, real_struct};
@@ -24,7 +24,7 @@ real_struct! {
         pub roughness: R,
         /// The stretch of highlights along the first tangent; 0 is isotropic.
         pub anisotropic: R,
-        /// The share of specular light; the rest is diffuse.
+        /// The weight of specular light; the rest is diffuse.
         pub spec_trans: R,
         /// Twice the share of diffuse light that is transmitted, in [0, 2]; the rest is reflected.
         pub diff_trans: R,
@@ -44,15 +44,15 @@ real_struct! {
 }
 
 real_struct! {
-    /// The rates at which lobes are sampled, relative to their shares; not negative. Changes noise, not the picture.
+    /// The rates at which lobes are sampled, relative to their weights; not negative. They change noise, not the image.
     pub struct ThinSamplingRates<R> {
         /// The rate of mirror-like reflection.
         pub specular_reflectance: R,
-        /// The rate of light that passes with the specular lobe.
+        /// The rate of specular transmission.
         pub specular_transmittance: R,
         /// The rate of diffuse reflection and sheen.
         pub diffuse_reflectance: R,
-        /// The rate of light that passes diffusely.
+        /// The rate of diffuse transmission.
         pub diffuse_transmittance: R,
     }
 }
@@ -77,7 +77,7 @@ struct Lobes<R> {
 }
 
 impl<R: Real> PrincipledThin<R> {
-    /// The shares of specular light, of diffusely reflected and of diffusely passing light.
+    /// The weights of specular light, of diffuse reflection and of diffuse transmission.
     #[inline(always)]
     fn shares(&self) -> (R, R, R) {
         let diffuse = R::ONE - self.spec_trans;
@@ -85,7 +85,7 @@ impl<R: Real> PrincipledThin<R> {
         (self.spec_trans, diffuse * (R::ONE - passing), diffuse * passing)
     }
 
-    /// The probabilities of sampling, and whether anything is reflected or transmitted.
+    /// The sampling probabilities, and whether the sheet reflects or transmits any light.
     #[inline(always)]
     fn chances(&self) -> (Lobes<R>, R::Mask) {
         let (specular, reflected, passing) = self.shares();
