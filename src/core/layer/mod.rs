@@ -1,10 +1,10 @@
-//! Layers: what a picture consists of beside its colours, for compositing, denoising and checking (AOVs, arbitrary
-//! output variables). Here are their meanings and names; `render::layers` makes them.
+//! Layers: the outputs of a picture beside its colours, for compositing, denoising and checking (AOVs, arbitrary output
+//! variables). This module defines their meanings and names; `render::layers` computes them.
 //!
-//! Layers of surfaces tell of the first surface that does not let the camera ray pass straight on: what lies behind the
-//! holes of a mask counts, and each sample of a pixel decides anew. All layers but cryptomattes and numbers of things
-//! are plain means over the samples of a pixel, which lie where the reconstruction filter has put them; the weights
-//! that filters with negative lobes give to samples count for light alone.
+//! Layers of surfaces describe the first surface that does not let the camera ray pass straight on: surfaces behind the
+//! holes of a mask count, and each sample of a pixel decides anew. All layers but cryptomattes and ids are plain means
+//! over the samples that the reconstruction filter has assigned to a pixel; the negative weights of some filters apply
+//! to light alone.
 
 mod names;
 
@@ -13,9 +13,9 @@ pub use self::names::{UnknownLayer, layer_names};
 /// A layer of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
-    /// The share of the samples that meet a surface, in [0, 1]: the opacity of what stands before the background, which
-    /// is 0 where the camera sees the sky or nothing. It is the channel `A` of the picture; colours are
-    /// premultiplied by it but for the light of the sky.
+    /// The share of the samples that meet a surface, in [0, 1]: the opacity of the foreground, which is 0 where the
+    /// camera sees the sky or nothing. It is the channel `A` of the picture; all colours but the sky's are
+    /// premultiplied by it.
     Alpha,
     /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a
     /// surface count as black.
@@ -32,17 +32,16 @@ pub enum Layer {
     /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that
     /// meet one, or 0 without any. It is measured along the ray, not along the axis of the camera.
     Depth,
-    /// The place on the surface in world space: the mean over the samples that meet one, or 0 without any.
+    /// The position on the surface in world space: the mean over the samples that meet one, or 0 without any.
     Position,
     /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
     Uv,
-    /// The way in pixels, to the right and down, from where the surface was in the picture of the frame before to where
-    /// it is now: the mean over all samples. The sky moves with the camera's turns. Zero in a picture that is no
-    /// frame of a sequence.
+    /// The motion in pixels, to the right and down, from the surface's position in the previous frame to that in this
+    /// one: the mean over all samples. The sky moves with the camera's rotation. Zero in a picture that is not a frame
+    /// of a sequence.
     Motion,
-    /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is hit.
-    /// It is that of the pixel's first sample, without any filter, and of the first surface even where it has a
-    /// hole.
+    /// A whole number for each shape: its index in the scene, counted from 1, or 0 where the ray hits nothing. It is
+    /// that of the pixel's first sample, without any filter, and of the first surface even where that has a hole.
     ObjectId,
     /// A whole number for each material, counted from 1, as [`Self::ObjectId`].
     MaterialId,
@@ -50,24 +49,24 @@ pub enum Layer {
     Samples,
     /// The estimated variance of the pixel's luminance, which is the square of its standard error; 0 below two samples.
     Variance,
-    /// The light that one surface has scattered on its way from a light to the camera, linear Rec. 709. Surfaces that
-    /// let light pass straight on do not count. Direct, indirect and emitted light sum up to the picture.
+    /// The light that one surface has scattered between a light and the camera, linear Rec. 709. Surfaces that let
+    /// light pass straight on do not count. Direct, indirect and emitted light sum up to the picture.
     Direct,
-    /// The light that two surfaces or more have scattered.
+    /// The light that two or more surfaces have scattered.
     Indirect,
-    /// The light that comes to the camera without having been scattered: lamps and the sky that are seen.
+    /// The light that reaches the camera unscattered: visible lamps and the sky.
     Emitted,
-    /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the last
-    /// share one. They sum up to the picture.
+    /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the rest
+    /// share the last. They sum up to the picture.
     LightGroups,
-    /// The picture without noise, where a denoiser is there.
+    /// The denoised picture, if a denoiser is installed.
     Denoised,
-    /// The albedo that the denoiser is given, in [0, 1]: that of the first surface that is not perfectly specular,
-    /// tinted by what it is seen through.
+    /// The albedo for the denoiser, in [0, 1]: that of the first surface that is not perfectly specular, tinted by the
+    /// surfaces in front of it.
     DenoiserAlbedo,
-    /// The world normal that the denoiser is given, of the same surface.
+    /// The world normal for the denoiser, of the same surface.
     DenoiserNormal,
-    /// The cryptomatte of objects: which shapes are in a pixel, and how much of it each covers.
+    /// The cryptomatte of objects: the shapes in a pixel, each with its coverage.
     CryptoObject,
     /// The cryptomatte of materials.
     CryptoMaterial,

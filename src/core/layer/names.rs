@@ -2,7 +2,7 @@
 
 use super::{Layer, Layers};
 
-/// A name that is that of no layer; an empty one where a list has none between two commas.
+/// A name without a layer; empty where a list has two commas in a row.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}; the layers are {}", complaint(name), layer_names().join(", "))]
 pub struct UnknownLayer {
@@ -30,7 +30,7 @@ pub fn layer_names() -> Vec<&'static str> {
 }
 
 impl Layers {
-    /// The layer of this name, or those of the names `all` and `cryptomatte`.
+    /// The layers with this name, which may be `all` or `cryptomatte`.
     pub fn from_name(name: &str) -> Result<Self, UnknownLayer> {
         let one = Layer::from_name(name).map(|layer| Self::of(&[layer]));
         let several = || SEVERAL.iter().find(|(known, _)| *known == name);
@@ -38,7 +38,7 @@ impl Layers {
         found.ok_or_else(|| UnknownLayer { name: name.to_owned() })
     }
 
-    /// The layers of names that are separated by commas; spaces around them do not matter.
+    /// The layers named in a list that is separated by commas; spaces around names are ignored.
     pub fn parse(names: &str) -> Result<Self, UnknownLayer> {
         names
             .split(',')
@@ -83,7 +83,7 @@ impl Layer {
         }
     }
 
-    /// The name that the integrator `aov` of Mitsuba 3 has for it; None if it has none.
+    /// The name in Mitsuba 3's integrator `aov`; None if it has no such layer.
     pub const fn name_in_mitsuba(self) -> Option<&'static str> {
         match self {
             Self::Albedo => Some("albedo"),
@@ -97,7 +97,7 @@ impl Layer {
         }
     }
 
-    /// The layer by the name in a scene file: Mitsuba's where it has one, and else our own, with `_` for `-`.
+    /// The layer by its name in a scene file: Mitsuba's if there is one, else our own, with `_` for `-`.
     pub fn from_name_in_file(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layer| layer.name_in_file() == name)
     }
@@ -139,7 +139,7 @@ impl Layer {
         }
     }
 
-    /// The last parts of the names of its channels in picture files; none of cryptomattes, which are several layers
+    /// The last parts of the names of its channels in picture files; empty for cryptomattes, which are several layers
     /// there.
     pub const fn channels_in_pictures(self) -> &'static [&'static str] {
         match self {

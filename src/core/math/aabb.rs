@@ -2,10 +2,10 @@
 
 use glam::{Affine3A, Vec3};
 
-/// The least radius that a camera frames, as a share of the largest coordinate, 80 times the rounding of single
+/// The least radius that a camera frames, relative to the largest coordinate: 80 times the rounding of single
 /// precision.
 const SMALLEST_SHARE: f32 = 1e-5;
-/// The smallest radius, so that its cube is far above the smallest positive number.
+/// The smallest radius; its cube is far above the smallest positive number.
 const SMALLEST_RADIUS: f32 = 1e-9;
 
 /// An axis-aligned box; [`Aabb::EMPTY`] (min > max) holds nothing and is the identity of union.
@@ -72,15 +72,15 @@ impl Aabb {
     pub fn radius(&self) -> f32 {
         let extent = self.extent();
         let largest = extent.max_element();
-        // Squares of very small and very large lengths are beyond single precision.
+        // Squares of tiny and huge lengths are beyond single precision.
         match largest > 0.0 && largest.is_finite() {
             true => 0.5 * largest * (extent / largest).length(),
             false => 0.5 * largest,
         }
     }
 
-    /// The radius around the centre that a camera frames to show this box: [`Self::radius`]. Where single precision
-    /// cannot resolve that it is at least 1, so that a point is not looked at from within itself.
+    /// The radius around the centre that a camera frames to show this box: [`Self::radius`], or at least 1 where single
+    /// precision cannot resolve it, so that the camera is not within a point that it looks at.
     pub fn framed_radius(&self) -> f32 {
         let reach = self.min.abs().max(self.max.abs()).max_element();
         let least = if self.is_empty() {

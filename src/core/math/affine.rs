@@ -1,7 +1,7 @@
 use glam::{Affine3A, Vec3};
 
-/// Whether the three axes still span a space, whatever their lengths, so that the map can be undone. They do if the
-/// volume of the box along their directions is well above the rounding of single precision.
+/// Whether the map can be inverted: its three axes, whatever their lengths, span a space. They do if the volume of the
+/// box of unit edges along them is well above the rounding of single precision.
 pub fn is_invertible(map: &Affine3A) -> bool {
     const LEAST_VOLUME: f32 = 1e-6;
     let axes =

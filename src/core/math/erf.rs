@@ -15,7 +15,7 @@ pub(crate) fn erf<R: Real>(x: R) -> R {
 }
 
 /// The x with erf(x) = y, for y in (-1, 1), with a relative error of 1e-6 (Giles, Approximating the erfinv function,
-/// GPU Computing Gems, 2010); without a meaning at the ends.
+/// GPU Computing Gems, 2010); undefined at the ends.
 #[inline(always)]
 pub(crate) fn erf_inv<R: Real>(y: R) -> R {
     let w = -ln((R::ONE - y) * (R::ONE + y));

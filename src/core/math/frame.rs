@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::per_lane::real_struct;
 use super::real::{Real, Vector};
 
-/// The squared sine of the angle to the normal below which a tangent has no direction of its own: its part across the
-/// normal would be mere rounding (a relative 1e-7) to more than 1e-4.
+/// The squared sine of the angle to the normal below which a tangent is ignored: rounding (a relative 1e-7) would make
+/// up more than 1e-4 of its part across the normal.
 const PARALLEL: f32 = 1e-6;
 
 real_struct! {
@@ -56,7 +56,7 @@ impl Frame {
         Self::around(n)
     }
 
-    /// A frame around the unit vector `n` with s as near to `tangent` (of any length) as it can be;
+    /// A frame around the unit vector `n` with s as close as possible to `tangent` (of any length);
     /// [`Self::from_normal`] if that is zero or parallel to `n`.
     pub(crate) fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
         debug_assert!(n.is_normalized(), "the normal {n} is not of unit length");

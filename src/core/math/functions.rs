@@ -1,4 +1,4 @@
-//! The functions of analysis in every form of a number, as polynomials: the same formula in one lane and in sixteen.
+//! Elementary functions for every form of a number, as polynomials: the same formula in one lane and in sixteen.
 //!
 //! Coefficients are those of the Cephes library (Moshier, 1984 to 2000, single precision). Errors are in units in the
 //! last place, as the tests measure them over the whole range.
@@ -7,15 +7,15 @@ use std::f32::consts::{FRAC_1_PI, LOG2_E, SQRT_2};
 
 use super::real::{Real, Word};
 
-/// Beyond these the power of two would leave the normal numbers: the result is infinite above (the exact one only above
-/// 88.72), and 0 below, where it is less than the least normal number.
+/// Outside of this range the power of two would not be a normal number: the result is infinite above (the exact one
+/// only above 88.72), and 0 below, where it is less than the least normal number.
 const LARGEST_EXPONENT: f32 = 88.02;
 const LEAST_EXPONENT: f32 = -87.33;
 
-/// ln 2 in two parts, of which the first has so few digits that its products with whole numbers are exact.
+/// ln 2 in two parts, the first with so few digits that its products with whole numbers are exact.
 const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 
-/// pi in four such parts.
+/// pi in four parts of that kind.
 const PI: [f32; 4] = [3.140_625, 9.670_257_6e-4, 6.277_114e-7, 1.215_420_1e-10];
 
 /// The polynomial with these coefficients, from the highest power down.
@@ -40,7 +40,7 @@ fn power_of_two<R: Real>(n: R) -> R {
     R::from_bits((n + R::splat(127.0)).whole() << 23)
 }
 
-/// The exponential function, within 2 ulps; infinite above 88.02, and 0 below -87.33 and for what is no number.
+/// The exponential function, within 2 ulps; infinite above 88.02, and 0 below -87.33 and for NaN.
 #[inline(always)]
 pub(crate) fn exp<R: Real>(x: R) -> R {
     let limited = x.max(R::splat(LEAST_EXPONENT)).min(R::splat(LARGEST_EXPONENT));
@@ -63,8 +63,8 @@ pub(crate) fn exp<R: Real>(x: R) -> R {
     value.only(R::splat(LEAST_EXPONENT).is_at_most(x))
 }
 
-/// The natural logarithm of a positive normal number, within 2 ulps; minus infinity for 0 and what is too small to be
-/// normal. What is negative or no number gives none.
+/// The natural logarithm of a positive normal number, within 2 ulps; minus infinity for 0 and subnormal numbers, NaN
+/// for negative numbers and NaN.
 #[inline(always)]
 pub(crate) fn ln<R: Real>(x: R) -> R {
     let bits = x.to_bits();
@@ -104,14 +104,15 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
 /// of at most a turn.
 #[inline(always)]
 pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
-    // In half turns, an even and an odd number of which differ by the sign alone.
+    // In half turns: an even and an odd number of them differ by the sign alone.
     let half_turns = nearest(x * R::splat(FRAC_1_PI));
     let rest = PI
         .iter()
         .fold(x, |rest, &part| half_turns.mul_add(R::splat(-part), rest));
     let even = (half_turns * R::HALF).floor();
     let is_odd = !(even + even).equals(half_turns);
-    // |rest| is at most pi / 2. Both series are good up to pi / 4: beyond, the other one of the complement is taken.
+    // |rest| is at most pi / 2. Both series are accurate up to pi / 4; beyond, each is replaced by the other one of the
+    // complement.
     let size = rest.abs();
     let is_far = size.is_more(R::splat(std::f32::consts::FRAC_PI_4));
     let complement = R::splat(std::f32::consts::FRAC_PI_2) - size;
@@ -141,15 +142,14 @@ pub(crate) fn asin_positive<R: Real>(x: R) -> R {
     R::select(is_far, R::splat(std::f32::consts::FRAC_PI_2) - (angle + angle), angle)
 }
 
-/// The angle of the direction (x, y) to the first axis, from -pi to pi, within 4 ulps and 1e-37; 0 where it has no
-/// direction.
+/// The angle of the direction (x, y) to the first axis, from -pi to pi, within 4 ulps and 1e-37; 0 for the zero vector.
 #[inline(always)]
 pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     let (across, along) = (y.abs(), x.abs());
     let is_steep = across.is_more(along);
     let (less, more) = (R::select(is_steep, along, across), R::select(is_steep, across, along));
     let ratio = (less / more).only(more.is_more(R::ZERO));
-    // Below the tangent of an eighth of a turn the series is good.
+    // The series is accurate below the tangent of an eighth of a turn.
     let is_far = ratio.is_more(R::splat(SQRT_2 - 1.0));
     let near = R::select(is_far, (ratio - R::ONE) / (ratio + R::ONE), ratio);
     let square = near * near;

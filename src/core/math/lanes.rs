@@ -1,7 +1,7 @@
-//! Sixteen numbers, vectors or conditions side by side, for code that does the same to sixteen paths at once.
+//! Sixteen numbers, vectors or conditions side by side, for code that processes sixteen paths at once.
 //!
-//! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in
-//! a `u32`.
+//! A condition is a number per lane whose bits are all set or all clear, as the results of comparisons are, or a bit
+//! per lane in a `u32`.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -30,7 +30,7 @@ pub struct Vec3Lanes {
     pub z: Lanes,
 }
 
-/// Holds the contract of masks: no bit is set beyond the lanes.
+/// Asserts the contract of masks: no bit is set beyond the lanes.
 #[inline(always)]
 fn check_mask(bits: u32) {
     debug_assert!(bits >> LANES == 0, "the mask {bits:#x} has bits beyond {LANES} lanes");
@@ -74,13 +74,13 @@ impl Vec3Lanes {
     /// The zero vector in every lane.
     pub const ZERO: Self = Self::of(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
 
-    /// Puts components together.
+    /// The vectors with these components.
     #[inline(always)]
     pub const fn of(x: Lanes, y: Lanes, z: Lanes) -> Self {
         Self { x, y, z }
     }
 
-    /// The same in every lane.
+    /// The same vector in every lane.
     #[inline(always)]
     pub fn splat(v: Vec3) -> Self {
         Self::of(Lanes::splat(v.x), Lanes::splat(v.y), Lanes::splat(v.z))
@@ -166,7 +166,7 @@ impl Mul<Lanes> for Vec3Lanes {
     }
 }
 
-/// Multiplies by the reciprocal, which is not the exact quotient.
+/// Multiplies by the reciprocal, so that the quotient is not correctly rounded.
 impl Div<Lanes> for Vec3Lanes {
     type Output = Self;
     #[inline(always)]

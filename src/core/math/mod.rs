@@ -1,4 +1,4 @@
-//! Geometry of rays, boxes and frames, and what the standard library lacks of analysis; no scene knowledge.
+//! Geometry of rays, boxes and frames, and mathematical functions that the standard library lacks; no scene knowledge.
 //!
 //! Vectors, matrices and affine maps are glam's. A transform is named `a_from_b`: it takes coordinates of space b to
 //! space a.

@@ -1,14 +1,13 @@
-//! Values side by side: what a type looks like with one value per lane, and structs that follow from one declaration in
-//! both forms.
+//! The layout of types with one value per lane, and structs that are declared once for both a single value and lanes.
 
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, lanes_of};
 use super::real::{Mask, Real, Vector};
 
-/// A type of which every lane can have a value.
+/// A type with a form that holds a value per lane.
 pub(crate) trait PerLane: Copy {
-    /// A value per lane.
+    /// The form with a value per lane.
     type Lanes;
 
     /// The same value in every lane.
@@ -17,10 +16,10 @@ pub(crate) trait PerLane: Copy {
     /// The value of `lane`.
     fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self;
 
-    /// Makes this the value of `lane`.
+    /// Sets the value of `lane`.
     fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize);
 
-    /// Makes the value of `lane` the one that `from` has in `theirs`.
+    /// Copies the value of the lane `theirs` of `from` to `lane`.
     #[inline(always)]
     fn move_lane(lanes: &mut Self::Lanes, lane: usize, from: &Self::Lanes, theirs: usize) {
         Self::gather_lane(from, theirs).scatter_lane(lanes, lane);
@@ -104,16 +103,16 @@ impl PerLane for Vec3 {
     }
 }
 
-/// The form of a type that has a value per lane, where it is the same generic type: see [`real_struct`].
+/// The form with a value per lane of a generic type, where that is the same type: see [`real_struct`].
 pub(crate) trait LanesOf<One> {
     /// The same value in every lane.
     fn splat(one: One) -> Self;
 
-    /// Makes this the value of `lane`.
+    /// Sets the value of `lane`.
     fn set_lane(&mut self, lane: usize, one: One);
 }
 
-/// A type whose generic form, see [`real_struct`], can have the same value in all lanes of any form of numbers.
+/// A type that can be repeated in every lane of its generic form, see [`real_struct`], for any form of numbers.
 pub(crate) trait Same<R: Real> {
     /// The type in the form of numbers `R`.
     type Form;
@@ -122,7 +121,7 @@ pub(crate) trait Same<R: Real> {
     fn same(self) -> Self::Form;
 }
 
-/// For the types of fields.
+/// Implements [`Same`] for the types of fields.
 macro_rules! same {
     ($($One:ty => $Form:ty: |$one:ident| $same:expr;)*) => {
         $(
@@ -144,7 +143,7 @@ same! {
     Vec3 => R::Vec3: |one| R::Vec3::same(one);
 }
 
-/// A mask.
+/// A mask has all bits set in the lanes where it holds.
 impl LanesOf<bool> for Lanes {
     #[inline(always)]
     fn splat(one: bool) -> Self {
@@ -157,7 +156,7 @@ impl LanesOf<bool> for Lanes {
     }
 }
 
-/// For types whose form is that of [`PerLane`].
+/// Implements [`LanesOf`] for types whose form is that of [`PerLane`].
 macro_rules! lanes_of {
     ($($One:ty),*) => {
         $(
@@ -183,7 +182,7 @@ lanes_of!(f32, u32, Vec3);
 pub(crate) struct Held<M> {
     /// A bit per lane.
     pub lanes: u32,
-    /// Other lanes have the parameters of one that has the model.
+    /// The parameters in all lanes; lanes without the model have those of some lane with it.
     model: Option<M>,
 }
 
@@ -201,7 +200,7 @@ impl<M> Held<M> {
     {
         match &mut self.model {
             Some(model) if self.lanes != 0 => model.set_lane(lane, one),
-            // What earlier surfaces had would be evaluated in vain.
+            // Parameters of earlier surfaces would be evaluated in vain.
             model => *model = Some(M::splat(one)),
         }
         self.lanes |= 1 << lane;
@@ -217,10 +216,9 @@ impl<M> Held<M> {
     }
 }
 
-/// Declares a struct that is generic over the form of its numbers, a single one unless another is named: its fields are
-/// of the types `R`, `R::Vec3`, `R::Mask` and `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the
-/// single form. With `#[same]` in front it is [`Same`] as well, and its fields are `R`, `R::Vec3`, or other such
-/// structs.
+/// Declares a struct that is generic over the form of its numbers, by default a single one: its fields are of the types
+/// `R`, `R::Vec3`, `R::Mask` and `R::Word`, or other such structs. Its form of lanes is [`LanesOf`] the single form.
+/// With `#[same]` in front it is [`Same`] as well, and its fields are `R`, `R::Vec3`, or other such structs.
 ///
 /// ```ignore
 /// real_struct! {
@@ -285,9 +283,8 @@ macro_rules! real_struct {
     };
 }
 
-/// Declares a struct together with the struct that has one per lane, whose fields are the lane forms of the same
-/// fields, and implements [`PerLane`] between the two: a field that is added cannot be forgotten where lanes are read,
-/// written or moved.
+/// Declares a struct together with its form of lanes, whose fields are the lane forms of the same fields, and
+/// implements [`PerLane`] between the two: a new field cannot be forgotten where lanes are read, written or moved.
 ///
 /// ```ignore
 /// per_lane! {
@@ -350,7 +347,7 @@ macro_rules! per_lane {
 pub(crate) use per_lane;
 pub(crate) use real_struct;
 
-/// Implements [`PerLane`] for types that are rarely looked at: their lanes are an array of them, and not vectors.
+/// Implements [`PerLane`] for types that are rarely used: their lanes are an array, not vectors.
 macro_rules! per_lane_array {
     ($($Type:ty),+ $(,)?) => {$(
         impl $crate::math::PerLane for $Type {

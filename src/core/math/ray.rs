@@ -1,4 +1,4 @@
-//! A ray, and the one place where a new ray's origin is moved off the surface it leaves.
+//! A ray, and the only function that moves a new ray's origin off the surface it leaves.
 
 use glam::Vec3;
 
@@ -56,7 +56,7 @@ impl Ray {
 pub fn offset_origin<R: Real>(position: R::Vec3, error: R, normal: R::Vec3, dir: R::Vec3) -> R::Vec3 {
     let distance = (error * normal.map(R::abs).sum()).copy_sign(dir.dot(normal));
     let moved = position.plus_scaled(distance, normal);
-    // One step of the last digit or two, away from where it was.
+    // One step of the last digit or two, away from the old position.
     let away = |moved: R, position: R| {
         let step = moved.abs().max(position.abs()) * R::splat(f32::EPSILON);
         let change = moved - position;

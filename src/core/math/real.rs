@@ -1,8 +1,8 @@
-//! A number, or a number per lane, for formulas that are written once for both.
+//! The trait of numbers, single or one per lane, for formulas that are written once for both.
 //!
-//! One formula gives the same number in both forms but for rounding: `a b + c` is rounded once in lanes, where the
+//! One formula gives the same number in both forms up to rounding: `a b + c` is rounded once in lanes, where the
 //! hardware does so, and twice in a single number. A formula takes every branch that some lane takes, and selects at
-//! the end: `if condition.any()` leaves out what no lane needs, and for a single number is an ordinary branch.
+//! the end: `if condition.any()` skips a branch that no lane takes, and is an ordinary branch for a single number.
 
 mod lanes;
 mod one;
@@ -44,7 +44,7 @@ pub trait Real:
     /// The sum `self a + b`, rounded once in lanes where the hardware does so.
     fn mul_add(self, a: Self, b: Self) -> Self;
 
-    /// The smaller one; on x86 `other` where `self` is no number. Where `other` is no number the result is any.
+    /// The smaller one; on x86 `other` where `self` is NaN. Where `other` is NaN the result is undefined.
     fn min(self, other: Self) -> Self;
 
     /// The larger one, as [`Self::min`] the smaller one.
@@ -53,7 +53,7 @@ pub trait Real:
     /// The number without its sign.
     fn abs(self) -> Self;
 
-    /// The square root; no number where `self` is negative.
+    /// The square root; NaN where `self` is negative.
     fn sqrt(self) -> Self;
 
     /// The number with the sign of `sign`.
@@ -86,7 +86,7 @@ pub trait Real:
     /// A mask of where `word` is `least` or more.
     fn is_at_least(word: Self::Word, least: u32) -> Self::Mask;
 
-    /// The nearest whole number below. It must be in the range of `i32`.
+    /// The largest whole number that is not above it. It must be in the range of `i32`.
     fn floor(self) -> Self;
 
     /// The whole part of a number from 0 to 2^24.
@@ -101,11 +101,11 @@ pub trait Real:
     /// The number of these bits.
     fn from_bits(bits: Self::Word) -> Self;
 
-    /// What a table has at these places: `look_up` is called for one after the other.
+    /// Calls `look_up` with each index in turn, and returns the values.
     fn gather(places: Self::Word, look_up: impl Fn(usize) -> f32) -> Self;
 
-    /// What a function of single numbers gives in each lane where `condition` holds, one after the other; zero
-    /// elsewhere.
+    /// Calls a function of single numbers in each lane where `condition` holds, one after the other; the other lanes
+    /// are zero.
     fn each<const N: usize, const M: usize>(
         condition: Self::Mask,
         numbers: [Self; N],
@@ -124,7 +124,7 @@ pub trait Real:
         self.max(Self::ZERO).min(Self::ONE)
     }
 
-    /// The number between `self` and `other` at the place `t`.
+    /// Interpolates linearly from `self` at `t` = 0 to `other` at 1.
     #[inline(always)]
     fn mix(self, other: Self, t: Self) -> Self {
         t.mul_add(other - self, self)
@@ -139,9 +139,9 @@ pub trait Real:
 
 /// A condition of either form.
 pub trait Mask: Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// It holds nowhere.
+    /// The condition that holds nowhere.
     const NEVER: Self;
-    /// It holds everywhere.
+    /// The condition that holds everywhere.
     const ALWAYS: Self;
 
     /// Whether it holds in any lane.
@@ -180,7 +180,7 @@ pub trait Vector<R: Real>:
     + Div<Output = Self>
     + Div<R, Output = Self>
 {
-    /// Puts components together.
+    /// The vector with these components.
     fn of(x: R, y: R, z: R) -> Self;
 
     /// The same vector in every lane.
@@ -258,7 +258,7 @@ pub trait Vector<R: Real>:
         )
     }
 
-    /// The vector between `self` and `other` at the place `t`.
+    /// Interpolates linearly from `self` at `t` = 0 to `other` at 1.
     #[inline(always)]
     fn mix(self, other: Self, t: R) -> Self {
         self + (other - self) * t

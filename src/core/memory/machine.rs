@@ -1,4 +1,4 @@
-//! Finds how much memory the process may use: the machine's, or less where a control group or a resource limit says so.
+//! Finds how much memory the process may use: the machine's, or less under a control group or a resource limit.
 
 #[cfg(target_os = "linux")]
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 #[cfg(target_os = "linux")]
 use crate::files::{LARGEST_NOTE, read_text};
 
-/// The bytes that are assumed where the system does not say.
+/// The bytes that are assumed where the system does not report any.
 const ASSUMED: u64 = 8 << 30;
 
-/// The bytes of address space that code, stacks and the heaps of threads take, most of which is no memory.
+/// The bytes of address space for code, stacks and the heaps of threads, most of which never become memory.
 #[cfg(target_os = "linux")]
 const OWN_SPACE: u64 = 512 << 20;
 
@@ -46,8 +46,8 @@ fn physical(text: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
-/// The files with the limits of the process's control groups and of all groups around them, for both versions of
-/// control groups.
+/// The files with the limits of the process's control groups and all their ancestors, for both versions of control
+/// groups.
 #[cfg(target_os = "linux")]
 fn group_files(groups: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -69,7 +69,7 @@ fn group_files(groups: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Reads a limit. None if there is no limit: version 2 says `max`, version 1 a number that no machine has.
+/// Parses a limit. None if there is no limit: version 2 says `max`, version 1 a number that no machine has.
 #[cfg(target_os = "linux")]
 fn limit(text: &str) -> Option<u64> {
     text.trim().parse().ok().filter(|&bytes| bytes > 0)

@@ -1,10 +1,10 @@
-//! One budget for the memory of loaded pictures and meshes and of the film, so that a file that promises too much is
-//! refused instead of ending the process.
+//! One budget for the memory of loaded pictures and meshes and of the film, so that a file that declares too much data
+//! is refused instead of ending the process.
 //!
-//! Readers reserve the bytes that they will need at most before they allocate them. The reservation is kept beside the
+//! Readers reserve the most bytes that they will need before they allocate them. The reservation is kept beside the
 //! data and released with it, so the pieces of a scene count together, and during a reload the old and the new data
-//! both count. Small data (entities, text, the window) is not counted; the default budget leaves a part of the
-//! machine's memory for it.
+//! both count. Small data (entities, text, the window) are not counted; the default budget leaves a part of the
+//! machine's memory for them.
 
 mod machine;
 mod size;
@@ -27,7 +27,7 @@ const REMEDY: &str = "`--memory SIZE` or SUNROOM_MEMORY sets another budget";
 pub struct Budget {
     limit: AtomicU64,
     reserved: AtomicU64,
-    /// The limit is what the command line or the variable says, which counts before preferences.
+    /// Whether the limit is from the command line or the variable, which override preferences.
     is_named: AtomicBool,
 }
 
@@ -48,14 +48,14 @@ pub fn default_limit() -> u64 {
     machine::memory_bytes() / 4 * 3
 }
 
-/// The bytes that `SUNROOM_MEMORY` names, or what is wrong with it; None if it is not set.
+/// The bytes that `SUNROOM_MEMORY` names, or an error if it is malformed; None if it is not set.
 pub fn budget_of_variable() -> Option<Result<u64, NoSize>> {
     let text = std::env::var_os(VARIABLE).filter(|text| !text.is_empty())?;
     Some(parse_size(&text.to_string_lossy()))
 }
 
-/// Reads a mesh or picture file. It may be at most as long as the budget, because its content is in memory before the
-/// size of what it holds is known.
+/// Reads a mesh or picture file. It may be at most as long as the budget, because it is in memory before the size of
+/// its content is known.
 pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
     data_result(budget().limit(), |limit| access.read(path, limit))
 }
@@ -65,8 +65,8 @@ pub fn check_data(path: &Path, access: &Access) -> Result<(), FileError> {
     data_result(budget().limit(), |limit| access.check(path, limit))
 }
 
-/// Hands the longest length of a file to `act`, and names the budget if it is the reason for an error. Both are in
-/// bytes.
+/// Calls `act` with the largest allowed length of a file in bytes, and names the budget if that is the reason for an
+/// error.
 fn data_result<T>(budget: u64, act: impl FnOnce(u64) -> Result<T, FileError>) -> Result<T, FileError> {
     act(LARGEST_DATA.min(budget)).map_err(|error| match error {
         FileError::TooLarge { limit } if limit == budget => {
@@ -92,13 +92,13 @@ impl Budget {
         }
     }
 
-    /// Sets the limit in bytes as the user says it for this run. What is reserved already stays so.
+    /// Sets the limit in bytes that the user has given for this run. Existing reservations stay.
     pub fn name_limit(&self, limit: u64) {
         self.is_named.store(true, Ordering::Relaxed);
         self.limit.store(limit, Ordering::Relaxed);
     }
 
-    /// Sets the limit in bytes as the user prefers it, unless another was named for this run.
+    /// Sets the limit in bytes from the preferences, unless one was given for this run.
     pub fn prefer_limit(&self, limit: u64) {
         if !self.is_named.load(Ordering::Relaxed) {
             self.limit.store(limit, Ordering::Relaxed);
@@ -132,12 +132,12 @@ pub struct Reservation {
 }
 
 impl Reservation {
-    /// The number of bytes of the budget that it holds.
+    /// The reserved bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Changes the size to `bytes`. After an error the reservation is as before.
+    /// Changes the size to `bytes`. After an error the reservation is unchanged.
     pub fn resize(&mut self, bytes: u64) -> Result<(), Shortage> {
         let limit = self.budget.limit();
         let own = self.bytes;
@@ -170,8 +170,8 @@ impl Drop for Reservation {
     }
 }
 
-/// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparing values
-/// leaves it out.
+/// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparisons of values
+/// ignore it.
 #[derive(Clone, Debug, Default)]
 pub struct Held {
     _reservation: Option<Arc<Reservation>>,
@@ -195,7 +195,7 @@ impl PartialEq for Held {
 /// ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Shortage {
-    /// The bytes that were asked for. The other numbers are bytes as well.
+    /// The requested bytes. The other numbers are bytes as well.
     pub asked: u64,
     /// The bytes that are reserved for other data.
     pub others: u64,

@@ -1,4 +1,4 @@
-//! Parses sizes of memory as people write them.
+//! Parses sizes of memory as users write them.
 
 use std::fmt;
 
@@ -23,7 +23,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// The error of a text that is no size.
+/// The error for a text that is not a size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected a size with its unit, such as 8GB or 512MB")]
 pub struct NoSize;

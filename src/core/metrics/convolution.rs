@@ -1,5 +1,5 @@
-//! Convolves planes of numbers with products of two one-dimensional kernels. Beyond the border the nearest number
-//! counts.
+//! Convolves planes of numbers with separable kernels: products of two one-dimensional ones. Beyond the border the
+//! nearest number is repeated.
 
 use rayon::prelude::*;
 

@@ -14,17 +14,17 @@ pub struct Errors {
     /// Mean squared error, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and
     /// Reconstruction using Greedy Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
     pub relative_mse: f32,
-    /// The peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for
-    /// equal pictures.
+    /// The peak signal-to-noise ratio in decibels of displayed colours, which are sRGB-encoded and clamped at 1;
+    /// infinite for equal pictures.
     pub psnr: f32,
 }
 
-/// The errors; None for pictures of different sizes, empty ones, and ones with values that are not finite.
+/// The errors; None if the pictures differ in size, are empty, or have values that are not finite.
 pub fn errors(picture: &[Rgb], reference: &[Rgb]) -> Option<Errors> {
     if picture.len() != reference.len() || picture.is_empty() {
         return None;
     }
-    // Double precision holds the square of every number of a picture.
+    // Double precision holds the square of every single-precision number.
     let mean = |of: &dyn Fn(Rgb, Rgb) -> f64| {
         let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| of(a, b)).sum();
         let mean = sum / picture.len() as f64;

@@ -1,9 +1,9 @@
-//! FLIP: the differences that a viewer sees who flips between two pictures.
+//! FLIP: the differences that a viewer perceives when flipping between two pictures.
 //!
 //! Sources: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, "FLIP: A
-//! Difference Evaluator for Alternating Images", HPG 2020, for pictures as a display shows them; P. Andersson, J.
-//! Nilsson, P. Shirley and T. Akenine-Möller, "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics
-//! Short Papers 2021, for radiance. All two-dimensional filters are products of one-dimensional ones, or sums of such.
+//! Difference Evaluator for Alternating Images", HPG 2020, for displayed pictures; P. Andersson, J. Nilsson, P. Shirley
+//! and T. Akenine-Möller, "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics Short Papers 2021,
+//! for radiance. All two-dimensional filters are products of one-dimensional ones, or sums of such products.
 
 use std::f32::consts::PI;
 
@@ -13,12 +13,12 @@ use rayon::prelude::*;
 use super::convolution::{convolve, kernel, normalized_kernel};
 use crate::color::Rgb;
 
-/// Pixels for each degree of sight: a screen 0.7 m wide with 3840 pixels in a row, at a distance of 0.7 m (section
-/// 2020, 3).
+/// Pixels per degree of the visual field: a screen 0.7 m wide with 3840 pixels in a row, at a distance of 0.7 m
+/// (section 2020, 3).
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * PI / 180.0;
 
-/// The errors in [0, 1] of each pixel of a picture for displays, whose linear colours are cut off at [0, 1]. Both have
-/// the same number of pixels, which is a multiple of `width`, and at least one.
+/// The error in [0, 1] of each pixel of a displayed picture, whose linear colours are clamped to [0, 1]. Both pictures
+/// have the same number of pixels, which is a multiple of `width`, and at least one.
 pub fn ldr_flip(picture: &[Rgb], reference: &[Rgb], width: usize, pixels_per_degree: f32) -> Vec<f32> {
     let filters = Filters::new(pixels_per_degree);
     let [picture, reference] = [picture, reference].map(|pixels| filters.perceive(pixels, width));
@@ -28,7 +28,7 @@ pub fn ldr_flip(picture: &[Rgb], reference: &[Rgb], width: usize, pixels_per_deg
         let edges = (picture.edges[i] - reference.edges[i]).abs();
         let points = (picture.points[i] - reference.points[i]).abs();
         let feature = (edges.max(points) * std::f32::consts::FRAC_1_SQRT_2).sqrt();
-        // Equation 15: differences of edges and points raise that of the colours.
+        // Equation 15: differences of edges and points amplify that of the colours.
         color.powf(1.0 - feature)
     };
     (0..picture.colors.len()).into_par_iter().map(error).collect()
@@ -38,15 +38,15 @@ pub fn ldr_flip(picture: &[Rgb], reference: &[Rgb], width: usize, pixels_per_deg
 /// 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposures {
-    /// The exposure at which the brightest pixel of the reference is just not washed out.
+    /// The exposure at which the brightest pixel of the reference is just below saturation.
     pub start: f32,
-    /// The exposure at which a pixel of the median luminance is just not washed out.
+    /// The exposure at which a pixel of the median luminance is just below saturation.
     pub stop: f32,
-    /// The number of exposures, which lie at equal distances.
+    /// The number of exposures, in equal steps.
     pub count: u32,
 }
 
-/// At more stops than this a picture differs from black and white by nothing but rounding.
+/// Over more stops than this a picture saturates to black and white.
 const MOST_EXPOSURES: f32 = 64.0;
 
 impl Exposures {
@@ -56,7 +56,7 @@ impl Exposures {
         let weights = Vec3::new(0.2126, 0.7152, 0.0722);
         let mut luminances: Vec<f32> = reference.iter().map(|rgb| rgb.max(Vec3::ZERO).dot(weights)).collect();
         let brightest = luminances.iter().copied().fold(0.0, f32::max);
-        // Of an even number the authors' program takes the greater one in the middle.
+        // Of an even number of pixels the authors' program takes the upper median.
         let middle = luminances.len() / 2;
         let median = *luminances.select_nth_unstable_by(middle, f32::total_cmp).1;
         if !(brightest > 0.0 && brightest.is_finite()) {
@@ -64,7 +64,7 @@ impl Exposures {
         }
         // As in the authors' program: half of a picture may be black.
         let median = median.max(f32::EPSILON);
-        // The radiance that the tone map takes to 0.85: the greater root of its quotient.
+        // The radiance that the tone map maps to 0.85: the greater root of its quotient.
         const SHOWN: f32 = 0.85;
         let [a, b, c] = [0, 1, 2].map(|power| ACES[power] - SHOWN * ACES[power + 3]);
         let half = -0.5 * b / a;
@@ -75,7 +75,7 @@ impl Exposures {
     }
 }
 
-/// The errors in [0, 1] of each pixel of a picture of radiance: the greatest at any of the exposures. Sizes are as for
+/// The error in [0, 1] of each pixel of a picture of radiance: the greatest over all exposures. Sizes are as for
 /// [`ldr_flip`].
 pub fn hdr_flip(
     picture: &[Rgb],
@@ -98,18 +98,18 @@ pub fn hdr_flip(
     worst
 }
 
-/// The coefficients of x^2, x and 1 above and below the line of K. Narkowicz' fit of the ACES curve ("ACES Filmic Tone
-/// Mapping Curve", 2016), without its factor on the exposure (2021, table 1).
+/// The coefficients of x^2, x and 1 in the numerator and the denominator of K. Narkowicz' fit of the ACES curve ("ACES
+/// Filmic Tone Mapping Curve", 2016), without its factor on the exposure (2021, table 1).
 const ACES: [f32; 6] = [0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.0, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
 
 fn aces(rgb: Rgb) -> Rgb {
-    // The curve is flat from there on, and squares stay finite.
+    // The curve is flat above this limit, and squares stay finite.
     let x = rgb.max(Vec3::ZERO).min(Vec3::splat(1e15));
     let [a, b, c, d, e, f] = ACES;
     ((x * (a * x + b) + c) / (x * (d * x + e) + f)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// What a viewer sees of a picture.
+/// A picture as perceived by a viewer.
 struct Perceived {
     /// L*, a* and b* after the filters of contrast sensitivity, with Hunt's effect.
     colors: Vec<Vec3>,
@@ -191,7 +191,7 @@ impl Filters {
     }
 }
 
-/// The positive weights scaled to the sum 1, and the negative ones to -1.
+/// Scales the positive weights to the sum 1, and the negative ones to -1.
 fn signed_unit(weights: Vec<f32>) -> Vec<f32> {
     let positive: f32 = weights.iter().filter(|weight| **weight > 0.0).sum();
     let negative: f32 = -weights.iter().filter(|weight| **weight < 0.0).sum::<f32>();
@@ -230,7 +230,7 @@ fn opponent(rgb: Rgb) -> Vec3 {
     )
 }
 
-/// Hunt-adjusted L*a*b* of a filtered colour in YCxCz, which is first cut off where displays end.
+/// Hunt-adjusted L*a*b* of a filtered colour in YCxCz, which is first clamped to the range of displays.
 fn seen(opponent: Vec3) -> Vec3 {
     let y = (opponent.x + 16.0) / 116.0;
     let xyz = Vec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0) * WHITE;
@@ -250,7 +250,7 @@ fn adjusted_lab(rgb: Rgb) -> Vec3 {
     Vec3::new(lightness, 5.0 * lightness * (x - y), 2.0 * lightness * (y - z))
 }
 
-/// The distance HyAB: that of lightnesses plus that of hues and chromas.
+/// The distance HyAB: the distance of lightness plus that of hue and chroma.
 fn hyab(a: Vec3, b: Vec3) -> f32 {
     let difference = a - b;
     difference.x.abs() + difference.y.hypot(difference.z)
@@ -264,7 +264,7 @@ fn greatest_color_error() -> f32 {
     hyab(adjusted_lab(Vec3::Y), adjusted_lab(Vec3::Z)).powf(COLOR_EXPONENT)
 }
 
-/// The distance of two colours in [0, 1]: those up to 0.4 of the greatest one take the range up to 0.95.
+/// The error of two colours in [0, 1]: distances up to 0.4 of the greatest one are mapped to the range up to 0.95.
 fn color_error(a: Vec3, b: Vec3, greatest: f32) -> f32 {
     let error = hyab(a, b).powf(COLOR_EXPONENT);
     let knee = 0.4 * greatest;

@@ -1,4 +1,4 @@
-//! Colours for numbers, dark to bright.
+//! A colour map for numbers, from dark to bright.
 
 use crate::color::Rgb;
 

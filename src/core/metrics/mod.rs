@@ -1,7 +1,6 @@
-//! Figures of how much two pictures differ.
+//! Measures of the difference between two pictures.
 //!
-//! Pictures are slices of linear Rec. 709 colours, row by row from the top left. One is the reference, which the other
-//! is measured against.
+//! Pictures are slices of linear Rec. 709 colours, row by row from the top left. One of the two is the reference.
 
 mod convolution;
 mod errors;

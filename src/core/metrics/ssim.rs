@@ -1,5 +1,5 @@
-//! The structural similarity of what a display shows (Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment:
-//! From Error Visibility to Structural Similarity", 2004).
+//! The structural similarity of displayed colours (Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment: From
+//! Error Visibility to Structural Similarity", 2004).
 
 use super::convolution::{convolve, normalized_kernel};
 use crate::color::{Rgb, luminance, srgb_from_linear};
@@ -10,8 +10,8 @@ const DEVIATION: f32 = 1.5;
 const C1: f32 = 0.01 * 0.01;
 const C2: f32 = 0.03 * 0.03;
 
-/// The mean similarity in [-1, 1] of pictures of `width` pixels in a row, 1 for equal ones. Compared are the luminances
-/// of the sRGB-encoded colours, cut off at 1, where the window lies within the picture. None for pictures of different
+/// The mean similarity in [-1, 1] of pictures of `width` pixels in a row, 1 for equal ones. It compares the luminances
+/// of the sRGB-encoded colours, clamped at 1, where the window is within the picture. None for pictures of different
 /// sizes or with less than 11 pixels along a side.
 pub fn ssim(picture: &[Rgb], reference: &[Rgb], width: usize) -> Option<f32> {
     let window = 2 * RADIUS + 1;

@@ -1,26 +1,26 @@
 //! Errors in units of their standard deviation, for pictures whose noise is known.
 //!
 //! The pixels of two unbiased pictures have z-scores of mean 0 and of root mean square 1; 0.27 % of them are beyond 3
-//! if the noise is Gaussian. So these figures tell a real difference from noise, where errors alone do not.
+//! if the noise is Gaussian. So z-scores tell a real difference from noise, which errors alone cannot.
 
 use crate::color::Rgb;
 
-/// Figures of the z-scores of all components whose variance is known.
+/// Statistics of the z-scores of all components whose variance is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZScores {
-    /// The mean, which a bias moves away from 0.
+    /// The mean, which bias shifts away from 0.
     pub mean: f32,
     /// The root mean square.
     pub rms: f32,
-    /// The share beyond 3 and -3, in [0, 1].
+    /// The share of z-scores beyond 3 and -3, in [0, 1].
     pub beyond_three: f32,
     /// The number of components with a variance above zero.
     pub count: u64,
 }
 
-/// The z-scores of the difference of two pictures. `variances` are of the values of the first and of the second
-/// picture, one of which may be exact; each has as many pixels as the pictures. None if sizes differ or no component
-/// has a variance.
+/// The z-scores of the difference of two pictures. `variances` belong to the values of the first and of the second
+/// picture, None for an exact one; each has as many pixels as the pictures. None if sizes differ or no component has a
+/// variance.
 pub fn z_scores(picture: &[Rgb], reference: &[Rgb], variances: [Option<&[Rgb]>; 2]) -> Option<ZScores> {
     let is_wrong = |variance: &&[Rgb]| variance.len() != picture.len();
     if picture.len() != reference.len() || variances.iter().flatten().any(is_wrong) {

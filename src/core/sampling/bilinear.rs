@@ -1,18 +1,18 @@
-//! A density on the unit square, bilinear between the nodes of a regular grid: what a bilinearly filtered picture is
-//! sampled by.
+//! A density on the unit square, bilinear between the nodes of a regular grid, by which bilinearly filtered pictures
+//! are sampled.
 //!
 //! The marginal over rows is piecewise linear, and so is the conditional within any line between two rows: the blend of
 //! the rows' cumulative sums. Both are inverted by bisection and a quadratic (compare PBR 4th ed., appendix A.4 and
-//! A.5, for the constant case). The rounding of sums (6e-8 of a row) moves shares between neighbours but adds up to
-//! nothing. The share of a cell is taken from the densities at its corners, not from the difference of two sums, so
-//! that it is covered evenly however small it is.
+//! A.5, for the constant case). The rounding of sums (6e-8 of a row) moves probability between neighbours without
+//! changing the total. The probability of a cell is taken from the densities at its corners, not from the difference of
+//! two sums, so that points cover it evenly however small it is.
 
 use glam::DVec2;
 
 use crate::math::{Mask, Real, Word};
 
-/// Half a step of the 24-bit random numbers: they stand for the middle of their interval, so that no sample falls on a
-/// node of density 0.
+/// Half a step of the 24-bit random numbers. Each number is moved to the middle of its interval, so that no sample
+/// falls on a node of density 0.
 const HALF_STEP: f32 = 0.5 / (1 << 24) as f32;
 
 /// A draw from a [`PiecewiseBilinear2d`].
@@ -28,29 +28,30 @@ pub struct SquareSample<R: Real = f32> {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     density: f32,
-    /// The integral from the left edge to the node along its row.
+    /// The integral along the row up to the node.
     before: f32,
 }
 
-/// A density on [0, 1]^2 given at the nodes of a grid, whose outer nodes lie on the border.
+/// A density on [0, 1]^2 given at the nodes of a grid, whose outer nodes are on the border.
 #[derive(Clone, Debug)]
 pub struct PiecewiseBilinear2d {
     columns: usize,
     rows: usize,
-    /// Row by row. What a sample needs of a node is in one line of the cache.
+    /// The nodes row by row. The data of a node are in one cache line.
     nodes: Vec<Node>,
     /// The integral over the square up to each row.
     up_to_row: Vec<f32>,
-    /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On
-    /// generating random variates from an empirical distribution, 1974).
+    /// The columns at which the search in a row starts: the row's probability is divided into equal intervals, and
+    /// these are the columns of their starts (Chen and Asau, On generating random variates from an empirical
+    /// distribution, 1974).
     guides: Vec<u32>,
-    /// The number of such shares in a row.
+    /// The number of such intervals in a row.
     shares: usize,
-    /// The rows before which equal shares of the square lie, likewise.
+    /// The rows at which the search in the square starts, for equal intervals of the whole probability.
     row_guides: Vec<u32>,
 }
 
-/// The number of columns, or of rows, in a share. Those of most shares are in one line of the cache.
+/// The number of columns, or of rows, in an interval. Most intervals are in one cache line.
 const PER_SHARE: usize = 2;
 
 impl PiecewiseBilinear2d {
@@ -193,7 +194,7 @@ impl PiecewiseBilinear2d {
         [first, first + columns]
     }
 
-    /// A figure of the nodes in a column, at the place `t` between two rows, which are given by their first nodes.
+    /// A value of the nodes in a column, interpolated at `t` between two rows, which are given by their first nodes.
     #[inline(always)]
     fn between<R: Real>(&self, rows: [R::Word; 2], column: R, t: R, figure: impl Fn(&Node) -> f32) -> R {
         let [above, below] = rows.map(|row| R::gather(row + column.whole(), |node| figure(&self.nodes[node])));
@@ -201,13 +202,13 @@ impl PiecewiseBilinear2d {
     }
 }
 
-/// The share of so many that a number in [0, 1) is in.
+/// The index of the interval of [0, 1) that holds `u`, among `shares` equal ones.
 #[inline(always)]
 fn share_of<R: Real>(u: R, shares: usize) -> R::Word {
     (u * R::splat(shares as f32)).min(R::splat((shares - 1) as f32)).whole()
 }
 
-/// The last place before `last` whose sum is not above `target`. It is in [first, beyond), but for rounding.
+/// The last index before `last` whose sum is not above `target`. It is in [first, beyond), up to rounding.
 #[inline(always)]
 fn last_below<R: Real>([first, beyond, last]: [R; 3], target: R, sum: impl Fn(R) -> R) -> R {
     let mut low = first.only(sum(first).is_at_most(target));

@@ -1,8 +1,8 @@
 //! Tabulated distributions: a choice among weights, and a piecewise constant density on [0, 1).
 //!
-//! Both invert the cumulative sum instead of using an alias table: the inverse is monotonic, so well spread numbers
-//! give well spread choices. A guide table (Chen and Asau 1974) makes the search constant time on average. Two
-//! dimensions: `bilinear.rs`.
+//! Both invert the cumulative sum instead of using an alias table: the inverse is monotonic, so well distributed
+//! numbers give well distributed choices. A guide table (Chen and Asau 1974) makes the search constant time on average.
+//! Two dimensions are in `bilinear.rs`.
 
 use super::ONE_MINUS_EPSILON;
 
@@ -10,7 +10,7 @@ use super::ONE_MINUS_EPSILON;
 /// frequency.
 const CELLS: u32 = 1 << 24;
 
-/// The most positive weights of which each is granted a cell of its own.
+/// The most positive weights with a guaranteed cell each.
 const MOST_GRANTED: usize = (CELLS / 2) as usize;
 
 /// A draw from a [`DiscreteDistribution`].
@@ -20,8 +20,8 @@ pub struct DiscreteSample {
     pub index: u32,
     /// The probability of the choice.
     pub pmf: f32,
-    /// The rest of the random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands
-    /// of weights draw a fresh number instead.
+    /// The remaining random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands of
+    /// weights draw a fresh number instead.
     pub remapped_u: f32,
 }
 
@@ -38,7 +38,7 @@ pub struct DiscreteDistribution {
 impl DiscreteDistribution {
     /// Builds from weights of any scale. Negative and non-finite weights count as zero. `None` if none is positive.
     ///
-    /// Every positive weight stays possible, however small: the probabilities are those of the weights within 2^-24 per
+    /// Every positive weight stays possible, however small: the probabilities equal the weights within 2^-24 per
     /// weight.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let weights = || weights.iter().map(|&weight| usable(weight));
@@ -57,7 +57,7 @@ impl DiscreteDistribution {
                 ((sum / total * shared).round() as u32 + seen).min(CELLS)
             }))
             .collect();
-        // The last positive weight's sum may have been rounded below the total; zeros behind it must stay empty.
+        // Rounding may have put the last positive weight's sum below the total; zeros behind it must stay empty.
         let last_boundary = boundaries.last().copied().unwrap_or(0);
         for boundary in boundaries
             .iter_mut()
@@ -85,12 +85,12 @@ impl DiscreteDistribution {
         })
     }
 
-    /// The number of weights that it was built from.
+    /// The number of weights.
     pub fn len(&self) -> usize {
         self.boundaries.len() - 1
     }
 
-    /// Always false: there is something to choose.
+    /// Always false: a positive weight is required.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -142,7 +142,7 @@ pub struct ContinuousSample {
 pub struct PiecewiseConstant1d {
     /// The cumulative probability at the start of each step, and 1 at the end.
     cumulative: Vec<f32>,
-    /// The step at each of n equal distances of the probability, where a search begins (Chen and Asau, On Generating
+    /// The steps at which a search starts, for n equal intervals of the probability (Chen and Asau, On Generating
     /// Random Variates from an Empirical Distribution, 1974).
     guide: Vec<u32>,
     integral: f32,
@@ -217,21 +217,21 @@ impl PiecewiseConstant1d {
     }
 }
 
-/// The last step that starts at `u` in [0, 1) or below, sought from the step `near` on.
+/// The last step whose start is at most `u` in [0, 1), searched from the step `near` on.
 #[inline(always)]
 fn cell_at(cumulative: &[f32], near: usize, u: f32) -> usize {
     let mut cell = near;
     while cumulative[cell + 1] <= u {
         cell += 1;
     }
-    // Rounding may have led to the next entry of the guide.
+    // Rounding may have given the next entry of the guide.
     while cumulative[cell] > u {
         cell -= 1;
     }
     cell
 }
 
-/// A weight as a number that can be summed: finite and not negative.
+/// The weight in double precision; zero if it is negative or not finite.
 fn usable(weight: f32) -> f64 {
     if weight.is_finite() {
         f64::from(weight.max(0.0))

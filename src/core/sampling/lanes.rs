@@ -6,7 +6,7 @@ use super::sampler::{
 use crate::math::PerLane;
 use crate::math::lanes::{Lanes, WordLanes};
 
-/// The samplers of sixteen paths, whatever their pixels and indices.
+/// The samplers of sixteen paths with any pixels and indices.
 #[derive(Clone, Debug)]
 pub struct SamplerLanes {
     kind: SequenceKind,
@@ -85,7 +85,7 @@ impl SamplerLanes {
         let [shuffle_seed, seed_x, seed_y] = pcg3d([sequence, block, dimension]);
         let mut index = reverse_bits(scramble_reversed(index, shuffle_seed));
         let seeds = [seed_x, seed_y];
-        // Beyond the first surface no path needs it.
+        // Paths need it up to the first surface only.
         if is_spread.any() {
             let place = shuffle_quads(scramble_reversed(place, shuffle_seed), seeds) & is_spread;
             for (bit, &column) in OF_PLACE.iter().enumerate() {
@@ -96,7 +96,7 @@ impl SamplerLanes {
     }
 }
 
-/// Samplers of one kind.
+/// The samplers of a batch are of one kind.
 impl PerLane for Sampler {
     type Lanes = SamplerLanes;
 
@@ -152,7 +152,7 @@ impl PerLane for Sampler {
 
 #[inline(always)]
 fn reverse_bits(words: WordLanes) -> WordLanes {
-    // It is written as a loop, for which compilers know an instruction.
+    // Compilers turn this loop into one instruction.
     let mut words = words.to_array();
     for word in &mut words {
         *word = word.reverse_bits();
@@ -215,7 +215,7 @@ fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
     x ^ (x * word(0x53a2_2864))
 }
 
-/// The same as in [`super::sampler`], in lanes.
+/// [`super::sampler`]'s function in lanes.
 #[inline(always)]
 fn shuffle_quads(place: WordLanes, seeds: [WordLanes; 2]) -> WordLanes {
     let (high, low) = (place & word(QUADS), (place >> 1) & word(QUADS));

@@ -7,11 +7,11 @@ use crate::math::Real;
 /// `other_pdf`.
 ///
 /// Both densities are in the same measure. The weight is zero if the sample was impossible (`pdf` 0), one if only its
-/// density is without bound, and one half if both are. No finite densities overflow.
+/// density is infinite, and one half if both are. No finite densities overflow.
 #[inline(always)]
 pub fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    // Equal densities share, also where their ratio is no number.
+    // Equal densities get equal weights, also where their ratio is NaN.
     let ratio = R::select(other_pdf.equals(pdf), one, other_pdf / pdf);
     R::select(pdf.equals(zero), zero, one / ratio.mul_add(ratio, one))
 }

@@ -1,7 +1,7 @@
 //! Random and low-discrepancy numbers, and the maps from them to directions, points and choices.
 //!
-//! Everything here is a pure function of its arguments: no global state, so that a picture does not depend on who drew
-//! which sample.
+//! All functions are pure and without global state, so that a picture does not depend on the order in which samples are
+//! drawn.
 
 mod bilinear;
 mod distribution;

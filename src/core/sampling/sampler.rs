@@ -3,13 +3,13 @@
 //! `Independent` is white noise. `Sobol` is the first two dimensions of the Sobol sequence with hashed Owen scrambling,
 //! padded: every draw is a differently scrambled and differently shuffled copy of the same good 2D sequence (Burley,
 //! Practical Hash-based Owen Scrambling, JCGT 9(4), 2020), so there is no limit on dimensions and no correlation
-//! between draws. Within one draw the first 2^k samples of a pixel form a (0, k, 2)-net. In the first few draws, which
-//! are of the camera and the first surface, pixels near each other share a sequence and take parts of it that complete
-//! each other, so that their errors differ in sign and what is left of them in the eye, or in a blurred picture, is
-//! less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of
-//! pixels, 2020; there for one known number of samples, here whatever that is). These are pixels of quads of one
-//! colour, as on a chess board: quads that share an edge are independent, because adaptive sampling has one decide
-//! about the other. In later draws all pixels are independent of each other.
+//! between draws. Within one draw the first 2^k samples of a pixel form a (0, k, 2)-net. In the first few draws, for
+//! the camera and the first surface, nearby pixels share a sequence and take complementary parts of it, so that their
+//! errors differ in sign and cancel in the eye or in a blurred picture (Ahmed and Wonka, Screen-space blue-noise
+//! diffusion of Monte Carlo sampling error via hierarchical ordering of pixels, 2020; there for one known number of
+//! samples, here for any). Sharing is among pixel quads of one colour of a chess board: quads that share an edge are
+//! independent, because adaptive sampling uses one to decide about the other. In later draws all pixels are
+//! independent.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -17,7 +17,7 @@ use super::{
 };
 use glam::{UVec2, Vec2};
 
-/// The kind of numbers that a [`Sampler`] gives.
+/// The kind of numbers of a [`Sampler`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SequenceKind {
     /// White noise.
@@ -33,16 +33,16 @@ pub(crate) const SPREAD_DIMENSIONS: u32 = 7;
 /// The logarithm of the edge of a block of pixels that share two sequences for these draws.
 pub(super) const BLOCK_BITS: u32 = 4;
 
-/// The bit of a place that tells the colour of its quad.
+/// The bit of a pixel's place in its block that holds the colour of its quad.
 pub(crate) const COLOUR: u32 = 1;
 
-/// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next
-/// to them.
+/// A mask of the higher bit of each pair of bits of a place: one pair for the place in a quad of pixels, one for that
+/// quad in a larger one, and so on.
 pub(super) const QUADS: u32 = 0x55;
 
-/// The effect of the bits of a pixel's place on the index into the sequence. (With t = 0 throughout, index, place, x
-/// and y would be nets in four dimensions, which base 2 does not have.) Found by a random search for small t, where few
-/// samples count more.
+/// The generator matrix from the bits of a pixel's place to the index into the sequence. (With t = 0 throughout, index,
+/// place, x and y would be nets in four dimensions, which base 2 does not have.) Found by a random search for small t,
+/// where few samples have more weight.
 pub(super) const OF_PLACE: [u32; 2 * BLOCK_BITS as usize] = [
     0xf4d372, 0x194c6b, 0xebcd64, 0x6500de, 0xb61727, 0x6d3e1e, 0x0a1176, 0xbe79db,
 ];
@@ -57,7 +57,7 @@ pub struct Sampler {
     pub(super) counter: Counter<u32>,
 }
 
-/// The seeds of a sample's numbers, which follow from them and the dimension: of one sample, or of one in each lane.
+/// The hashes from which, with a dimension, the seeds of a sample's numbers follow: for one sample, or one per lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counter<Word> {
     /// A hash of the pixel and the seed, and one of the pixel's block and the seed.
@@ -69,9 +69,9 @@ pub(super) struct Counter<Word> {
     pub index: Word,
 }
 
-/// A pixel's number within its block, the most significant bit lowest: that bit is the colour of the pixel's quad, as
-/// on a chess board of quads, and the others go along a curve of Morton through the quads of that colour, whose row
-/// within four pixels follows from the column.
+/// A pixel's number within its block, in reversed bit order: the lowest bit is the colour of the pixel's quad on a
+/// chess board of quads, and the others follow a Morton curve through the quads of that colour, whose row within four
+/// pixels follows from the column.
 pub(crate) fn place_in_block(x: u32, y: u32) -> u32 {
     let colour = (x ^ y) >> 1 & 1;
     let bits = |of: u32| {
@@ -83,7 +83,7 @@ pub(crate) fn place_in_block(x: u32, y: u32) -> u32 {
 }
 
 impl Sampler {
-    /// The sampler of sample `sample_index` of `pixel`. Any seed is as good as any other.
+    /// The sampler of sample `sample_index` of `pixel`. All seeds are equally good.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
         let [_, of_block, _] = pcg3d([pixel.x >> BLOCK_BITS, pixel.y >> BLOCK_BITS, seed]);
@@ -160,7 +160,7 @@ impl Sampler {
 
 /// Nested uniform (Owen) scrambling in base 2 of a number whose most significant digit is bit 0: each bit is flipped by
 /// a hash of the bits below it and the seed. The hash of Laine and Karras with the constants of Vegdahl (Building a
-/// Better LK Hash, 2021): additions and multiplications carry upwards only, which is all that is asked of it.
+/// Better LK Hash, 2021): additions and multiplications carry upwards only, as Owen scrambling requires.
 fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -169,9 +169,9 @@ fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Deals the places of each quad out anew: which two of its four belong together differs from draw to draw, or else
-/// errors that two draws have in common would add up. What is done to a quad depends on the larger ones that it is in,
-/// lest stripes be seen. (All 24 orders: Ahmed and Wonka 2020. Here the twelve even ones, with the scrambling before.)
+/// Permutes the places within each quad: the two pairs among its four pixels differ from draw to draw, since the errors
+/// of two draws with the same pairs would add up. The permutation of a quad depends on the larger quads around it, to
+/// avoid stripes. (All 24 orders: Ahmed and Wonka 2020. Here the twelve even ones, with the scrambling before.)
 fn shuffle_quads(place: u32, seeds: [u32; 2]) -> u32 {
     let (high, low) = (place & QUADS, place >> 1 & QUADS);
     let both = high ^ low;

@@ -1,27 +1,27 @@
 //! Uniform sampling of the solid angle under which a rectangle is seen, from one point or from sixteen.
 //!
 //! Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles, EGSR 2013. In single
-//! precision, which wants another formula for the solid angle than the sum of angles there. Only for rectangles; a
-//! parallelogram that is none is sampled by area.
+//! precision, which needs another formula for the solid angle than the paper's sum of angles. Only for rectangles;
+//! other parallelograms are sampled by area.
 
 use glam::Vec3;
 
 use crate::math::{Real, Vector, atan2, real_struct, sin_cos};
 
-/// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no
-/// more.
+/// Cosine of the angle between the edges up to which a parallelogram counts as a rectangle: just the rounding of an
+/// `f32` transform.
 const PERPENDICULARITY: f64 = 1e-5;
 
 /// Below this solid angle (sr) sampling by area is as good, and this method runs out of digits.
 const SMALLEST_SOLID_ANGLE: f32 = 1e-3;
 
-/// Beside a rectangle and lower than this over its plane, relative to the distance, this method runs out of digits as
-/// well.
+/// The method also runs out of digits for origins beside a rectangle and lower than this above its plane, relative to
+/// the distance.
 const LOWEST: f32 = 0.02;
 
 real_struct! {
     #[same]
-    /// A rectangle, prepared to be looked at from many points.
+    /// A rectangle prepared to be seen from many points.
     pub struct Rectangle<R> {
         corner: R::Vec3,
         /// Unit vectors along the edges, and the normal.
@@ -46,7 +46,7 @@ pub struct SphericalRectangle<R: Real = f32> {
     solid_angle: R,
 }
 
-/// Cosine and sine of an angle: sums of angles without the angles.
+/// Cosine and sine of an angle, to add angles without computing them.
 #[derive(Clone, Copy)]
 struct Turn<R> {
     cos: R,
@@ -54,7 +54,7 @@ struct Turn<R> {
 }
 
 impl<R: Real> Turn<R> {
-    /// The direction of (x, y) at a distance.
+    /// The direction of (x, y), seen from the origin.
     #[inline(always)]
     fn towards(x: R, y: R) -> Self {
         let scale = R::ONE / length(x, y);
@@ -105,7 +105,7 @@ impl Rectangle {
 }
 
 impl<R: Real> Rectangle<R> {
-    /// The point with these shares of the edges, from 0 to 1.
+    /// The point at these fractions of the edges, from 0 to 1.
     #[inline(always)]
     pub fn at(&self, [a, b]: [R; 2]) -> R::Vec3 {
         self.corner
@@ -130,23 +130,23 @@ impl<R: Real> Rectangle<R> {
         }
     }
 
-    /// The solid angle of the rectangle at these places, `height` over the origin.
+    /// The solid angle of the rectangle from `x[0]` to `x[1]` and `y[0]` to `y[1]`, `height` above the origin.
     ///
-    /// It is a sum of four arc tangents. Those at both ends of a short edge are nearly alike where the rectangle looks
-    /// thin or small, so that their difference is taken without them. The long edges have digits enough.
+    /// It is a sum of four arc tangents. At both ends of a short edge they are nearly equal where the rectangle looks
+    /// thin or small, so their difference is computed directly. The long edges have digits enough.
     #[inline(always)]
     fn solid_angle(&self, x: [R; 2], y: [R; 2], height: R) -> R {
         let is_high = self.width.is_less(self.height);
         let choose = |high: [R; 2], wide: [R; 2]| [0, 1].map(|end| R::select(is_high, high[end], wide[end]));
         let (long, short, extent) = (choose(y, x), choose(x, y), self.width.min(self.height));
-        // The scale is such that no product overflows.
+        // The scale prevents products from overflowing.
         let largest = |[a, b]: [R; 2]| a.abs().max(b.abs());
         let scale = R::ONE / largest(x).max(largest(y)).max(height);
         let [l0, l1] = long.map(|l| l * scale);
         let [s0, s1] = short.map(|s| s * scale);
         let (z, extent) = (height * scale, extent * scale);
         let is_beside = (s0 * s1).is_more(R::ZERO);
-        // The angle under which the short edge at `l` adds to the solid angle on its left.
+        // The angle by which the short edge at `l` contributes to the solid angle on its left.
         let angle = |l: R| {
             let square = l.mul_add(l, z * z);
             let (r0, r1) = (s0.mul_add(s0, square).sqrt(), s1.mul_add(s1, square).sqrt());
@@ -172,12 +172,12 @@ impl<R: Real> SphericalRectangle<R> {
         R::ONE / self.solid_angle
     }
 
-    /// A mask of where it can be sampled: not in the rectangle's plane, nor beside it and low above that, nor where the
-    /// solid angle is tiny. Sample by area there.
+    /// A mask of the origins for which it can be sampled: not in the rectangle's plane, nor beside it and low above the
+    /// plane, nor where the solid angle is tiny. Sample by area elsewhere.
     #[inline(always)]
     pub fn is_large(&self) -> R::Mask {
         let height = self.above.abs();
-        // How far the origin is beside it.
+        // The distance of the origin beside the rectangle.
         let gap = |[a, b]: [R; 2]| a.abs().min(b.abs()).only((a * b).is_more(R::ZERO));
         let is_low = height.is_less(gap(self.x).max(gap(self.y)) * R::splat(LOWEST));
         R::is_above(self.solid_angle, SMALLEST_SOLID_ANGLE) & R::is_above(height, 0.0) & !is_low
@@ -192,7 +192,7 @@ impl<R: Real> SphericalRectangle<R> {
         // between neighbours is acos(-n n') = pi / 2 + asin(n n').
         let [n0, n2, n3] = [-y0, y1, -x0].map(|offset| Turn::towards(height, offset));
         let last = Turn::of_sines(n2, n3).then(Turn::of_sines(n3, n0));
-        // The angle at which the solid angle left of x is zero, pi less those two.
+        // The angle at which the solid angle left of x is zero: pi less the two angles above.
         let start = Turn {
             cos: -last.cos,
             sin: last.sin,

@@ -1,14 +1,14 @@
 //! Uniform sampling of the solid angle under which a triangle is seen.
 //!
 //! Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995; the solid angle after Van Oosterom and Strackee
-//! 1983. In double precision inside, for the sake of slivers.
+//! 1983. Computed in double precision, for the sake of slivers.
 
 use glam::{DVec3, Vec2, Vec3};
 
 /// Below this solid angle (sr) a triangle is sampled by area nearly as well, and faster.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-3;
 
-/// Sine of the first corner's angle on the sphere below which there are not the digits to divide by it.
+/// Sine of the first corner's angle on the sphere below which the division by it loses too many digits.
 const LEAST_SINE: f64 = 1e-6;
 
 /// A triangle as seen from one point, prepared for sampling.
@@ -38,7 +38,7 @@ impl SphericalTriangle {
         let [p0, p1, p2] = corners.map(Vec3::as_dvec3);
         let [to_a, to_b, to_c] = [p0 - origin, p1 - origin, p2 - origin];
         let normal = (p1 - p0).cross(p2 - p0);
-        // It is six times the tetrahedron's volume, and small against the lengths where there is little to see.
+        // It is six times the tetrahedron's volume, and small against the lengths where the triangle looks small.
         let volume = to_a.dot(normal).abs();
         let (a_length, b_length, c_length) = (to_a.length(), to_b.length(), to_c.length());
         let product = a_length * b_length * c_length;
@@ -94,7 +94,7 @@ impl SphericalTriangle {
     }
 }
 
-/// The unit vector towards `v` that is perpendicular to the unit vector `axis`; zero if there is none.
+/// The unit vector towards `v` that is perpendicular to the unit vector `axis`; zero if `v` is parallel to it.
 fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
     (v - v.dot(axis) * axis).normalize_or_zero()
 }

@@ -1,4 +1,4 @@
-//! Numbers of which it is not known beforehand how many are needed.
+//! Random numbers for loops with an unknown number of draws.
 
 use super::hash::pcg4d;
 use super::sampler::Sampler;

@@ -2,7 +2,7 @@
 //! densities.
 //!
 //! Directions are unit vectors in a local frame with z up. All maps are continuous almost everywhere, so that well
-//! spread numbers stay well spread.
+//! distributed numbers stay well distributed.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -20,7 +20,7 @@ pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     let eighth = R::splat(FRAC_PI_4) * ratio;
     let angle = R::select(is_wide, eighth, R::splat(FRAC_PI_2) - eighth);
     let (sin, cos) = sin_cos(angle);
-    // In the very middle it is 0 / 0.
+    // At the centre it is 0 / 0.
     let is_off_centre = !radius.equals(R::ZERO);
     [(radius * cos).only(is_off_centre), (radius * sin).only(is_off_centre)]
 }
@@ -49,7 +49,7 @@ pub fn uniform_sphere<R: Real>([u, v]: [R; 2]) -> R::Vec3 {
     R::Vec3::of(radius * cos, radius * sin, z)
 }
 
-/// The direction that has gone this part of a turn around the axis, at the height `z`.
+/// The direction at the height `z`, rotated about the z axis by the fraction `turn` of a full turn.
 #[inline(always)]
 pub(crate) fn at_height<R: Real>([turn, z]: [R; 2]) -> R::Vec3 {
     let (sin, cos) = sin_cos(R::splat(TAU) * turn);
@@ -70,8 +70,8 @@ pub const UNIFORM_HEMISPHERE_PDF: f32 = 1.0 / TAU;
 
 /// Uniform directions within the cone around z whose half angle has cosine `1 - one_minus_cos`, in (0, 2].
 ///
-/// It takes 1 - cos because narrow cones have lost it in the cosine; from the sine s of a half angle below 90 degrees
-/// it is s^2 / (1 + sqrt(1 - s^2)). The density is [`uniform_cone_pdf`].
+/// The argument is 1 - cos because the cosine of narrow cones has lost it; from the sine s of a half angle below 90
+/// degrees it is s^2 / (1 + sqrt(1 - s^2)). The density is [`uniform_cone_pdf`].
 #[inline(always)]
 pub fn uniform_cone<R: Real>(u: [R; 2], one_minus_cos: R) -> R::Vec3 {
     let [x, y] = concentric_disk(u);

@@ -13,7 +13,7 @@ use crate::color::{Rgb, luminance};
 pub enum Filter {
     /// The texel that the point lies in.
     Nearest,
-    /// A mean of the four texels around the point, weighted by how near they are.
+    /// The mean of the four texels around the point, weighted by their distances.
     #[default]
     Bilinear,
 }
@@ -21,7 +21,7 @@ pub enum Filter {
 /// The continuation of a picture outside of the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture again.
+    /// The picture is repeated.
     #[default]
     Repeat,
     /// The picture is repeated, and every other repetition is mirrored.
@@ -30,22 +30,22 @@ pub enum Wrap {
     Clamp,
 }
 
-/// A picture with the way it is looked at; the picture itself is shared.
+/// A picture with its filter, wrap mode and transform; the picture itself is shared.
 #[derive(Clone, Debug)]
 pub struct Bitmap {
-    /// The picture, which is looked up at `to_uv` times uv.
+    /// The picture, which is sampled at `to_uv` times uv.
     pub image: Arc<Image>,
-    /// How values between texel centres come about.
+    /// The interpolation between texel centres.
     pub filter: Filter,
-    /// What lies outside of the unit square along u and along v.
+    /// The continuation outside of the unit square, along u and along v.
     pub wrap: [Wrap; 2],
-    /// Take the samples as they are, without decoding them to linear: for pictures of data.
+    /// Whether samples are used without decoding to linear, for pictures of data.
     pub raw: bool,
-    /// Applied to uv before the look-up.
+    /// The transform of uv before sampling.
     pub to_uv: Affine2,
 }
 
-/// Two bitmaps are equal if they show the same picture in the same way; samples are not compared.
+/// Two bitmaps are equal if they share a picture and its settings; samples are not compared.
 impl PartialEq for Bitmap {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.image, &other.image)
@@ -53,7 +53,7 @@ impl PartialEq for Bitmap {
     }
 }
 
-/// Beyond this many texels from the origin a coordinate has no fraction left.
+/// A coordinate more texels than this from the origin has no fraction left.
 const FARTHEST: f32 = (1 << 30) as f32;
 
 impl Bitmap {
@@ -101,7 +101,7 @@ impl Bitmap {
         let (x, y) = (whole(at.x), whole(at.y));
         let fraction = at - at.floor();
         let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| self.texel(x, y));
-        // A place that is not a number has no fraction.
+        // A NaN coordinate has no fraction.
         (corners, if fraction.is_finite() { fraction } else { Vec2::ZERO })
     }
 
@@ -113,13 +113,13 @@ impl Bitmap {
     }
 }
 
-/// NaN is 0.
+/// The texel index of a coordinate; 0 for NaN.
 fn whole(coordinate: f32) -> i64 {
     coordinate.floor().clamp(-FARTHEST, FARTHEST) as i64
 }
 
 impl Wrap {
-    /// The texel in `0..count` that stands for `at`.
+    /// The texel in `0..count` used for the index `at`.
     fn apply(self, at: i64, count: u32) -> u32 {
         let count = i64::from(count);
         let within = match self {

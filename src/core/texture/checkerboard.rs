@@ -5,23 +5,23 @@ use glam::{Affine2, Vec2};
 use super::Parameter;
 use crate::color::Rgb;
 
-/// Two by two squares per unit of transformed uv. As a colour, `colors[0]` is at the origin; as a number it is
-/// `colors[1]`: that is how Mitsuba 3.9 has it, and its scenes are made to look right there.
+/// Two by two squares per unit of transformed uv. For colours, `colors[0]` is at the origin; for numbers it is
+/// `colors[1]`, as in Mitsuba 3.9, for which scenes are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
     /// The two colours, each of which may be a texture before this one in the table.
     pub colors: [Parameter<Rgb>; 2],
-    /// Applied to uv before the look-up.
+    /// The transform of uv before sampling.
     pub to_uv: Affine2,
 }
 
 impl Checkerboard {
-    /// The colour of the square that `uv` lies in.
+    /// The colour of the square that holds `uv`.
     pub(super) fn color(&self, uv: Vec2) -> Parameter<Rgb> {
         self.colors[usize::from(self.is_odd(uv))]
     }
 
-    /// The number of the square that `uv` lies in.
+    /// The number of the square that holds `uv`.
     pub(super) fn number(&self, uv: Vec2) -> Parameter<Rgb> {
         self.colors[usize::from(!self.is_odd(uv))]
     }

@@ -1,7 +1,7 @@
 //! Colours of OpenEXR pictures in other primaries than those of Rec. 709.
 //!
-//! They keep the light that they are: nothing is adapted to another white, as in Mitsuba and in the functions of
-//! OpenEXR itself.
+//! The physical light of a colour is kept: there is no adaptation to another white point, as in Mitsuba and in the
+//! functions of OpenEXR itself.
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::Vec2;
@@ -11,11 +11,11 @@ use super::image::Samples;
 
 /// The primaries and the white of Rec. 709.
 const REC_709: [[f32; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
-/// What differs by less from [`REC_709`] is the same: others round the numbers.
+/// Coordinates that differ from [`REC_709`] by less count as equal: programs round them.
 const AS_GOOD_AS_EQUAL: f32 = 1e-3;
 
-/// Turns pixels of three channels into those of Rec. 709. They stay as they are where they have its primaries already,
-/// and where the file's span no colours.
+/// Converts pixels of three channels to Rec. 709. They are unchanged if they have its primaries already, or if the
+/// file's primaries are degenerate.
 pub(super) fn to_rec709(samples: Samples, file: &Chromaticities) -> Samples {
     let points = [file.red, file.green, file.blue, file.white].map(|Vec2(x, y)| [x, y]);
     let differs = |(a, b): (&[f32; 2], &[f32; 2])| (0..2).any(|i| (a[i] - b[i]).abs() > AS_GOOD_AS_EQUAL);

@@ -1,12 +1,12 @@
 //! Reads OpenEXR pictures: half or single floats, of the channels that make a colour.
 //!
-//! Names count after a prefix: renderers name layers so (`ViewLayer.Combined.R`). Chosen are R, G, B of a part, of
-//! whichever part has all, else of several parts that have one each, else Y, else the channel of a part that has no
-//! other; names without a prefix come before those with one, and a colour has one prefix.
+//! Names count after a prefix, by which renderers name layers (`ViewLayer.Combined.R`). The reader chooses R, G, B of
+//! one part with all three, else of several parts with one each, else Y, else the channel of a part that has no other;
+//! names without a prefix come before those with one, and a colour has one prefix.
 //!
-//! The display window is the picture: it is black outside of the data window, and what is outside of it is left out, as
-//! in OpenEXR's own viewer. Where both do not meet, the data window is the picture. Colours of other primaries become
-//! those of Rec. 709 ([`super::exr_color`]).
+//! The display window is the picture: it is black outside of the data window, and data outside of it are dropped, as in
+//! OpenEXR's own viewer. Where the two do not overlap, the data window is the picture. Colours of other primaries
+//! become those of Rec. 709 ([`super::exr_color`]).
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -27,7 +27,7 @@ pub(crate) fn is_exr(bytes: &[u8]) -> bool {
 }
 
 pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileError> {
-    // The colour of one layer is taken out while all layers are still there.
+    // The colour of one layer is copied while all layers are still in memory.
     let mut memory = reserve_exr(bytes, |_| COLOR_BYTES + ENVIRONMENT_BYTES)?;
     let file = read_exr_parts(bytes)?;
     let channels = channels_of(&file);
@@ -77,8 +77,8 @@ pub(crate) fn read_exr_parts(bytes: &[u8]) -> std::result::Result<FlatImage, Ima
         .map_err(refused)
 }
 
-/// Reserves, before pixels are read, what the headers promise, and so many more bytes for each pixel of a part, whose
-/// number of channels is given. An error for files of kinds that are not read.
+/// Reserves the memory that the headers declare before pixels are read, and further bytes for each pixel of a part, by
+/// its number of channels. An error for kinds of files that are not supported.
 pub(crate) fn reserve_exr(
     bytes: &[u8],
     more_bytes: impl Fn(usize) -> u64,
@@ -113,8 +113,8 @@ pub(crate) fn reserve_exr(
     all.reserve(bytes.len())
 }
 
-/// The most pixels of a display window beyond the data, in all and for each pixel with data; the larger one counts. A
-/// window costs a file nothing.
+/// The most pixels of a display window beyond the data, in all and per pixel with data; the larger limit counts. A
+/// large window takes no bytes of a file.
 const MOST_AROUND: u64 = 1 << 24;
 const MOST_FOR_EACH: u64 = 4096;
 
@@ -163,14 +163,14 @@ impl Window {
 /// A channel of a part.
 struct PartChannel<'a> {
     part: usize,
-    /// Whether the part has no other.
+    /// Whether the part has no other channel.
     is_only: bool,
-    /// The whole name.
+    /// The full name.
     name: String,
-    /// The name behind the last dot, and what is before it.
+    /// The name after the last dot, and the prefix before it.
     last: String,
     prefix: String,
-    /// The prefix, or without one that of the part's name.
+    /// The prefix, or else that of the part's name.
     group: String,
     window: Window,
     samples: &'a FlatSamples,
@@ -205,7 +205,7 @@ fn channels_of(file: &FlatImage) -> Vec<PartChannel<'_>> {
     channels
 }
 
-/// The channels of the colour, three or one, all of one window.
+/// The channels of the colour, three or one, all with the same window.
 fn color_of<'a, 'b>(channels: &'a [PartChannel<'b>]) -> Option<Vec<&'a PartChannel<'b>>> {
     let grey = || {
         let greys = channels.iter().filter(|channel| channel.last.eq_ignore_ascii_case("Y"));
@@ -217,8 +217,8 @@ fn color_of<'a, 'b>(channels: &'a [PartChannel<'b>]) -> Option<Vec<&'a PartChann
         .or_else(|| grey().or_else(only).map(|channel| vec![channel]))
 }
 
-/// R, G and B of one window and one group, each of which has a number and a name. Groups without a name come first,
-/// else those that the file has first.
+/// R, G and B with the same window and group, each of which has a number and a name. Groups without a name come first,
+/// then in the order of the file.
 fn rgb<'a, 'b>(
     channels: &'a [PartChannel<'b>],
     group: impl Fn(&'a PartChannel<'b>) -> (usize, &'a String),
@@ -248,7 +248,7 @@ fn rgb<'a, 'b>(
     })
 }
 
-/// The channels side by side, of each pixel of the frame; zero outside of the window that they are of. Halves if all
+/// Interleaves the channels for each pixel of the frame; zero outside of their window. The samples are halves if all
 /// channels are, else floats.
 fn interleave(channels: &[&PartChannel], data: &Window, frame: &Window) -> Samples {
     let halves: Option<Vec<&[f16]>> = channels
@@ -270,7 +270,7 @@ fn interleave(channels: &[&PartChannel], data: &Window, frame: &Window) -> Sampl
     }
 }
 
-/// The number in the data of each pixel of a frame; None outside of the data.
+/// The index into the data for each pixel of a frame; None outside of the data.
 fn places(data: &Window, frame: &Window) -> impl Iterator<Item = Option<usize>> {
     let [width, height] = data.size;
     let [dx, dy] = [0, 1].map(|axis| frame.first[axis] - data.first[axis]);

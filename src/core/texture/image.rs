@@ -1,6 +1,6 @@
-//! A picture in memory, as compact as its file has it: 8-bit samples stay 8-bit and are decoded at each look.
+//! A picture in memory, as compact as its file: 8-bit samples stay 8-bit and are decoded at each lookup.
 //!
-//! Rows go from the top down. Alpha is not kept: no texture of the format shows it.
+//! Rows go from the top down. Alpha is dropped: no texture of the format uses it.
 
 use std::sync::{LazyLock, OnceLock};
 
@@ -11,7 +11,7 @@ use crate::color::{BRIGHTEST, Rgb, linear_from_srgb, linear_from_srgb8};
 use crate::memory::{self, Held, Reservation, Shortage};
 use crate::sampling::PiecewiseBilinear2d;
 
-/// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
+/// Samples row by row from the top left, with the channels of a pixel adjacent. Integers stand for [0, 1].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
     /// Eight bits.
@@ -45,8 +45,8 @@ pub enum Transfer {
 }
 
 /// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments, so
-/// that these bytes are reserved together with such a picture; those for other pictures are reserved when the tables
-/// are made.
+/// these bytes are reserved together with such a picture; those for other pictures are reserved when the tables are
+/// built.
 pub(super) const ENVIRONMENT_BYTES: u64 = PiecewiseBilinear2d::BYTES_PER_NODE;
 
 /// A picture of one channel (grey) or three (Rec. 709), at least one pixel large.
@@ -58,14 +58,14 @@ pub struct Image {
     samples: Samples,
     transfer: Transfer,
     not_finite: usize,
-    /// The means of the linear and of the raw values, once they were needed.
+    /// The means of the linear and of the raw values, computed at the first use.
     means: [OnceLock<Rgb>; 2],
     memory: Held,
 }
 
 impl Image {
-    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some. What is infinite or no
-    /// number becomes 0: a single such pixel would spoil every average, and a light that is chosen by it.
+    /// `None` unless there are 1 or 3 channels, at least one pixel, and as many samples as the size needs. Infinite and
+    /// NaN samples become 0: a single such pixel would spoil every average, and the sampling of a light by it.
     pub fn new(width: u32, height: u32, channels: usize, mut samples: Samples, transfer: Transfer) -> Option<Self> {
         let wanted = (width as usize).checked_mul(height as usize)?.checked_mul(channels)?;
         if !(matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len()) {
@@ -88,13 +88,13 @@ impl Image {
         })
     }
 
-    /// The same picture, which keeps what is reserved for it.
+    /// The picture, which keeps its memory reserved.
     pub(super) fn holding(mut self, memory: Reservation) -> Self {
         self.memory = memory.into();
         self
     }
 
-    /// Memory of the samples in bytes, and of the tables that an environment makes of floats.
+    /// Memory of the samples in bytes, and of the tables for floats as an environment.
     pub(super) fn memory_bytes(&self) -> u64 {
         let count = self.samples.len() as u64;
         let pixels = count / self.channels as u64;
@@ -107,7 +107,7 @@ impl Image {
     }
 
     /// Reserves memory for the tables by which the picture is sampled as an environment, unless it is a part of the
-    /// picture's own.
+    /// picture's own reservation.
     pub fn reserve_environment(&self) -> Result<Held, Shortage> {
         match &self.samples {
             Samples::F16(_) | Samples::F32(_) => Ok(self.memory.clone()),
@@ -118,7 +118,7 @@ impl Image {
         }
     }
 
-    /// One pixel of one linear value.
+    /// A single pixel of a linear value.
     pub fn uniform(value: f32) -> Self {
         Self {
             width: 1,
@@ -132,23 +132,22 @@ impl Image {
         }
     }
 
-    /// The number of pixels that had a channel that was infinite or no number, which is 0 here.
+    /// The number of pixels with an infinite or NaN channel, which is 0 here.
     pub fn not_finite(&self) -> usize {
         self.not_finite
     }
 
-    /// Brings what is above [`BRIGHTEST`], or below its negative, to that; the number of pixels that had such a
-    /// channel.
+    /// Clamps channels to [`BRIGHTEST`] and its negative, and returns the number of pixels that changed.
     pub fn limit(&mut self) -> usize {
         let limited = |sample: f32| (sample.abs() > BRIGHTEST).then(|| BRIGHTEST.copysign(sample));
         match &mut self.samples {
-            // None of their numbers is as large.
+            // These formats have no numbers as large.
             Samples::U8(_) | Samples::U16(_) | Samples::F16(_) => 0,
             Samples::F32(samples) => replace(samples, self.channels, limited),
         }
     }
 
-    /// The number of pixels that have a channel below zero, which only pictures of floats can have.
+    /// The number of pixels with a negative channel, which only pictures of floats can have.
     pub fn negative_pixels(&self) -> usize {
         fn count<T>(samples: &[T], channels: usize, is_negative: impl Fn(&T) -> bool) -> usize {
             let pixels = samples.chunks_exact(channels);
@@ -171,12 +170,12 @@ impl Image {
         self.height
     }
 
-    /// What the samples mean.
+    /// The transfer function of the samples.
     pub fn transfer(&self) -> Transfer {
         self.transfer
     }
 
-    /// 1 or 3.
+    /// The number of channels, 1 or 3.
     pub fn channels(&self) -> usize {
         self.channels
     }
@@ -186,7 +185,7 @@ impl Image {
         self.texel(x, y, false)
     }
 
-    /// [`Self::pixel`], but `raw` leaves out the decoding to linear.
+    /// [`Self::pixel`]; `raw` skips the decoding to linear.
     pub(super) fn texel(&self, x: u32, y: u32, raw: bool) -> Rgb {
         let first = (y as usize * self.width as usize + x as usize) * self.channels;
         let decoded = self.transfer == Transfer::Srgb && !raw;
@@ -231,7 +230,7 @@ impl Image {
     }
 }
 
-/// Puts what `other` gives in the place of samples; the number of pixels in which it gives something.
+/// Replaces samples by the value of `other`, and returns the number of pixels in which it gave one.
 fn replace<T: Copy>(samples: &mut [T], channels: usize, other: impl Fn(T) -> Option<T>) -> usize {
     let mut pixels = 0;
     for pixel in samples.chunks_exact_mut(channels) {
@@ -246,7 +245,7 @@ fn replace<T: Copy>(samples: &mut [T], channels: usize, other: impl Fn(T) -> Opt
     pixels
 }
 
-/// They are too many to compute each time, and 16-bit pictures are not rare.
+/// These are too many values to compute each time, and 16-bit pictures are not rare.
 static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| {
     (0..=u16::MAX)
         .map(|code| linear_from_srgb(f32::from(code) / 65_535.0))

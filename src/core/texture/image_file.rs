@@ -1,5 +1,5 @@
-//! Bytes of a file -> [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance HDR and PFM
-//! (linear). The content decides which it is, never the name.
+//! Decodes the bytes of a file to an [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance
+//! HDR and PFM (linear). The content decides on the format, never the name.
 
 use std::io::Cursor;
 
@@ -20,7 +20,7 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
         return pfm_file::load_pfm(bytes);
     }
     if bytes.starts_with(b"#?") {
-        // Strict would be to insist on `#?RADIANCE`, where many write `#?RGBE`.
+        // A strict decoder would insist on `#?RADIANCE`, where many programs write `#?RGBE`.
         return decode(
             HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(damaged)?,
             bytes.len(),
@@ -38,7 +38,7 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
     decode(limited_decoder(bytes, format)?, bytes.len())
 }
 
-/// Decodes a whole file of this format, one of those with integers. What is reserved with it are its samples and
+/// Decodes a whole file of this format, one with integers. The memory reserved with it is that of its samples and
 /// `more_bytes` for each pixel.
 pub(crate) fn decode_picture(
     bytes: &[u8],
@@ -48,14 +48,13 @@ pub(crate) fn decode_picture(
     decode_reserved(limited_decoder(bytes, format)?, bytes.len(), more_bytes)
 }
 
-/// The most memory in bytes that a decoder of PNG takes beside the picture: for colour profiles, texts and rows.
+/// The most bytes of memory of a PNG decoder beside the picture: for colour profiles, texts and rows.
 const BESIDE_PNG: u64 = 64 << 20;
 
-/// The most memory that a decoder may take for itself. The picture is reserved, and what a PNG file has packed beside
-/// it is not.
+/// The most memory that a decoder may take for itself. The picture is reserved, unlike other data packed in a PNG file.
 fn most_memory(bytes: &[u8], format: ImageFormat) -> u64 {
     let budget = memory::budget().limit();
-    // The size stands in the first chunk.
+    // The size is in the first chunk.
     let sides = bytes.get(16..24).filter(|_| format == ImageFormat::Png);
     let Some(sides) = sides.map(|sides| sides.as_chunks::<4>().0) else {
         return budget;
@@ -105,7 +104,7 @@ fn decode_reserved(
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, memory))
 }
 
-/// TGA begins with no magic number: whether the first 18 bytes make sense as its header.
+/// Whether the first 18 bytes are a plausible TGA header; TGA has no magic number.
 fn may_be_tga(bytes: &[u8]) -> bool {
     let Some(header) = bytes.first_chunk::<18>() else {
         return false;

@@ -1,13 +1,13 @@
-//! The common part of readers of picture files: the errors, and the check of the size that a header promises.
+//! The common part of readers of picture files: the errors, and the check of the size that a header declares.
 //!
-//! The promised size is compared with the length of the file before memory is taken for it.
+//! The declared size is compared with the length of the file before memory is taken for it.
 
 use thiserror::Error;
 
 use super::image::Image;
 use crate::memory::{self, Reservation, Shortage};
 
-/// Why bytes are no picture. Callers add the file's name.
+/// The reason why bytes are not a picture. Callers add the file's name.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageFileError {
@@ -33,23 +33,23 @@ pub enum ImageFileError {
     UnsupportedExr(String),
 }
 
-/// The most bytes of a picture that any format packs into one: DWAB needs two bytes for a constant block of 64 halves,
-/// and deflate packs 1032 of those into one.
+/// The most bytes of a picture in one byte of any compressed format: DWAB needs two bytes for a constant block of 64
+/// halves, and deflate packs 1032 of those into one.
 const MOST_PER_BYTE: u64 = 64 * 1032;
 
-/// The size that the header of a picture promises.
+/// The size that the header of a picture declares.
 pub(super) struct PromisedSize {
     /// Width and height in pixels.
     pub width: u64,
     pub height: u64,
     /// Bytes that the file must hold, before compression.
     pub decoded_bytes: u64,
-    /// Bytes of memory that decoding takes at most, and the picture afterwards.
+    /// The most bytes of memory for decoding and for the picture afterwards.
     pub memory_bytes: u64,
 }
 
 impl PromisedSize {
-    /// Reserves the memory. An error if the picture cannot come from so short a file, or does not fit into the budget.
+    /// Reserves the memory. An error if the file is too short for the picture, or the budget too small.
     pub fn reserve(&self, file_bytes: usize) -> Result<Reservation, ImageFileError> {
         let (width, height) = (self.width, self.height);
         if width == 0 || height == 0 {
@@ -70,7 +70,7 @@ impl PromisedSize {
     }
 }
 
-/// The picture, which keeps of `memory` only what its samples need.
+/// The picture, which keeps only the part of `memory` that its samples need.
 pub(super) fn hold(image: Image, mut memory: Reservation) -> Result<Image, ImageFileError> {
     let bytes = image.memory_bytes().min(memory.bytes());
     memory.resize(bytes).map_err(|shortage| ImageFileError::Memory {

@@ -1,4 +1,4 @@
-//! Values that vary over a surface: the contract of every texture, and the dispatch to them.
+//! Values that vary over a surface: the contract of all textures, and the dispatch to them.
 //!
 //! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are
 //! either constant or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
@@ -32,10 +32,10 @@ pub use mesh_attribute::MeshAttribute;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TextureId(pub u32);
 
-/// A parameter that is the same everywhere, or varies as a texture does.
+/// A parameter that is constant or textured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter<T> {
-    /// The same value everywhere.
+    /// The value of a constant parameter.
     Constant(T),
     /// A texture of the scene's table.
     Texture(TextureId),
@@ -46,7 +46,7 @@ pub enum Parameter<T> {
 pub struct TexturePoint<'a> {
     /// Surface coordinates, before the texture's own transform.
     pub uv: Vec2,
-    /// The place on the mesh, if the surface is one: what mesh attributes are interpolated by.
+    /// The point on the mesh, if the surface is one, at which mesh attributes are interpolated.
     pub mesh: Option<MeshPoint<'a>>,
 }
 
@@ -57,7 +57,7 @@ impl TexturePoint<'_> {
     }
 }
 
-/// A place on a triangle of a mesh.
+/// A point on a triangle of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshPoint<'a> {
     /// The mesh whose attributes may be looked up.
@@ -103,7 +103,7 @@ impl TextureTable {
         self.textures.get(id.0 as usize)
     }
 
-    /// The parameter's colour at a place, linear Rec. 709. A grey texture gives three equal components.
+    /// The parameter's colour at a point, linear Rec. 709. A grey texture gives three equal components.
     pub fn color(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
         match parameter {
             Parameter::Constant(color) => color,
@@ -111,14 +111,13 @@ impl TextureTable {
         }
     }
 
-    /// The light that a colour stands for: nothing where the colour is negative, as pixels of EXR and PFM pictures may
-    /// be.
+    /// The parameter as emitted light: negative colours, which pixels of EXR and PFM pictures may have, are black.
     pub fn light(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
         self.color(parameter, at).max(Rgb::ZERO)
     }
 
-    /// A picture in colour gives its luminance; a colour of a checkerboard gives its mean, as one that stands alone
-    /// does when it is read.
+    /// The parameter's number at a point. A colour picture gives its luminance; a colour of a checkerboard gives its
+    /// mean, as a single colour does when a scene is read.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,
@@ -126,8 +125,8 @@ impl TextureTable {
         }
     }
 
-    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, from which bumps are made. Zero but for
-    /// bilinear bitmaps, as in Mitsuba.
+    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, for bump maps. Zero except for bilinear
+    /// bitmaps, as in Mitsuba.
     pub(crate) fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
         match parameter {
             Parameter::Constant(_) => Vec2::ZERO,

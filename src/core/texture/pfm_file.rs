@@ -4,8 +4,8 @@
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, hold};
 
-/// `bytes` begin with `PF` (colour) or `Pf` (grey). The scale's sign names the byte order; its size multiplies the
-/// samples, as in Mitsuba.
+/// Reads a file that begins with `PF` (colour) or `Pf` (grey). The scale's sign gives the byte order; its magnitude
+/// multiplies the samples, as in Mitsuba.
 pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
     let damaged = |what: &str| ImageFileError::Damaged(what.to_owned());
     let channels = if bytes.starts_with(b"PF") { 3 } else { 1 };
@@ -25,7 +25,7 @@ pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
         .and_then(|text| text.parse::<f32>().ok())
         .filter(|scale| scale.is_finite() && *scale != 0.0)
         .ok_or_else(|| damaged("no scale follows width and height"))?;
-    // A single blank parts the header from the samples.
+    // A single blank separates the header from the samples.
     let body = rest.get(1..).unwrap_or_default();
     let row = u64::from(width) * channels as u64 * 4;
     let wanted = row.saturating_mul(height.into());
