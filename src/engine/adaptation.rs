@@ -1,5 +1,5 @@
-//! The adaptive part of a job: what is known of its noise, and the rounds in which the blocks of a tile get different
-//! numbers of samples. What they are and why pictures stay unbiased: [`crate::render::noise::adaptive`].
+//! The adaptive part of a job: the noise estimated so far, and the rounds in which the blocks of a tile get different
+//! numbers of samples. [`crate::render::noise::adaptive`] explains both and why pictures stay unbiased.
 
 use std::iter::successors;
 use std::ops::Range;
@@ -13,8 +13,8 @@ use crate::render::tile::{Tile, TileSamples};
 /// The mean samples of a visit to a tile.
 const VISIT: u32 = 16;
 
-/// A round of a tile whose blocks differ in their samples, in visits. At each power of two of a block's samples a visit
-/// ends, so that halves can be compared.
+/// A round of a tile whose blocks get different numbers of samples, divided into visits. A visit ends at each power of
+/// two of a block's samples, so that halves can be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TileRound {
     /// The samples of the mean pixel before and after the round.
@@ -24,13 +24,13 @@ pub(super) struct TileRound {
     steps: u32,
     from: PerBlock<u32>,
     to: PerBlock<u32>,
-    /// The present numbers.
+    /// The samples of each block so far.
     counts: PerBlock<u32>,
 }
 
 impl TileRound {
-    /// A round in which the mean pixel grows from the start of `mean` to its end, and blocks from `from` to `to`, or
-    /// less where a round is too short for their powers of two.
+    /// A round in which the mean pixel goes from the start of `mean` to its end, and blocks from `from` to `to`
+    /// samples, or to fewer where the round is too short for their powers of two.
     pub fn new(mean: Range<u32>, from: PerBlock<u32>, to: PerBlock<u32>) -> Self {
         let most = (mean.len() as u32).max(1);
         let reachable = |from: u32| next_power(from).saturating_mul(1 << (most - 1).min(31));
@@ -54,12 +54,12 @@ impl TileRound {
         }
     }
 
-    /// Whether the mean pixel has so many samples within the round.
+    /// Whether the mean pixel has `done` samples within the round.
     pub fn covers(&self, done: u32) -> bool {
         self.mean.contains(&done)
     }
 
-    /// The mean samples after the visit that begins with `done` of them, and the samples of each block.
+    /// The mean samples after the visit that begins at `done` mean samples, and the samples of each block in it.
     pub fn visit(&self, done: u32) -> (u32, PerBlock<Range<u32>>) {
         let (length, visits) = (self.mean.len() as u64, u64::from(self.visits));
         let next = (u64::from(done - self.mean.start) * visits).div_ceil(length) + 1;
@@ -69,14 +69,14 @@ impl TileRound {
             let steps = u64::from(self.steps);
             let wanted = from + (u64::from(to - from) * next.min(steps) / steps) as u32;
             let end = wanted.min(next_power(count));
-            // The first visit of a picture gives every block its first sample, which tells what is there.
+            // The first visit of a picture gives every block a first sample, so that its noise can be estimated.
             let least = if count == 0 { to.min(1) } else { count };
             count..end.max(least)
         };
         (end, std::array::from_fn(range))
     }
 
-    /// What [`Adaptation::write`] has written of a round.
+    /// Reads a round that [`Adaptation::write`] has written.
     fn read(from: &mut Reader) -> Result<Self, Damaged> {
         let (mean, visits, steps) = (from.u32()?..from.u32()?, from.u32()?, from.u32()?);
         let mut blocks: [PerBlock<u32>; 3] = [[0; _]; 3];
@@ -102,7 +102,7 @@ impl TileRound {
         }
     }
 
-    /// Takes note of a visit.
+    /// Records that a visit is done.
     pub fn advance(&mut self, visited: &PerBlock<Range<u32>>) {
         self.counts = std::array::from_fn(|block| visited[block].end);
     }
@@ -119,7 +119,7 @@ fn next_power(samples: u32) -> u32 {
 /// The adaptive part of a job.
 pub(super) struct Adaptation {
     noise: NoiseMap,
-    /// The last round of each tile whose blocks differ in their samples.
+    /// The last round of each tile whose blocks have different numbers of samples.
     rounds: Vec<Option<Box<TileRound>>>,
 }
 
@@ -131,12 +131,12 @@ impl Adaptation {
         }
     }
 
-    /// Whether the blocks of one of these tiles differ in their samples.
+    /// Whether the blocks of one of these tiles have different numbers of samples.
     pub fn has_differences(&self, tiles: &[usize]) -> bool {
         tiles.iter().any(|&index| self.rounds[index].is_some())
     }
 
-    /// Takes note of samples of a tile that were added to the film.
+    /// Records samples of a tile that were added to the film.
     pub fn note(&mut self, index: usize, samples: &TileSamples, film: &Film) {
         if let (Some(blocks), Some(round)) = (&samples.blocks, &mut self.rounds[index]) {
             round.advance(blocks);
@@ -144,15 +144,14 @@ impl Adaptation {
         }
     }
 
-    /// The samples that a tile with `done` of them is on its way to: those at the end of its round, if it is in one.
+    /// The samples that a tile with `done` of them will reach: those at the end of its round, if it is in one.
     pub fn on_the_way_to(&self, index: usize, done: u32) -> u32 {
         let round = self.rounds[index].as_ref().filter(|round| round.covers(done));
         round.map_or(done, |round| round.mean.end)
     }
 
-    /// Plans a round: the tiles at `active` have so many samples of the mean pixel, by tile in `done`, and get `end`.
-    /// With `is_adaptive` their blocks differ as their neighbours say, and else they keep the differences that they
-    /// have.
+    /// Plans a round for the tiles at `active`, from their samples of the mean pixel in `done`, by tile, to `end`. With
+    /// `is_adaptive` the samples of their blocks follow the noise around them; otherwise existing differences are kept.
     pub fn plan(&mut self, active: &[usize], done: &[u32], end: u32, is_adaptive: bool, film: &Film) {
         if is_adaptive {
             let may_begin = |index: &&usize| done[**index] > 0 && self.rounds[**index].is_none();
@@ -190,7 +189,7 @@ impl Adaptation {
         &self.rounds
     }
 
-    /// Writes what has been found and planned.
+    /// Writes the noise and the rounds.
     pub fn write(&self, to: &mut Writer) {
         self.noise.write(to);
         for round in &self.rounds {
@@ -203,7 +202,7 @@ impl Adaptation {
         }
     }
 
-    /// Takes up what [`Self::write`] has written of the same picture.
+    /// Reads the noise and the rounds that [`Self::write`] has written for the same picture.
     pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
         self.noise.read(from)?;
         for round in &mut self.rounds {

@@ -1,4 +1,4 @@
-//! The mesh attributes that textures name and shapes do not have.
+//! Warnings about mesh attributes that textures name and meshes lack.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use super::pack::group::Layout;
 use crate::accel::Primitive;
 use crate::scene::{Parameter, ShapeKind, Texture};
 
-/// Says which shapes lack an attribute that their material or their light is to be coloured by. One message for each
-/// mesh and attribute: there may be many shapes of a mesh.
+/// Warns about shapes without an attribute that a texture of their material or light names. There is one message for
+/// each mesh and attribute, since a mesh may have many shapes.
 pub(super) fn missing_attributes(authored: &Authored, layout: &Layout) -> Vec<String> {
     let of_materials = attributes_of_materials(authored);
     let of_light = |entity: Entity| {
@@ -75,7 +75,7 @@ fn attributes_of_materials(authored: &Authored) -> EntityHashMap<BTreeSet<String
             outer.entry(inner).or_default().push(entity);
         }
     }
-    // From the inside out, until nothing is new: also where materials contain each other.
+    // Spreads from inner to outer materials until nothing changes, so that cycles of materials end.
     let mut news: Vec<Entity> = found.keys().copied().collect();
     while let Some(inner) = news.pop() {
         let names = found.get(&inner).cloned().unwrap_or_default();

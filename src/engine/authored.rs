@@ -1,4 +1,4 @@
-//! The queries by which extraction reads the world, and the order of the file for lists of it.
+//! The queries by which extraction reads the world, and lists of entities in the order of the file.
 
 use bevy::asset::{AssetServer, UntypedAssetId};
 use bevy::ecs::query::QueryData;
@@ -20,7 +20,7 @@ use crate::scene::{
 };
 use crate::shading::DielectricModel;
 
-/// What is read of a shape.
+/// The components of a shape that extraction reads.
 #[derive(QueryData)]
 pub(super) struct AuthoredShape {
     pub entity: Entity,
@@ -44,7 +44,7 @@ pub(super) struct SidesOf {
 }
 
 impl SidesOfItem<'_, '_> {
-    /// The inner and the outer one.
+    /// The inner and the outer medium.
     pub fn entities(&self) -> [Option<Entity>; 2] {
         [
             self.interior.map(|medium| medium.0),
@@ -54,12 +54,12 @@ impl SidesOfItem<'_, '_> {
 }
 
 impl<'w> AuthoredShapeItem<'w, '_> {
-    /// The name in messages.
+    /// The name of the shape in messages.
     pub fn name(&self) -> String {
         name_of("shape", *self.order, self.id)
     }
 
-    /// Its components by which it is packed.
+    /// The components from which the shape is packed.
     pub fn source(&self) -> ShapeSource<'w> {
         ShapeSource {
             order: *self.order,
@@ -153,8 +153,8 @@ pub(super) struct Authored<'w, 's> {
 }
 
 impl Authored<'_, '_> {
-    /// Packs all materials in the order of the file. Problems are added to `errors`, and a stand-in replaces a material
-    /// that cannot be packed.
+    /// Packs all materials in the order of the file. Problems are added to `errors`, and a material that cannot be
+    /// packed is replaced by the default.
     pub(crate) fn pack_materials(
         &self,
         model: DielectricModel,
@@ -176,18 +176,18 @@ impl Authored<'_, '_> {
         pack_materials(&sources, model, textures, errors)
     }
 
-    /// Whether a file was looked for and could not be read.
+    /// Whether a file was requested and could not be read.
     pub(super) fn has_failed(&self, id: impl Into<UntypedAssetId>) -> bool {
         let server = self.asset_server.as_deref();
         server.is_some_and(|server| server.load_state(id).is_failed())
     }
 
-    /// Whether all shapes that a medium is inside of are hidden. It is not there then.
+    /// Whether all shapes with this medium inside are hidden, which removes the medium.
     fn are_hidden(&self, shapes: &InteriorOf) -> bool {
         !shapes.is_empty() && shapes.iter().all(|shape| self.hidden.contains(shape))
     }
 
-    /// Packs all media in the order of the file; none if the integrator leaves them out.
+    /// Packs all media in the order of the file; none if the integrator ignores media.
     pub(crate) fn pack_media(&self, errors: &mut Vec<String>) -> PackedMedia {
         if !self.integrator.plugin.traces_media() {
             return PackedMedia::default();
@@ -210,7 +210,7 @@ impl Authored<'_, '_> {
         pack_media(&authored, &volumes, errors)
     }
 
-    /// Where the scene file names the grid of a medium's density; None for one without a file.
+    /// The grid file of a medium's density, as the scene file names it; None without a file.
     pub fn place_of_density(&self, medium: Entity) -> Option<String> {
         let (_, _, _, medium, _) = self.media.get(medium).ok()?;
         match medium.coefficients.sigma_t_and_albedo().0 {
@@ -219,7 +219,7 @@ impl Authored<'_, '_> {
         }
     }
 
-    /// Packs the lights that are no surfaces in the order of the file and adds them to `lights`.
+    /// Packs the lights that are not surfaces in the order of the file and adds them to `lights`.
     pub(crate) fn pack_emitters(
         &self,
         context: &mut LightContext,

@@ -1,7 +1,7 @@
-//! What the integrator `auto` stands for.
+//! The choice of the integrator `auto`.
 //!
-//! Jobs know nothing of it: a view has an integrator at any time, and that is path tracing until there is a choice.
-//! [`choosing`](super::choosing) makes the choice.
+//! Jobs do not know `auto`: a view always has a concrete integrator, which is path tracing until a choice is made by
+//! [`choosing`](super::choosing).
 
 use bevy::prelude::*;
 
@@ -11,23 +11,23 @@ use crate::render::scene::RenderScene;
 use crate::render::view::{Integrator, View};
 use crate::scene::{IntegratorSettings, PathPlugin};
 
-/// The last choice.
+/// The last choice and its circumstances.
 #[derive(Resource, Default)]
 pub(super) struct AutoIntegrator(pub Option<(Seen, Choice)>);
 
-/// What a choice is for.
+/// The circumstances for which a choice was made.
 #[derive(Clone)]
 pub(super) struct Seen {
     pub scene: RenderScene,
     /// The view of the pilot.
     pub pilot: View,
-    /// What the pilot could do for the number of samples; None where the choice is for any number, as that of a
-    /// picture that goes on.
+    /// The budget of the pilot for a number of samples; None if the choice is for any number, as for a picture without
+    /// an end.
     pub budget: Option<Budget>,
 }
 
 impl Seen {
-    /// What a choice is for that holds for any number of samples.
+    /// The circumstances of a choice for any number of samples.
     pub fn of(scene: &RenderScene, view: &View) -> Self {
         Self {
             scene: scene.clone(),
@@ -36,7 +36,7 @@ impl Seen {
         }
     }
 
-    /// What the choice for so many samples per pixel is for.
+    /// The circumstances of a choice for this number of samples per pixel.
     pub fn with_samples(scene: &RenderScene, view: &View, per_pixel: u32) -> Self {
         Self {
             budget: Some(Budget::of(samples_of(view, per_pixel))),
@@ -44,7 +44,7 @@ impl Seen {
         }
     }
 
-    /// Whether the scene and the view of the pilot are the same.
+    /// Whether the scene and the view of the pilot are equal.
     fn is_same_sight(&self, other: &Self) -> bool {
         self.pilot == other.pilot && self.scene.is_same(&other.scene)
     }
@@ -59,14 +59,14 @@ pub(super) fn is_auto(settings: &IntegratorSettings, control: &RenderControl) ->
     settings.plugin == PathPlugin::Auto || settings.plugin == PathPlugin::Path && control.path_is_auto
 }
 
-/// The integrator before there is a choice: path tracing, through media where there are any.
+/// The integrator before a choice is made: path tracing, through media if there are any.
 pub(super) fn before_choice(scene: &RenderScene, view: &View) -> Integrator {
     let mut settings = view.integrator.settings();
     settings.media &= !scene.media.is_empty();
     Integrator::Path(settings)
 }
 
-/// The samples of a picture over all pixels.
+/// The samples of a picture, summed over all pixels.
 pub(super) fn samples_of(view: &View, per_pixel: u32) -> u64 {
     u64::from(view.width) * u64::from(view.height) * u64::from(per_pixel)
 }
@@ -76,15 +76,13 @@ impl AutoIntegrator {
         self.0.as_ref().filter(|(known, _)| known.is_same_sight(seen))
     }
 
-    /// The choice for a scene and a view; None while there is none. It may have been made for another number of
-    /// samples.
+    /// The choice for a scene and a view; None before it is made. It may be for another number of samples.
     pub fn choice(&self, scene: &RenderScene, view: &View) -> Option<Choice> {
         self.known(&Seen::of(scene, view)).map(|(_, choice)| *choice)
     }
 
-    /// Whether a picture with so many samples per pixel waits for a choice: for the first one, or for another one where
-    /// the pilot can do more or less than it could. So what is chosen does not depend on how many samples were
-    /// asked for before.
+    /// Whether a picture with this number of samples per pixel waits for a choice: for the first one, or for another
+    /// one because the pilot's budget has changed. So the choice does not depend on earlier numbers of samples.
     pub fn is_awaited(&self, scene: &RenderScene, view: &View, samples: u32) -> bool {
         let seen = Seen::with_samples(scene, view, samples);
         match self.known(&seen) {

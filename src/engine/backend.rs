@@ -1,4 +1,4 @@
-//! The back ends, which turn a scene, a view and pieces of a picture into samples.
+//! The back ends, which render the work items of a scene and a view into samples.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,14 +16,13 @@ use crate::render::view::View;
 
 /// A device that renders. For every back end:
 ///
-/// - What it makes of an item is a function of scene, view, tile and ranges of samples alone: not of the number of its
-///   workers, nor of what it has rendered before or renders beside it. Random numbers are those of
-///   [`crate::sampling::Sampler`].
-/// - A tile's samples are summed up in their order. Those that are not finite count as black and are counted.
-/// - It looks at the flag of its run often enough for a change of the scene not to wait, and gives nothing once that is
-///   set.
+/// - The result of an item is a function of scene, view, tile and ranges of samples alone: not of the number of its
+///   workers, nor of other items, earlier or concurrent. Random numbers are those of [`crate::sampling::Sampler`].
+/// - A tile's samples are summed up in order. Samples that are not finite count as black and are counted.
+/// - It checks its run's flag often enough that a change of the scene does not wait, and returns nothing once the flag
+///   is set.
 pub(super) enum Backend {
-    /// Threads that render a tile each.
+    /// Threads that each render a tile.
     Cpu(ThreadPool),
 }
 
@@ -48,7 +47,7 @@ pub(super) enum TileResult {
 pub(super) type Work = dyn Fn(&WorkItem, &AtomicBool) -> Option<TileResult> + Send + Sync;
 
 impl Backend {
-    /// Starts so many threads, which are `yielding` to the window if there is one.
+    /// Starts this many threads, which are `yielding` to the window if there is one.
     pub fn cpu(threads: usize, yielding: bool) -> Result<Self, ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -62,22 +61,22 @@ impl Backend {
         pool.map(Self::Cpu)
     }
 
-    /// Returns how many items it renders at the same time.
+    /// The number of items that are rendered at the same time.
     pub fn workers(&self) -> usize {
         match self {
             Self::Cpu(pool) => pool.current_num_threads(),
         }
     }
 
-    /// Runs `worker` to its end on one of the workers, once that is free.
+    /// Runs `worker` to its end on a worker thread, as soon as one is free.
     pub fn spawn(&self, worker: impl FnOnce() + Send + 'static) {
         match self {
             Self::Cpu(pool) => pool.spawn(worker),
         }
     }
 
-    /// Returns what its workers do with each item of a picture. With a shutter, samples see its moments, by the
-    /// integrator of the view.
+    /// The function by which workers render each item of a picture. With a shutter, samples see its moments, by the
+    /// view's integrator.
     pub fn work(&self, scene: RenderScene, view: View, shutter: Option<Shutter>, tiles: Arc<[Tile]>) -> Box<Work> {
         let shutter = shutter.map(|shutter| shutter.with_method_of(&view));
         match self {

@@ -1,5 +1,4 @@
-//! The acceleration structures of meshes, one per mesh asset however many shapes show it, built in the background or on
-//! the spot.
+//! The acceleration structures of meshes, one per mesh asset for all its shapes, built in the background or at once.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,8 +18,7 @@ use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
 use crate::scene::{Solid, TriangleMesh};
 
-/// The size up to which meshes are built at once when they are asked for: that takes about a millisecond, less than a
-/// frame.
+/// The size up to which meshes are built at once on request: that takes about a millisecond, less than a frame.
 const SMALL: usize = 4096;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,7 +31,7 @@ pub(super) enum MeshKey {
     },
     Cube,
     Triangle,
-    /// A building part, by its number among those in use.
+    /// A building part, by its number among the parts in use.
     Solid(u64),
 }
 
@@ -60,10 +58,10 @@ pub(super) enum BuildError {
 }
 
 struct Entry {
-    /// The mesh that was asked for last.
+    /// The mesh of the last request.
     data: Arc<MeshData>,
     method: SplitMethod,
-    /// The hierarchy, maybe of older data while a build is running.
+    /// The hierarchy, perhaps of older data while a build is running.
     built: Option<BuiltMesh>,
     /// The build that is running.
     ticket: Option<u64>,
@@ -86,7 +84,7 @@ pub(super) struct BlasCache {
     next_ticket: u64,
     sender: Sender<Finished>,
     finished: Receiver<Finished>,
-    /// A pool apart from the render threads, which are busy until their picture is done. None until it is needed.
+    /// A pool beside the render threads, which are busy until their picture is done. None until it is needed.
     pool: Option<ThreadPool>,
 }
 
@@ -106,12 +104,12 @@ impl Default for BlasCache {
     }
 }
 
-/// The way to build a mesh that has no hierarchy yet.
+/// The settings for building a mesh that has no hierarchy yet.
 #[derive(Clone)]
 pub(super) struct BuildPolicy {
     pub method: SplitMethod,
     pub threads: usize,
-    /// Whether to wait for the build, however long it takes.
+    /// Whether to wait until the build is done.
     pub wait: bool,
     pub wake_up: WakeUp,
 }
@@ -125,18 +123,18 @@ impl BlasCache {
         self.triangle.clone()
     }
 
-    /// The mesh of a building part and its key. Parts of equal numbers share them.
+    /// The mesh of a building part and its key. Parts with equal dimensions share them.
     pub fn solid(&mut self, part: &Solid) -> (MeshKey, Arc<MeshData>) {
         let (number, mesh) = self.solids.get(part);
         (MeshKey::Solid(number), mesh)
     }
 
-    /// Takes the builds that are done; true if there were any.
+    /// Takes in the builds that are done; true if there were any.
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         while let Ok(Finished { key, ticket, result }) = self.finished.try_recv() {
             let Some(entry) = self.entries.get_mut(&key).filter(|entry| entry.ticket == Some(ticket)) else {
-                // The result is superseded or no longer needed.
+                // The result is outdated or no longer needed.
                 continue;
             };
             entry.finish(result);
@@ -153,17 +151,17 @@ impl BlasCache {
         self.entries.values().filter_map(|entry| entry.failure.as_ref())
     }
 
-    /// The meshes in use, each once.
+    /// The meshes in use, without repetition.
     pub fn in_use(&self) -> impl Iterator<Item = &BuiltMesh> {
         self.entries.values().filter_map(|entry| entry.built.as_ref())
     }
 
-    /// Marks the begin of the use. Everything in use must be asked for before [`Self::end_use`].
+    /// Begins a round of requests. Every mesh in use must be requested before [`Self::end_use`].
     pub fn begin_use(&mut self) {
         self.entries.values_mut().for_each(|entry| entry.used = false);
     }
 
-    /// Drops what was not asked for.
+    /// Drops the meshes that were not requested in this round.
     pub fn end_use(&mut self) {
         self.entries.retain(|_, entry| entry.used);
         let entries = &self.entries;
@@ -180,14 +178,14 @@ impl BlasCache {
             .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
     }
 
-    /// Keeps the hierarchy of a mesh whose data is not available just now.
+    /// Keeps the hierarchy of a mesh whose data are not available at the moment.
     pub fn keep(&mut self, key: MeshKey) -> Option<&BuiltMesh> {
         let entry = self.entries.get_mut(&key)?;
         entry.used = true;
         entry.built.as_ref()
     }
 
-    /// The mesh prepared for rays. While it is being built, the result is the former one, or None if there is none.
+    /// The mesh prepared for rays. While it is being built, the result is the old one, or None if there is none.
     pub fn get(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) -> Option<&BuiltMesh> {
         let current = self
             .entries
@@ -251,7 +249,7 @@ impl BlasCache {
         }
     }
 
-    /// The pool with this number of threads. It replaces one with another number.
+    /// The pool with this number of threads, which replaces one with another number.
     pub fn pool(&mut self, threads: usize) -> Result<&ThreadPool, ThreadPoolBuildError> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
@@ -274,7 +272,7 @@ impl Entry {
     }
 }
 
-/// Builds a hierarchy. `similar` is that of the mesh before, built in the same way.
+/// Builds a hierarchy. `similar` is the hierarchy of the mesh before its change, built by the same method.
 fn build(
     mut data: Arc<MeshData>,
     upside_down: bool,

@@ -1,4 +1,4 @@
-//! Drives an app from outside until something is done: loading, or a picture. This is for programs without a window.
+//! Runs an app without a window until loading or a picture is done.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,10 +16,9 @@ use crate::scene::{SceneState, SceneStatus};
 /// The limits of loading and rendering.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// The samples per pixel; None takes those of [`RenderControl`] or the scene.
+    /// The samples per pixel; None takes the number from [`RenderControl`] or the scene.
     pub samples: Option<u32>,
-    /// The rendering time, without loading and building. The pass that is under way is finished unless that takes
-    /// long.
+    /// The rendering time, without loading and building. The current pass is still finished unless that takes long.
     pub time: Option<Duration>,
     /// The time limit for loading the scene and its meshes.
     pub loading: Duration,
@@ -49,7 +48,7 @@ pub enum Outcome {
     Cancelled,
 }
 
-/// The reason why there is no picture, or not all of it.
+/// The reason why there is no picture, or only a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum RenderError {
@@ -64,17 +63,18 @@ pub enum RenderError {
     Failed(String),
 }
 
-/// A wait between two looks at what sends no signal.
+/// The wait between two polls of a state that sends no signal.
 const NAP: Duration = Duration::from_millis(2);
 /// The longest wait while workers are busy. Cancelling and progress are checked in between, and results wait as long,
-/// for each check takes time from the workers.
+/// because each check takes time from the workers.
 const LONGEST_WAIT: Duration = Duration::from_millis(50);
-/// The time beyond the limit that finishing a pass may take: this, or below this share of the limit.
+/// The time beyond the limit that finishing a pass may take: at least `LEAST_GRACE`, or `GRACE_SHARE` of the limit if
+/// that is longer.
 const LEAST_GRACE: Duration = Duration::from_secs(1);
 const GRACE_SHARE: f64 = 0.1;
 
-/// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] tells of meshes that
-/// failed. Rendering waits meanwhile. Where no scene was asked for, loading is done at once. Returns false if it was
+/// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] lists the failed
+/// meshes. Rendering waits meanwhile. If no scene was requested, loading is done at once. Returns false if it was
 /// cancelled.
 pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, RenderError> {
     let begin = Instant::now();
@@ -102,10 +102,10 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
     result
 }
 
-/// Chooses the integrator `auto` of the scene that is packed, for a picture with so many samples per pixel, before it
-/// is rendered; None takes those of the film. It is the same on any number of threads, and for every share of the
-/// picture. A choice that there is stays, and where another integrator is asked for, nothing happens. Returns false if
-/// it was cancelled.
+/// Makes the choice of the integrator `auto` for the packed scene and a picture with this number of samples per pixel,
+/// before it is rendered; None takes the film's number. The choice is the same on any number of threads, and for every
+/// share of the picture. An existing choice stays, and without `auto` nothing happens. Returns false if it was
+/// cancelled.
 pub fn choose_integrator(app: &mut App, samples: Option<u32>, limits: &Limits) -> Result<bool, RenderError> {
     if !load_to_completion(app, limits)? {
         return Ok(false);
@@ -130,7 +130,7 @@ pub fn render_to_completion(
     render_watched(app, limits, |world| progress(world.resource()))
 }
 
-/// [`render_to_completion`] that calls `watch` with all of the world, whose film and job agree with each other.
+/// [`render_to_completion`] that calls `watch` with the whole world while film and job are in agreement.
 pub fn render_watched(app: &mut App, limits: &Limits, watch: impl FnMut(&World)) -> Result<Outcome, RenderError> {
     let waiting = std::thread::current();
     let wake_up = WakeUp(Some(Arc::new(move || waiting.unpark())));
@@ -152,7 +152,7 @@ fn render_until(app: &mut App, limits: &Limits, mut watch: impl FnMut(&World)) -
     if limits.samples.is_some() {
         control.target_samples = limits.samples;
     }
-    // Once the time is up: the pass under way, and when to break it off.
+    // Once the time is up: the samples at the end of the current pass, and when to abandon it.
     let mut last_pass: Option<(u32, Duration)> = None;
     loop {
         app.update();
@@ -181,7 +181,7 @@ fn render_until(app: &mut App, limits: &Limits, mut watch: impl FnMut(&World)) -
                 let grace = LEAST_GRACE.max(time.mul_f64(GRACE_SHARE));
                 last_pass = Some((end.unwrap_or(0), time + grace));
                 if end.is_some() {
-                    // The dispatcher tells the queue its target in every frame: it must hear of the lower one too.
+                    // The dispatcher sets the queue's target in every frame, so that it must know the lower one too.
                     app.world_mut().resource_mut::<RenderControl>().target_samples = end;
                 }
             }
@@ -201,7 +201,7 @@ fn render_until(app: &mut App, limits: &Limits, mut watch: impl FnMut(&World)) -
     }
 }
 
-/// Stops the workers; the film keeps what it has.
+/// Stops the workers; the film keeps its samples.
 fn stop(app: &mut App, outcome: Outcome) -> Outcome {
     app.world_mut().resource_mut::<RenderControl>().paused = true;
     app.update();

@@ -1,8 +1,8 @@
 //! Makes the choice of the integrator `auto`.
 //!
-//! Without a window it is there before the first sample ([`choose_integrator`](super::choose_integrator)). In a window
-//! the first samples are path tracing's, so that a change is seen at once. The pilot begins when the picture has some
-//! samples, on a thread of its own; where it chooses otherwise, the picture begins anew.
+//! Without a window the choice is made before the first sample ([`choose_integrator`](super::choose_integrator)). In a
+//! window the first samples are path traced, so that a change is visible at once. The pilot starts on a thread of its
+//! own when the picture has some samples; if it chooses another integrator, the picture starts again.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,14 +22,14 @@ use crate::render::auto::{Choice, choose};
 use crate::render::view::View;
 use crate::scene::IntegratorSettings;
 
-/// The samples of every pixel before which a window seeks no choice.
+/// The samples of every pixel before which a window starts no pilot.
 const FIRST: u32 = 16;
 
-/// The pilot that is under way in a window.
+/// The pilot run of a window.
 #[derive(Resource, Default)]
 pub(super) struct PilotSearch(Option<Search>);
 
-/// A pilot under way.
+/// A running pilot.
 struct Search {
     seen: Seen,
     cancel: Arc<AtomicBool>,
@@ -42,7 +42,7 @@ impl Drop for Search {
     }
 }
 
-/// Begins the pilot in a window when the picture is ready for it, and takes up what it has found.
+/// Starts the pilot in a window when the picture has enough samples, and takes in its choice.
 pub(super) fn seek_choice(
     mut auto: ResMut<AutoIntegrator>,
     mut search: ResMut<PilotSearch>,
@@ -54,7 +54,7 @@ pub(super) fn seek_choice(
     wake_up: Res<WakeUp>,
     deferred: Res<DeferredDrop>,
 ) {
-    // A choice keeps its scene, which may be large.
+    // The old choice holds its scene, which may be large.
     let is_past = |(seen, _): &(Seen, Choice)| !seen.scene.is_same(&extracted.scene);
     if auto.0.as_ref().is_some_and(is_past) {
         deferred.drop_later(auto.0.take());
@@ -99,7 +99,7 @@ pub(super) fn seek_choice(
         .name("pilot of auto".to_owned())
         .spawn(move || {
             let choice = catch_unwind(AssertUnwindSafe(|| choose(&scene, &view, &guide, samples, 1, &stopped)));
-            // Without one it would be sought for ever.
+            // Without a result it would be started again for ever.
             let _ = result.set(choice.ok().flatten().or(Some(Choice::UNTRIED)));
             if let Some(wake) = &wake_up.0 {
                 wake();
@@ -111,15 +111,14 @@ pub(super) fn seek_choice(
     }
 }
 
-/// Gives the view that is rendered the integrator of the choice.
+/// Sets the chosen integrator in the view that is rendered.
 fn apply(auto: &AutoIntegrator, extracted: &mut Extracted, packed: &mut PackedScene) {
     extracted.take_choice(auto);
     packed.view.clone_from(&extracted.view);
 }
 
-/// The choice for the scene and the view that are packed, for a picture with so many samples per pixel; None takes
-/// those of the film. A choice that there is stays. The error is that it was cancelled, and there is none where another
-/// integrator is asked for.
+/// The choice for the packed scene and view and a picture with this number of samples per pixel; None takes the film's
+/// number. An existing choice stays. None without `auto`; an error if it was cancelled.
 pub(super) fn find_choice(
     world: &World,
     samples: Option<u32>,
@@ -140,10 +139,10 @@ pub(super) fn find_choice(
     choice.map(Some).ok_or(Cancelled)
 }
 
-/// Says that a choice was cancelled.
+/// The error that a choice was cancelled.
 pub(super) struct Cancelled;
 
-/// Has this be the choice for the scene and the view that are packed.
+/// Sets the choice for the packed scene and view.
 pub fn set_choice(world: &mut World, choice: Choice) {
     world.resource_scope(|world, mut extracted: Mut<Extracted>| {
         let Some(view) = &extracted.view else { return };
@@ -153,7 +152,7 @@ pub fn set_choice(world: &mut World, choice: Choice) {
     });
 }
 
-/// What is told of the choice, in a status.
+/// Reports the choice in a status.
 pub(super) fn report(
     status: &mut RenderStatus,
     (auto, search): (&AutoIntegrator, &PilotSearch),
@@ -177,7 +176,7 @@ pub(super) fn report(
         guide_rays: extracted.guide.rays_of_pilot(),
         choice: choice.unwrap_or(Choice::UNTRIED),
     });
-    // A picture that has ended with fewer samples has no pilot.
+    // A picture that ended with fewer samples starts no pilot.
     let is_sought = search.0.is_some() || status.samples >= FIRST.min(status.target);
     let is_awaited = control.interactive && is_sought && auto.is_awaited(&extracted.scene, view, status.target);
     if status.state == RenderState::Done && is_awaited {

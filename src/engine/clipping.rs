@@ -1,13 +1,12 @@
-//! Finds out that a clip plane leaves the whole scene out of the picture, which is then black or all sky without a
-//! visible cause.
+//! Detects a clip plane that cuts off the whole scene: the picture is then black or all sky without a visible cause.
 
 use crate::accel::Tlas;
 use crate::render::camera::Camera;
 
-/// The most items of a scene that is checked: for larger ones the search takes too long for a warning.
+/// The most items of a scene that is checked: for larger scenes the search takes too long for a warning.
 const MOST_ITEMS: u32 = 10_000;
 
-/// The warning if everything in front of the camera lies beyond the far clip plane, or before the near one.
+/// The warning if all shapes in front of the camera are beyond the far clip plane, or before the near one.
 pub(super) fn clipping_warning(geometry: &Tlas, camera: &Camera) -> Option<String> {
     let (near, far) = camera.clip_distances();
     let (mut first, mut last) = (f32::INFINITY, 0.0f32);

@@ -1,4 +1,4 @@
-//! Takes what the workers have delivered into the film.
+//! Adds the workers' results to the film.
 
 use std::time::{Duration, Instant};
 
@@ -10,9 +10,9 @@ use super::film::RenderFilm;
 use super::renderer::Renderer;
 use super::status::RenderStatus;
 
-/// The time in each frame for adding tiles to the film; the rest waits for the next frame.
+/// The time per frame for adding tiles to the film; further tiles wait for the next frame.
 const BUDGET: Duration = Duration::from_millis(8);
-/// The time for adding tiles to the film at once where there are no frames to wait for.
+/// The time for adding tiles to the film where there are no frames to wait for.
 const BUDGET_WITHOUT_WINDOW: Duration = Duration::from_millis(50);
 
 pub(super) fn collect_results(
@@ -33,7 +33,7 @@ pub(super) fn collect_results(
     };
     // This is read before collecting, which may end the run.
     let first_result = job.first_result();
-    // Change detection is triggered only if there is something new, because the display relies on it.
+    // Change detection is triggered only by new results, because the display relies on it.
     let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget, &deferred);
     if collected == 0 {
         return;
@@ -42,10 +42,10 @@ pub(super) fn collect_results(
     if let Some(wake) = &wake_up.0
         && job.has_results()
     {
-        // The workers may have nothing more to send, and with it no reason to wake anybody.
+        // The workers may have no further results, and so no reason to wake the event loop.
         wake();
     }
-    // The G-buffer shows nothing yet.
+    // The G-buffer alone shows nothing.
     if film.is_lit
         && let Some(since) = job.since.take()
     {

@@ -10,19 +10,19 @@ use bevy::prelude::*;
 
 use crate::render::visibility::sight::CutPlane;
 
-/// The settings of how, how much and how fast to render. Write a field only when its value differs, because every
+/// The settings that say how, how much and how fast to render. Write a field only when its value differs, because every
 /// change is handled once per frame.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct RenderControl {
-    /// Whether no new samples are made. Those that exist stay.
+    /// Whether rendering pauses. Existing samples stay.
     pub paused: bool,
     /// The samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the
     /// picture, lowering it keeps the samples.
     pub target_samples: Option<u32>,
-    /// The exact number of samples per pixel of the picture; None is no such demand. It takes the place of
-    /// `target_samples`, and the limits of time and noise do not count. A picture that has more samples, or that
-    /// was not divided into the passes of an uninterrupted render of so many samples, is begun anew: equal scenes
-    /// give equal bits, whatever was rendered before and however fast.
+    /// The exact number of samples per pixel of the picture; None for no such demand. It replaces `target_samples`, and
+    /// the limits of time and noise do not apply. A picture that has more samples, or whose passes are not those of an
+    /// uninterrupted render of this number, starts again: equal scenes give equal bits, whatever was rendered before
+    /// and however fast.
     pub exact_samples: Option<u32>,
     /// The seconds of rendering to stop at, without pauses; None is no limit. Like the samples it can be raised and
     /// lowered.
@@ -30,11 +30,11 @@ pub struct RenderControl {
     /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is the sensor film's own
     /// `noise_target`, 0 is no limit.
     pub noise_target: Option<f32>,
-    /// Whether more samples go where the noise is, see [`crate::render::noise::adaptive`]; None is the sensor film's
-    /// own `adaptive`.
+    /// Whether noisier parts get more samples, see [`crate::render::noise::adaptive`]; None is the sensor film's own
+    /// `adaptive`.
     pub adaptive: Option<bool>,
-    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None
-    /// is all of it, as is a part outside of the picture. The rest keeps what it has.
+    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is
+    /// the whole picture, as is a part outside of it. The rest keeps its samples.
     pub region: Option<Rect>,
     /// The number of the first sample, if the picture is a share of another one: nothing is shown around its region,
     /// and its film has the exact sums from which pictures are merged. It has to be a
@@ -42,43 +42,43 @@ pub struct RenderControl {
     pub share: Option<u32>,
     /// The fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
-    /// The fraction of that resolution that is rendered for now, in (0, 1], while the picture has to keep up with
-    /// frequent changes.
+    /// The fraction of that resolution that is rendered, in (0, 1], while the picture has to keep up with frequent
+    /// changes.
     pub motion_scale: f32,
     /// The size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
-    /// The size in pixels of the place where the picture is shown: the picture gets no more pixels than fit there in
+    /// The size in pixels of the area in which the picture is shown: the picture gets no more pixels than fit there in
     /// its own proportions. None is no limit.
     pub view_size: Option<UVec2>,
-    /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it when the scene or the
-    /// view has changed otherwise.
+    /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it at any other change of
+    /// the scene or the view.
     pub full_until_change: bool,
-    /// The exact size of the picture in pixels, whatever the film and `view_size` say: it is the size of a saved
-    /// picture that rendering resumes. The engine resets it when the scene or the view has changed otherwise.
+    /// The exact size of the picture in pixels, whatever the film and `view_size` say: the size of a saved picture that
+    /// rendering resumes. The engine resets it at any other change of the scene or the view.
     pub size_until_change: Option<UVec2>,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
-    /// What camera rays pass through; by default nothing.
+    /// The surfaces that camera rays pass through; by default none.
     pub sight: SightControl,
-    /// Whether the picture compares ways of finding light: the left third has bsdf sampling alone, the middle light
+    /// Whether the picture compares sampling strategies: the left third has bsdf sampling alone, the middle light
     /// sampling alone, the right both.
     pub strategy_split: bool,
-    /// Whether `path` in a file stands for `auto`, as in a window. The file stays as it is.
+    /// Whether `path` in a file means `auto`, as in a window. The file itself does not change.
     pub path_is_auto: bool,
     /// Whether the film keeps the light of each group of lights in a layer, for mixing.
     pub light_layers: bool,
     /// Whether pictures begin with their G-buffer, see [`RenderFilm::gbuffer`](super::RenderFilm::gbuffer).
     pub gbuffer: bool,
-    /// Whether pictures keep their samples when nothing changes but the strength of lights and which emitters there
-    /// are. Where memory allows, the film keeps the light of each group of lights in a layer for that.
+    /// Whether pictures keep their samples when only the strength of lights or the set of emitters changes. Where
+    /// memory allows, the film keeps the light of each group of lights in a layer for that.
     pub lights_are_free: bool,
     /// The number of worker threads that trace rays; `app::threads` decides it.
     pub threads: NonZeroUsize,
     /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background
-    /// while the last picture stays, and meshes appear as they are loaded. False: rendering starts when everything
+    /// while the last picture stays, and meshes appear as they are loaded. False: rendering starts when the whole scene
     /// is loaded and built.
     pub interactive: bool,
-    /// Whether to discard the samples and begin anew; the engine resets it.
+    /// Whether to discard the samples and start again; the engine resets it.
     pub restart_requested: bool,
 }
 
@@ -114,7 +114,7 @@ impl Default for RenderControl {
 }
 
 impl RenderControl {
-    /// Takes back the demands for a size that hold until the scene or the view changes.
+    /// Resets the sizes that apply until the scene or the view changes.
     pub fn forget_size_until_change(&mut self) {
         (self.full_until_change, self.size_until_change) = (false, None);
     }
@@ -141,23 +141,24 @@ pub enum ViewMode {
     Clay,
 }
 
-/// What camera rays pass through, as [`Sight`](crate::render::visibility::sight::Sight), with shapes by their entities.
+/// The surfaces that camera rays pass through, as [`Sight`](crate::render::visibility::sight::Sight), with shapes by
+/// their entities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SightControl {
     /// Whether rays pass surfaces that they meet from behind.
     pub passes_backs: bool,
-    /// A plane; rays pass everything on its outer side.
+    /// A plane; rays pass all surfaces on its outer side.
     pub cut: Option<CutPlane>,
-    /// The shapes that are seen alone. If it is empty, all are seen.
+    /// The only shapes that are visible. If it is empty, all are.
     pub only: Vec<Entity>,
 }
 
-/// The time at which the user's input of this frame arrived, from which the latency log counts. The engine takes it
-/// every frame; without it the engine uses the time when it notices the change.
+/// The time at which the user's input of this frame arrived, for measuring latency. The engine takes it every frame;
+/// without it the engine uses the time when it notices the change.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct InputStamp(pub Option<Instant>);
 
-/// Keeps the workers from their next piece of work while something that is quick needs the cores.
+/// Keeps the workers from their next work item while a short task needs the cores.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Gate(Arc<AtomicUsize>);
 
@@ -171,7 +172,7 @@ impl Gate {
         }
     }
 
-    /// Whether a guard keeps it closed.
+    /// Whether a guard keeps the gate closed.
     pub(super) fn is_closed(&self) -> bool {
         self.0.load(Ordering::Acquire) > 0
     }
@@ -185,7 +186,7 @@ pub struct ClosedGate {
 }
 
 impl ClosedGate {
-    /// Lets the workers go on. Further calls do nothing.
+    /// Lets the workers continue. Further calls do nothing.
     pub fn open(&self) {
         if !self.is_open.swap(true, Ordering::AcqRel) {
             self.gate.0.fetch_sub(1, Ordering::AcqRel);
@@ -199,7 +200,7 @@ impl Drop for ClosedGate {
     }
 }
 
-/// A function that worker threads call when there is something to collect, so that an event loop that sleeps can run a
+/// A function that worker threads call when there are results to collect, so that a sleeping event loop can run a
 /// frame: at once at the end of a preview and of a job, and rate limited in between.
 #[derive(Resource, Clone, Default)]
 pub struct WakeUp(pub Option<Arc<dyn Fn() + Send + Sync>>);

@@ -1,11 +1,11 @@
 //! Frees memory on a thread of its own, so that the window does not wait for it. Memory that render threads have
-//! allocated lies in their heaps: freeing it waits for a lock that such a thread may hold while it has no core, and
-//! large pieces go back to the system page by page.
+//! allocated is in their heaps: freeing it waits for a lock that such a thread may hold while it has no core, and large
+//! blocks are returned to the system page by page.
 
 use bevy::prelude::*;
 use crossbeam_channel::{Sender, unbounded};
 
-/// A channel to the thread that drops what is sent.
+/// A channel to the thread that drops the values sent to it.
 #[derive(Resource, Clone)]
 pub(crate) struct DeferredDrop {
     sender: Sender<Box<dyn Send>>,
@@ -14,7 +14,7 @@ pub(crate) struct DeferredDrop {
 impl Default for DeferredDrop {
     fn default() -> Self {
         let (sender, receiver) = unbounded::<Box<dyn Send>>();
-        // Without the thread the channel is closed, and the sender drops what it sends.
+        // Without the thread the channel is closed, and the sender drops its values itself.
         let _ = std::thread::Builder::new()
             .name("deferred drop".to_owned())
             .spawn(move || receiver.iter().for_each(drop));

@@ -1,5 +1,5 @@
-//! The cheap half of noticing change: which tables may be out of date. Whether anything really differs is found out by
-//! packing ([`super::extract`]); here a value written back unchanged still counts.
+//! The cheap half of change detection: which tables may be out of date. Packing ([`super::extract`]) finds out whether
+//! they really differ; here a value written back unchanged still counts.
 
 use std::time::Instant;
 
@@ -17,13 +17,13 @@ use crate::scene::{
     VolumeMap,
 };
 
-/// All shapes are packed if more than these have changed.
+/// All shapes are packed if more than this number have changed.
 const MOST_TOUCHED: usize = 4096;
 
 /// The shapes that may have changed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Touched {
-    /// Only these entities may have changed. Some may be gone, and some may be no shapes.
+    /// Only these entities may have changed. Some may be gone, and some may not be shapes.
     These(EntityHashSet),
     All,
 }
@@ -52,10 +52,10 @@ impl Default for Touched {
     }
 }
 
-/// The tables to be packed again. Flags stay until that is done.
+/// The tables to be packed again. Flags stay set until that is done.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub(super) struct Dirty {
-    /// The meshes, the instances and the hierarchy over them; all others but the view follow.
+    /// The meshes, the instances and the hierarchy over them; all tables but the view follow from these.
     pub instances: Touched,
     /// The materials and lights of shapes.
     pub surfaces: Touched,
@@ -63,12 +63,12 @@ pub(super) struct Dirty {
     pub lights: bool,
     pub media: bool,
     pub view: bool,
-    /// The time of the first of these changes.
+    /// The time of the first change.
     pub since: Option<Instant>,
 }
 
 impl Default for Dirty {
-    /// Everything has changed, because nothing has been packed yet.
+    /// Initially all tables are dirty, because nothing has been packed yet.
     fn default() -> Self {
         Self {
             instances: Touched::All,
@@ -149,7 +149,7 @@ pub(super) struct ShapeChanges<'w, 's> {
 }
 
 impl ShapeChanges<'_, '_> {
-    /// Calls `visit` for the shapes whose geometry, place or visibility may have changed.
+    /// Calls `visit` for the shapes whose geometry, transform or visibility may have changed.
     fn each_placed(&self, mut visit: impl FnMut(Entity)) {
         self.shapes.for_each(&mut visit);
         self.poses.for_each(&mut visit);
@@ -230,7 +230,7 @@ pub(super) struct ViewChanges<'w, 's> {
     control: Res<'w, RenderControl>,
 }
 
-/// Detects changes. Every reader is read to its end, because the rest would count again in the next frame.
+/// Detects changes. Every reader is read to its end, because unread changes would count again in the next frame.
 pub(super) fn detect_changes(
     mut dirty: ResMut<Dirty>,
     mut stamp: ResMut<InputStamp>,
@@ -260,7 +260,7 @@ pub(super) fn detect_changes(
     shapes.lights.for_each(|entity| dirty.surfaces.add([entity]));
     dirty.surfaces.add(shapes.uses_gone.read());
     dirty.surfaces.add(shapes.lights_gone.read());
-    // A medium is there if a shape that it is inside of is not hidden.
+    // A medium exists if a shape with it inside is not hidden.
     let mut borders = shapes
         .hidden
         .iter()
@@ -281,7 +281,7 @@ pub(super) fn detect_changes(
         | (materials.gone.read().count() > 0)
         | (materials.first_gone.read().count() > 0)
         | (materials.second_gone.read().count() > 0)
-        // Holds the model of glass.
+        // The integrator has the model of glass.
         | view.integrator.is_changed();
     let lights =
         !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | !pose_gone.is_empty() | !shown.is_empty();
@@ -289,7 +289,7 @@ pub(super) fn detect_changes(
         | !media.changed.is_empty()
         | (media.volumes.read().count() > 0)
         | (media.gone.read().count() > 0)
-        // Says whether light meets media.
+        // The integrator decides whether light meets media.
         | view.integrator.is_changed();
     let view = !view.changed.is_empty()
         | (view.out_of_medium.read().count() > 0)

@@ -1,4 +1,4 @@
-//! Begins, pauses and continues the job that makes the picture of what was extracted.
+//! Starts, pauses and continues the job that renders the extracted scene.
 
 use std::sync::Arc;
 

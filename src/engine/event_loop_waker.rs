@@ -1,4 +1,4 @@
-//! Wakes an event loop that sleeps, from the worker threads and not too often.
+//! Wakes a sleeping event loop from the worker threads, at a limited rate.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};

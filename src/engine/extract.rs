@@ -1,5 +1,5 @@
-//! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones,
-//! and replaces only those that differ. Entities, handles and names end here.
+//! The exact half of change detection: packs the tables that may be out of date, compares them with the current ones,
+//! and replaces only those that differ. Entities, handles and names are resolved here.
 
 mod view;
 
@@ -49,30 +49,30 @@ use crate::scene::{AccelMethod, DocumentOrder, Film, SceneStatus};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
-/// The time for which a change waits, while others follow without pause, until the preview of the change before has
-/// been seen.
+/// The time for which a change waits, in an uninterrupted series of changes, until the preview of the previous one has
+/// been shown.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
 
-/// The most memory in bytes for the light of groups that is kept only so that lights are free.
+/// The most memory in bytes for layers of light groups that are kept only for `lights_are_free`.
 const MOST_FOR_GROUPS: u64 = 64 << 20;
 
 /// The tables that were packed last.
 #[derive(Resource)]
 pub(super) struct Extracted {
     pub scene: RenderScene,
-    /// The view; None until there has been a camera.
+    /// The view; None before the first camera.
     pub view: Option<View>,
     /// The lights of each group of the view.
     pub light_groups: Arc<[LightGroup]>,
-    /// The samples that the sensor's film asks for.
+    /// The sample count of the sensor's film.
     pub sample_count: u32,
-    /// The film's own, see [`Film::noise_target`].
+    /// The noise target of the sensor's film, see [`Film::noise_target`].
     pub noise_target: Option<f32>,
-    /// The film's own, see [`Film::adaptive`].
+    /// The setting of the sensor's film, see [`Film::adaptive`].
     pub is_adaptive: bool,
-    /// The pixels that the picture has when it is traced in full.
+    /// The size of the picture at full resolution in pixels.
     pub full_size: UVec2,
-    /// The time of what changed the scene or the view; the next job takes it.
+    /// The time of the first change of the scene or the view; the next job takes it.
     pub since: Option<std::time::Instant>,
     pub meshes_loading: u32,
     pub triangles: u64,
@@ -86,41 +86,41 @@ pub(super) struct Extracted {
     /// The lights of the scene.
     pub lamps: Arc<Lamps>,
     packed_media: PackedMedia,
-    /// The groups of lights, and below which light is in which.
+    /// The groups of lights, and (next) the group of each light.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
     environments: Environments,
-    /// The packing of all shapes that is under way.
+    /// The unfinished packing of all shapes.
     pub(super) packing: Option<Packing>,
-    /// The [`SceneStatus::revision`](crate::scene::SceneStatus::revision) that it is of.
+    /// The [`SceneStatus::revision`](crate::scene::SceneStatus::revision) of that packing.
     pub(super) packs_revision: u64,
-    /// The revision of which all shapes were packed last.
+    /// The revision of the last finished packing of all shapes.
     pub(super) packed_revision: u64,
     pub(super) rebuild: Option<Rebuild>,
     pub(super) errors: Errors,
-    /// The name of the sensor that the view is from.
+    /// The name of the view's sensor.
     sensor_name: String,
-    /// Where the view was flown from; None if it is the sensor's own.
+    /// The view's displacement from its sensor; None if it is the sensor's own view.
     flight: Option<Flight>,
     seen_alone: SeenAlone,
-    /// What the scene's paths are guided by. Views come and go, and share it.
+    /// The guide of the scene's paths, which all views share.
     pub guide: Guide,
-    /// Whether guided paths are asked for, whatever the integrator `auto` chooses.
+    /// Whether guiding is requested, whatever the integrator `auto` chooses.
     pub guide_is_asked: bool,
     seen_through: SeenThrough,
 }
 
-/// The way from a sensor to the view that was flown away from it.
+/// The displacement of a view from its sensor, over which the medium is tracked.
 struct Flight {
-    /// The place of the sensor in world space.
+    /// The position of the sensor in world space.
     from: Vec3,
-    /// The medium that the sensor is in.
+    /// The medium at the sensor.
     medium: Option<MediumId>,
-    /// The place of the view in world space.
+    /// The position of the view in world space.
     to: Vec3,
 }
 
-/// Errors by the step that found them, so that a step that is not repeated keeps its errors.
+/// Errors by the step that found them, so that the errors of a step that is skipped stay.
 #[derive(Default)]
 pub(super) struct Errors {
     /// Errors of shapes, in the order of the file.
@@ -188,13 +188,13 @@ impl Default for Extracted {
 }
 
 impl Extracted {
-    /// Whether the tables still are those of the scene before: that of the status is being opened, or its shapes are
-    /// being packed.
+    /// Whether the tables are still those of the previous scene: the status says that another one is being opened, or
+    /// its shapes are still being packed.
     pub fn is_of_another(&self, status: &SceneStatus) -> bool {
         status.is_opening || status.fresh_load && self.packs_revision != self.packed_revision
     }
 
-    /// What the film asks for.
+    /// The limits set by the film.
     pub fn film_limits(&self) -> FilmLimits {
         FilmLimits {
             samples: self.sample_count,
@@ -286,7 +286,7 @@ pub(super) fn extract_scene(
             extracted.update_surfaces_and_lights(&authored, changes);
         }
     }
-    // The number of the camera's medium may have changed.
+    // The id of the camera's medium may have changed.
     if dirty.view || dirty.media && changes.is_some() {
         extracted.update_view(&authored, &control);
     }
@@ -301,7 +301,7 @@ pub(super) fn extract_scene(
     let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
     let mut as_chosen = old_view.clone();
     if let Some(view) = as_chosen.as_mut().filter(|_| is_auto) {
-        // A choice is no change of what is seen.
+        // A choice of integrator does not count as a change of the view.
         view.integrator = Integrator::Path(view.integrator.settings());
         view.guide = guide_was_asked.then(|| extracted.guide.clone());
     }
@@ -433,7 +433,7 @@ impl Extracted {
             _ => false,
         });
         if has_moved || (is_textured && repainted) || !is_same {
-            // Lights without textures do not keep old ones alive.
+            // Lights without textures do not keep old textures alive.
             let textures = if is_textured {
                 self.scene.textures.clone()
             } else {
@@ -444,11 +444,11 @@ impl Extracted {
         if !is_same {
             self.lamps = Arc::new(lamps);
         }
-        // Other shapes may have moved as well.
+        // Other shapes may have moved, too.
         self.scene.reach = self.scene.lights.reach(&self.scene.geometry);
     }
 
-    /// Whether a medium sends light, which is of no light's group.
+    /// Whether a medium emits light, which belongs to no light group.
     pub fn has_glowing_media(&self) -> bool {
         self.packed_media
             .sources
@@ -456,15 +456,15 @@ impl Extracted {
             .any(|medium| medium.emission != Volume::ZERO)
     }
 
-    /// Whether the light of several groups takes little memory. That of a single one is all light.
+    /// Whether layers for several groups take little memory. A single group needs no layer: it is all light.
     fn has_room_for_groups(&self) -> bool {
         let view = self.view.as_ref();
         let pixels = view.map_or(0, |view| u64::from(view.width) * u64::from(view.height));
         self.layers.count() > 1 && pixels * (self.layers.count() * size_of::<Rgb>()) as u64 <= MOST_FOR_GROUPS
     }
 
-    /// Has the film keep the light of groups: if it is wanted, with the lights of each, or else if lights are free and
-    /// there is room for it.
+    /// Sets which groups the film keeps in layers: if `wanted`, all of them with their lights, or else if lights are
+    /// free and memory allows.
     fn update_layers(&mut self, wanted: bool, lights_are_free: bool) {
         self.light_groups = if wanted { self.owners.clone() } else { Arc::default() };
         let layers = match wanted || lights_are_free && self.has_room_for_groups() {

@@ -1,4 +1,4 @@
-//! The picture being made, as the application reads it.
+//! The film of the current picture, as the application reads it.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -18,40 +18,39 @@ use super::control::RenderControl;
 use super::light_groups::LightGroup;
 use super::schedule::tiles_in;
 
-/// The film, and the parts of it that have changed since the last look.
+/// The film, and its tiles that have changed since they were last painted.
 #[derive(Resource, Default)]
 pub struct RenderFilm {
     /// The samples of the picture so far.
     pub film: Film,
-    /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until
-    /// tiles arrive. A picture is begun here when its first tile arrives, until then the last one stays.
+    /// The number of the picture. With a new number all displayed tiles are old, though still worth showing until new
+    /// tiles arrive: the last picture stays until the first tile of the new one.
     pub job: u64,
-    /// The samples that every pixel of the rendered region has; those outside of it may have fewer.
+    /// The samples that every pixel of the rendered region has; pixels outside of it may have fewer.
     pub samples: u32,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
-    /// Whether the resolution is lower than asked for, see
+    /// Whether the resolution is temporarily reduced, see
     /// [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
     pub is_coarse: bool,
-    /// The G-buffer of the tiles for which it is there, in the order in which they arrived. Only where it is [asked
-    /// for](RenderControl::gbuffer).
+    /// The G-buffer of the tiles that have arrived, in that order. Only if it is [requested](RenderControl::gbuffer).
     pub gbuffer: Vec<TileGBuffer>,
     urgent: HashSet<Tile>,
     urgent_changed: bool,
-    /// Whether there is light of this picture: a preview or samples.
+    /// Whether the film has light of this picture: a preview or samples.
     pub is_lit: bool,
-    /// The light of the picture of the job before, row by row, if this one has its samples with other light. It is
-    /// empty after the frame in which that changed.
+    /// The light of the previous picture, row by row, if this one has its samples under other lights. It is empty after
+    /// the frame in which that changed.
     pub relit: Option<Arc<[Rgb]>>,
     /// The view of the picture; None if there is no picture.
     pub view: Option<View>,
     dirty: HashSet<Tile>,
-    /// The time at which the job was begun whose picture this is.
+    /// The time at which this picture's job began.
     begun: Option<Instant>,
     memory: Option<Reservation>,
 }
 
-/// Says that a film does not fit into the memory budget. Its size is in pixels.
+/// The error that a film does not fit into the memory budget. Its size is in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a film of {width} x {height} pixels needs {shortage}")]
 pub(super) struct FilmShortage {
@@ -61,18 +60,18 @@ pub(super) struct FilmShortage {
 }
 
 impl RenderFilm {
-    /// The tiles that changed since the last call, each once, in no order.
+    /// The tiles that changed since the last call, without repetition, in no order.
     pub fn take_dirty(&mut self) -> Vec<Tile> {
         self.dirty.drain().collect()
     }
 
-    /// Whether there are tiles that were not painted since they changed.
+    /// Whether tiles have changed since they were last painted.
     pub(crate) fn has_dirty(&self) -> bool {
         !self.dirty.is_empty()
     }
 
-    /// Reserves the memory for the film of this view, in place of the former reservation. The film of a share keeps
-    /// chunks up to `samples`.
+    /// Reserves the memory for the film of this view, in place of the old reservation. The film of a share keeps chunks
+    /// up to `samples`.
     pub(super) fn reserve(&mut self, view: &View, control: &RenderControl, samples: u32) -> Result<(), FilmShortage> {
         let kept = view.film_layers();
         let chunks = control.share.filter(|&first| first > 0).map_or(0, |first| {
@@ -95,15 +94,15 @@ impl RenderFilm {
         }
     }
 
-    /// Reserves the memory for the film of this view, which is no share, in place of the former reservation. False if
+    /// Reserves the memory for the film of this view, which is not a share, in place of the old reservation. False if
     /// there is too little.
     pub(super) fn has_room_for(&mut self, view: &View) -> bool {
         self.reserve_bytes(Film::memory_bytes(view.width, view.height, view.film_layers()))
             .is_ok()
     }
 
-    /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the
-    /// previews of the picture before.
+    /// Starts the picture of the job that began at `begun`, unless it is already started. Returns the previews of the
+    /// previous picture.
     pub(super) fn begin(
         &mut self,
         begun: Instant,
@@ -120,7 +119,7 @@ impl RenderFilm {
         old
     }
 
-    /// Shows this film, the picture of the job that was begun at this time.
+    /// Replaces the film by that of a job that began at `begun`.
     pub(super) fn begin_with(
         &mut self,
         begun: Instant,
@@ -144,8 +143,8 @@ impl RenderFilm {
         self.dirty.clear();
     }
 
-    /// Gives the picture these layers of light, see [`Film::relight`]. It counts as another picture, which has the
-    /// samples of this one.
+    /// Replaces the layers of light, see [`Film::relight`]. The result counts as another picture, which has the samples
+    /// of this one.
     pub(super) fn relight(&mut self, layers: &[NewLayer], view: &View, light_groups: &Arc<[LightGroup]>) {
         self.relit = Some(self.film.radiance().into());
         self.film.relight(view.light_groups.count(), layers);
@@ -154,12 +153,12 @@ impl RenderFilm {
         self.mark_all();
     }
 
-    /// Whether there is no picture.
+    /// Whether the film has no picture.
     pub(crate) fn is_empty(&self) -> bool {
         self.film.width() == 0
     }
 
-    /// Takes the picture away. What was kept of it belongs to no picture any more.
+    /// Removes the picture with all its data. The empty film counts as another picture.
     pub(super) fn clear(&mut self) {
         *self = Self {
             job: self.job + 1,
@@ -167,17 +166,17 @@ impl RenderFilm {
         };
     }
 
-    /// Whether it has the picture of the job that was begun at this time.
+    /// Whether the film has the picture of the job that began at `begun`.
     pub(super) fn is_of(&self, begun: Instant) -> bool {
         self.begun == Some(begun)
     }
 
-    /// Notes that all tiles have changed.
+    /// Marks all tiles as changed.
     pub fn mark_all(&mut self) {
         self.dirty.extend(tiles(self.film.width(), self.film.height()));
     }
 
-    /// Says which tiles get their first samples before the others.
+    /// Sets the tiles that get their first samples before the others.
     pub fn set_urgent(&mut self, urgent: HashSet<Tile>) {
         if self.urgent != urgent {
             (self.urgent, self.urgent_changed) = (urgent, true);
@@ -189,12 +188,12 @@ impl RenderFilm {
         &self.urgent
     }
 
-    /// These tiles, if they have changed since the last call.
+    /// The urgent tiles, if they have changed since the last call.
     pub(super) fn take_urgent(&mut self) -> Option<&HashSet<Tile>> {
         std::mem::take(&mut self.urgent_changed).then_some(&self.urgent)
     }
 
-    /// Notes that a tile has changed.
+    /// Marks a tile as changed.
     pub fn mark(&mut self, tile: Tile) {
         self.dirty.insert(tile);
     }

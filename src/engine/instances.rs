@@ -1,4 +1,4 @@
-//! The records of shapes and the hierarchy over them: all are packed, or few are edited.
+//! The records of shapes and the hierarchy over them, either packed as a whole or edited.
 
 mod all_shapes;
 mod named_mesh;

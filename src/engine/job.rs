@@ -1,5 +1,5 @@
-//! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and
-//! going on are done by ending the [`Run`] and starting another; the samples stay.
+//! The job of one picture: a scene and a view that do not change, and the samples so far. Pausing ends the [`Run`], and
+//! continuing starts another; the samples stay.
 
 mod beginning;
 mod guides;
@@ -39,10 +39,10 @@ use crate::render::shutter::Shutter;
 use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
 use crate::render::view::{Integrator, View};
 
-/// The edge of blocks around a region, in a picture that begins without a preview.
+/// The edge of preview blocks around a region, in a picture that begins without a preview.
 const STEP_AROUND_REGION: u32 = 2;
 
-/// The results that have been added to the film.
+/// Results that have been added to the film, to be dropped.
 #[derive(Default)]
 struct Spent {
     samples: Vec<TileSamples>,
@@ -60,51 +60,51 @@ pub(super) struct Job {
     pub is_coarse: bool,
     /// The first sample, if the picture is a share.
     pub share: Option<u32>,
-    /// The time of the change that led to this job; taken when its first tile is there.
+    /// The time of the change that led to this job; taken by its first tile.
     pub since: Option<Instant>,
     pub rays: u64,
-    /// The part of `rays` that a guide was learnt with.
+    /// The part of `rays` by which a guide was learnt.
     pub guide_rays: u64,
     /// The number of camera samples collected, over all pixels.
     pub samples: u64,
     pub invalid: u64,
     pub failure: Option<String>,
-    /// The relative noise within the region, as of the samples collected.
+    /// The relative noise within the region, for the samples collected.
     pub noise: Option<f32>,
     noise_of_tiles: PictureNoise,
-    /// The noise at the last number of samples that all pixels of the region had.
+    /// The noise when all pixels of the region last had the same number of samples.
     judged: Option<JudgedNoise>,
-    /// What asked for the present round, and its end in samples.
+    /// The settings that ask for the current round, and its end in samples.
     round: (Rounds, u32),
     adaptation: Adaptation,
-    /// None until a limit of noise is asked for.
+    /// None until a limit of noise is set.
     replicas: Option<Replicas>,
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
-    /// The indices in `tiles` of those in the region.
+    /// The indices in `tiles` of the tiles in the region.
     active: Vec<usize>,
     /// The number of samples in the film for each tile.
     done: Vec<u32>,
-    /// The numbers of samples at which a pass ended early, because they were the target then.
+    /// The numbers of samples at which a pass ended early, because they were the target at that time.
     cuts: BTreeSet<u32>,
     /// The exact numbers of samples that were requested and reached.
     stops: BTreeSet<u32>,
-    /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
+    /// Results that arrived before earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
     /// The lights of the scene.
     lamps: Arc<Lamps>,
     relighting: Relighting,
     beginning: Beginning,
-    /// Whether it goes on with an older picture, of which only previews around the region are missing.
+    /// Whether it resumes an older picture, of which only previews around the region are missing.
     is_resumed: bool,
-    /// The tiles whose G-buffer is asked for and has not been collected.
+    /// The tiles whose G-buffer is requested and not yet collected.
     gbuffer_left: BTreeSet<usize>,
-    /// The number of tiles whose preview has not been collected.
+    /// The number of tiles whose preview is not yet collected.
     preview_left: usize,
     run: Option<Run>,
     running_since: Option<Instant>,
     ran: Duration,
-    /// The processor time that the workers of earlier runs have had.
+    /// The processor time of the workers of earlier runs.
     worked: Duration,
 }
 
@@ -162,12 +162,12 @@ impl Job {
         }
     }
 
-    /// Whether it makes the picture of exactly this.
+    /// Whether it renders exactly this scene and view, with these light groups.
     pub fn is_of(&self, scene: &RenderScene, view: &View, light_groups: &[LightGroup]) -> bool {
         self.view == *view && *self.light_groups == *light_groups && self.is_of_scene(scene)
     }
 
-    /// How bright samples may be; None without a clamp, and until that is known.
+    /// The brightness limit of samples; None without a clamp, and until the limit is known.
     pub fn clamped(&self) -> Option<BrightnessLimit> {
         match &self.shutter {
             Some(shutter) => shutter.clamped(),
@@ -175,7 +175,7 @@ impl Job {
         }
     }
 
-    /// Whether its samples see these moments.
+    /// Whether its samples see the moments of this shutter.
     pub fn has_shutter(&self, shutter: Option<&Shutter>) -> bool {
         match (&self.shutter, shutter) {
             (Some(own), Some(other)) => own.is_same(other),
@@ -187,7 +187,7 @@ impl Job {
         self.scene.is_same(scene)
     }
 
-    /// Whether it makes the same picture with another number of pixels, or by another integrator.
+    /// Whether it renders the same picture with another number of pixels, or by another integrator.
     pub fn sees_the_same(&self, scene: &RenderScene, view: &View) -> bool {
         let own = View {
             integrator: view.integrator,
@@ -196,8 +196,8 @@ impl Job {
         self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&own, view)
     }
 
-    /// What its picture is older than, if another would be rendered now. Another number of pixels makes no other
-    /// picture, nor does what the integrator `auto` chooses.
+    /// The change since the picture was begun, if rendering now would give another one. Another number of pixels does
+    /// not count, nor does a choice of the integrator `auto`.
     pub fn outdated(&self, scene: &RenderScene, view: &View) -> Option<Outdated> {
         if !self.is_of_scene(scene) || self.view.integrator.settings() != view.integrator.settings() {
             return Some(Outdated::Scene);
@@ -223,18 +223,18 @@ impl Job {
         self.active.iter().map(|&index| self.done[index]).min().unwrap_or(0)
     }
 
-    /// The limit of `stop` that is reached, if one is.
+    /// The limit of `stop` that is reached, if any.
     pub fn reached(&self, stop: &StopCondition) -> Option<StopReason> {
         let samples = self.least_samples();
-        // A limit that comes later than the judgement counts at the end of the pass that has been begun.
+        // A limit that is set after the noise was judged applies at the end of the current pass.
         let judged = self.judged_at(samples).filter(|_| self.are_equal(samples));
         let judged = judged.filter(|judged| judged.is_corrected || !self.has_replicas_at(samples));
         stop.reached(samples, self.seconds(), judged.map(|judged| judged.noise))
     }
 
-    /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if
-    /// nothing else had been rendered before. Tiles outside of the region have the samples of an earlier exact
-    /// picture, or none.
+    /// Whether continuing leads to a picture of exactly this number of samples, summed up in the same passes as if
+    /// nothing else had been rendered before. Tiles outside of the region have the samples of an earlier exact picture,
+    /// or none.
     pub fn can_end_exactly_at(&self, samples: u32) -> bool {
         let mut is_active = vec![false; self.tiles.len()];
         self.active.iter().for_each(|&index| is_active[index] = true);
@@ -247,7 +247,7 @@ impl Job {
             && !self.adaptation.has_differences(&Vec::from_iter(0..self.tiles.len()))
     }
 
-    /// Renders only in the region from now on; the samples of other tiles stay.
+    /// Restricts rendering to the region from now on; the samples of other tiles stay.
     fn set_region(&mut self, region: Option<Rect>, film: &mut RenderFilm) {
         if self.region != region {
             self.pause();
@@ -267,12 +267,12 @@ impl Job {
         (self.ran + now).as_secs_f64()
     }
 
-    /// The processor time that was spent on its items by all workers together.
+    /// The processor time of all workers together on this job's items.
     pub fn worked(&self) -> Duration {
         self.worked + self.run.as_ref().map_or(Duration::ZERO, Run::worked)
     }
 
-    /// Starts, goes on, or pauses where a limit of `stop` is reached.
+    /// Starts or continues the job, or pauses it if a limit of `stop` is reached.
     pub fn run(
         &mut self,
         backend: &Backend,
@@ -318,12 +318,12 @@ impl Job {
             _ => self.previews(),
         };
         self.preview_left = previews.len();
-        // Samples go on as they would have without an interruption, not with the previews.
+        // Samples continue as without an interruption, not with the previews.
         let queue = match self.is_resumed && !previews.is_empty() {
             true => WorkQueue::new(&[], 0, &previews, step),
             false => self.next_queue(stop, asked, film, &previews, step),
         };
-        // In the order of the tiles, the middle of the picture first.
+        // In the order of the tiles, which begins at the centre of the picture.
         queue.begin_with_gbuffer(self.gbuffer_left.iter().copied());
         if film.is_of(self.begun) {
             queue.set_urgent(self.indices_of(film.urgent()));
@@ -339,14 +339,14 @@ impl Job {
         self.run = Some(Run::start(backend, queue, first, work, waker, gate.clone()));
     }
 
-    /// The places of some tiles of the picture in its order.
+    /// The indices of some tiles of the picture, in ascending order.
     fn indices_of(&self, some: &HashSet<Tile>) -> Vec<usize> {
         let indices = 0..self.tiles.len();
         indices.filter(|&index| some.contains(&self.tiles[index])).collect()
     }
 
-    /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older
-    /// picture may stay, however the picture begins.
+    /// The tiles with a coarse preview, those of the region first. Nothing of an older picture may stay around the
+    /// region, however the picture begins.
     fn previews(&self) -> Vec<usize> {
         let mut is_active = vec![false; self.tiles.len()];
         self.active.iter().for_each(|&index| is_active[index] = true);
@@ -360,7 +360,7 @@ impl Job {
             .collect()
     }
 
-    /// Stops the workers; results that they have not delivered are lost and will be made again.
+    /// Stops the workers; undelivered results are lost and will be rendered again.
     pub fn pause(&mut self) {
         self.worked = self.worked();
         self.run = None;
@@ -370,19 +370,19 @@ impl Job {
         }
     }
 
-    /// Tells the workers to stop; to be dropped soon.
+    /// Tells the workers to stop, before the job is dropped.
     pub fn cancel(&self) {
         if let Some(run) = &self.run {
             run.cancel();
         }
     }
 
-    /// Makes the begun pass the last one.
+    /// Makes the current pass the last one, and returns the samples at its end.
     pub fn finish_pass(&self) -> Option<u32> {
         self.run.as_ref().map(|run| run.queue.finish_pass())
     }
 
-    /// Whether there is something to collect.
+    /// Whether there are results to collect.
     pub fn has_results(&self) -> bool {
         self.run.as_ref().is_some_and(|run| !run.results.is_empty())
     }
@@ -392,7 +392,7 @@ impl Job {
         self.run.as_ref()?.first_result.get().copied()
     }
 
-    /// The film becomes that of this job. Returns the previews of the picture before.
+    /// Makes the film that of this job. Returns the previews of the previous picture.
     pub fn begin_in(&self, film: &mut RenderFilm) -> Vec<Option<TilePreview>> {
         let is_new = !film.is_of(self.begun);
         let previews = film.begin(self.begun, &self.view, &self.light_groups, self.is_coarse);
@@ -402,8 +402,8 @@ impl Job {
         previews
     }
 
-    /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. What is no longer
-    /// needed is handed to `deferred`.
+    /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. Memory that is no
+    /// longer needed goes to `deferred`.
     pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, deferred: &DeferredDrop) -> usize {
         let mut collected = 0;
         let mut spent = Spent::default();
@@ -424,7 +424,7 @@ impl Job {
         collected
     }
 
-    /// Adds a result to the film. Returns the number of results.
+    /// Adds a result to the film. Returns the number of results that this completes.
     fn take(&mut self, result: TileResult, film: &mut RenderFilm, spent: &mut Spent) -> usize {
         match result {
             TileResult::GBuffer { index, tile } => {
@@ -464,7 +464,7 @@ impl Job {
         }
     }
 
-    /// Does what follows from new tiles for the picture as a whole.
+    /// Updates the values of the whole picture that depend on its tiles.
     fn settle(&mut self, film: &mut RenderFilm) {
         self.count_rays_of_guides();
         let samples = self.least_samples();

@@ -1,4 +1,4 @@
-//! The finished picture with its layers, by the names of the scene.
+//! The finished picture with its layers, named as in the scene.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -82,7 +82,7 @@ pub fn layered_picture(world: &World, picture: &ImageRgb, denoised: Option<&[Rgb
     }
 }
 
-/// The picture without layers, with the place of the view's camera.
+/// The picture without layers, with the pose of the view's camera.
 pub fn single_picture(world: &World, picture: &ImageRgb) -> LayeredImage {
     match &world.resource::<PackedScene>().view {
         Some(view) => picture_of_camera(picture, &view.camera),
@@ -90,9 +90,9 @@ pub fn single_picture(world: &World, picture: &ImageRgb) -> LayeredImage {
     }
 }
 
-/// Says in the picture where it comes from: the version, the scene's file, the camera, what `auto` stands for, the
-/// samples and the seed. `scene` is the file of the scene, and None for a scene without one. `seconds` are those of
-/// rendering, for pictures that depend on the time that they took: with None the same render gives the same file.
+/// Adds the picture's origin to its metadata: the version, the scene's file, the camera, the choice of `auto`, the
+/// samples and the seed. `scene` is the file of the scene, if it has one. `seconds` is the rendering time, for pictures
+/// that depend on it: with None the same render gives the same file.
 pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option<&Path>, seconds: Option<f64>) {
     let status = world.resource::<RenderStatus>();
     let mut text = |name: &str, value: String| picture.set_attribute(name, Attribute::Text(value));
@@ -117,8 +117,8 @@ pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option
     }
 }
 
-/// The names by which layers tell things apart. Where several things without an id have the same name, the name is
-/// followed by the place in the file.
+/// Unique names for layers. Where several entities without an id have the same name, the name is followed by the index
+/// in the file.
 struct DistinctNames<'w> {
     world: &'w World,
     kind: &'w str,
@@ -126,7 +126,7 @@ struct DistinctNames<'w> {
 }
 
 impl<'w> DistinctNames<'w> {
-    /// `entities` may hold an entity several times.
+    /// `entities` may repeat an entity.
     fn new(world: &'w World, kind: &'w str, entities: impl Iterator<Item = Entity>) -> Self {
         let (mut known, mut repeated) = (HashSet::new(), HashSet::new());
         for entity in entities.collect::<HashSet<_>>() {
@@ -149,7 +149,7 @@ impl<'w> DistinctNames<'w> {
     }
 }
 
-/// How files hold a picture of a film, as its scene says it.
+/// The storage of a picture in files, as the film of the scene sets it.
 pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
     FileOptions {
         display,
@@ -164,7 +164,7 @@ pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
     }
 }
 
-/// The name that the scene has for a thing, or its kind and its place in the file.
+/// The entity's name in the scene, or its kind and its index in the file.
 fn name_of(world: &World, entity: Entity, kind: &str) -> String {
     let name = || Some(world.get::<Name>(entity)?.to_string());
     let id = world.get::<SceneId>(entity).map(|id| id.0.to_string());

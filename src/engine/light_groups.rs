@@ -1,4 +1,4 @@
-//! Groups the lights for the layers of a film: those of one entity are mixed as one.
+//! Groups the lights for the layers of a film: lights of one entity form a group.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,14 +15,14 @@ pub struct LightGroup {
     pub entities: Vec<Entity>,
 }
 
-/// The lights of a scene by [`LightId`], and the entities that they belong to.
+/// The lights of a scene by [`LightId`], and the entity of each.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Lamps {
     pub owners: Vec<Entity>,
     pub sources: Vec<WeightedSource>,
 }
 
-/// The lights of which a layer has the light, with the entity that each belongs to.
+/// The lights of one layer, and the entity of each.
 #[derive(Default)]
 pub(super) struct LayerLamps<'a> {
     pub owners: Vec<Entity>,
@@ -30,7 +30,7 @@ pub(super) struct LayerLamps<'a> {
 }
 
 impl Lamps {
-    /// The lights of each layer of a film. Without groups all light is in one.
+    /// The lights of each layer of a film. Without groups there is one layer of all lights.
     pub fn by_layer(&self, groups: &LightGroups) -> Vec<LayerLamps<'_>> {
         let mut layers: Vec<LayerLamps> = Vec::new();
         layers.resize_with(groups.count().max(1), LayerLamps::default);
@@ -43,8 +43,7 @@ impl Lamps {
     }
 }
 
-/// Groups the lights. `owners` has the entity that each light belongs to. Groups come in the order of their first
-/// lights.
+/// Groups the lights by entity, in the order of their first lights. `owners` has the entity of each light.
 pub(super) fn group_lights(owners: &[Entity]) -> (Arc<[LightGroup]>, LightGroups) {
     let mut groups: Vec<LightGroup> = Vec::new();
     let mut group_of = HashMap::new();

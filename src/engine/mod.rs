@@ -1,6 +1,6 @@
-//! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS,
-//! packs just that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws
-//! nothing and reads no input.
+//! The engine: the only code that knows both the authored scene and the renderer. It detects changes in the ECS, packs
+//! them into the renderer's tables, hands tiles to worker threads and collects their results. It draws nothing and
+//! reads no input.
 
 mod adaptation;
 mod attributes;
@@ -64,15 +64,16 @@ use crate::scene::SceneSystems;
 
 /// The steps of a frame, in this order, in `PostUpdate`.
 ///
-/// What shows the picture runs after `Collect`; what edits the scene runs before `Detect`. Results come first, so that
-/// a change that waited for the preview of the one before is dispatched in the frame in which that preview is complete.
+/// Systems that show the picture run after `Collect`; systems that edit the scene run before `Detect`. Results come
+/// first, so that a change that waited for the preview of the previous one is dispatched in the frame in which that
+/// preview is complete.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSystems {
     /// Takes the results that have arrived.
     Collect,
-    /// Notes which tables may be out of date.
+    /// Marks tables that may be out of date.
     Detect,
-    /// Packs these tables, and keeps the old one where nothing really differs.
+    /// Packs these tables, and keeps the old ones where nothing really differs.
     Extract,
     /// Cancels and starts jobs.
     Dispatch,
@@ -114,7 +115,7 @@ impl Plugin for EnginePlugin {
                     // A mesh that arrived in this frame is noticed in this frame.
                     .after(AssetEventSystems),
             )
-            // What shows the scene in this frame finds no picture of the one before.
+            // Systems that show the scene in this frame find no picture of the previous one.
             .add_systems(
                 PreUpdate,
                 scene_change::clear_for_other_scene.after(SceneSystems::Apply),

@@ -1,13 +1,13 @@
-//! The share of the processors that threads have: how they give way to the window and to each other, and how much they
-//! have had.
+//! The priorities of threads, by which they yield to the window and to each other, and the processor time they have
+//! used.
 
 use std::time::Duration;
 
-/// Lowers the priority of the calling thread, so that a window that wants to answer a key gets its core at once: the
-/// more so where a software driver draws the window on the same cores. Where the system has no such thing per thread,
-/// nothing happens.
+/// Lowers the priority of the calling thread, so that a window that reacts to a key gets its core at once, above all
+/// where a software driver draws the window on the same cores. Without priorities per thread in the system, nothing
+/// happens.
 pub(crate) fn yield_to_window() {
-    /// A third of the share of a thread that does not yield.
+    /// This gives a third of the share of a thread that does not yield.
     const NICENESS: i32 = 5;
     set_niceness(NICENESS);
 }
@@ -26,14 +26,14 @@ pub(crate) fn yield_to_all() {
 
 #[cfg(target_os = "linux")]
 fn set_niceness(niceness: i32) {
-    // A system that refuses leaves the thread as it is.
+    // If the system refuses, the priority stays.
     let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), niceness);
 }
 
 #[cfg(not(target_os = "linux"))]
 fn set_niceness(_niceness: i32) {}
 
-/// The processor time that the calling thread has had; the time since some moment where the system does not tell.
+/// The processor time of the calling thread; wall-clock time where the system does not report it.
 #[cfg(target_os = "linux")]
 pub(super) fn processor_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

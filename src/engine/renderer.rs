@@ -1,4 +1,4 @@
-//! The back end, and the job that it works on.
+//! The back end and its current job.
 
 use bevy::prelude::*;
 
@@ -25,8 +25,8 @@ impl Renderer {
         self.job.as_mut()
     }
 
-    /// Prepares a back end of this many threads, in place of one with another number. They are `yielding` to the window
-    /// if there is one.
+    /// Prepares a back end of this many threads, which replaces one with another number. They are `yielding` to the
+    /// window if there is one.
     pub fn prepare_backend(&mut self, threads: usize, yielding: bool) {
         if self
             .backend

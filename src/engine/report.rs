@@ -1,4 +1,4 @@
-//! Brings the status up to date, once per frame, after all else.
+//! Brings the status up to date, once per frame, after all other systems.
 
 use bevy::prelude::*;
 
@@ -14,7 +14,7 @@ use super::status::{GuideStatus, RenderState, RenderStatus};
 use super::stop_condition::StopCondition;
 use crate::scene::{IntegratorSettings, SceneState, SceneStatus};
 
-/// Messages shown at most; a scene of a thousand broken spheres has said it by then.
+/// The most messages shown; a scene with a thousand invalid spheres needs no more.
 const MOST_ERRORS: usize = 50;
 
 pub(super) fn report_status(

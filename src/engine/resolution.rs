@@ -1,4 +1,4 @@
-//! The number of pixels of a picture: those of the film, or as many as fit into the place where it is shown.
+//! The number of pixels of a picture: the film's, or as many as fit into the area where it is shown.
 
 use bevy::math::UVec2;
 
@@ -15,7 +15,7 @@ pub fn fit(size: UVec2, room: UVec2) -> UVec2 {
     (size * scale + 1e-6).floor().as_uvec2().max(UVec2::ONE)
 }
 
-/// The nearest possible size of a film, with about the same proportions.
+/// The nearest valid size of a film, with about the same proportions.
 pub(super) fn possible(size: UVec2) -> UVec2 {
     let size = size.clamp(UVec2::ONE, UVec2::splat(Film::LARGEST_SIDE));
     let pixels = f64::from(size.x) * f64::from(size.y);
@@ -23,7 +23,7 @@ pub(super) fn possible(size: UVec2) -> UVec2 {
     (size.as_dvec2() * shrink).as_uvec2().max(UVec2::ONE)
 }
 
-/// The size that is asked for, before [`RenderControl::resolution_scale`] and whether or not there can be such a film.
+/// The requested size, before [`RenderControl::resolution_scale`]; it may be invalid for a film.
 pub(super) fn asked(film: &Film, control: &RenderControl) -> UVec2 {
     let window = film.window();
     control
@@ -31,12 +31,12 @@ pub(super) fn asked(film: &Film, control: &RenderControl) -> UVec2 {
         .unwrap_or(UVec2::new(window.width, window.height))
 }
 
-/// The pixels of the picture when it is traced in full.
+/// The size of the picture at full resolution in pixels.
 pub fn full_size(film: &Film, control: &RenderControl) -> UVec2 {
     scaled(possible(asked(film, control)), control.resolution_scale)
 }
 
-/// The pixels that are traced now.
+/// The size of the picture at the current resolution in pixels.
 pub(super) fn traced(film: &Film, control: &RenderControl) -> UVec2 {
     if let Some(size) = control.size_until_change {
         return scaled(possible(size), control.motion_scale);

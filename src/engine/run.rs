@@ -1,8 +1,8 @@
-//! Workers of a back end that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of
-//! what the work is.
+//! Workers of a back end on one queue, until it is empty or they are stopped. Runs are independent of scenes and of the
+//! kind of work.
 //!
-//! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that
-//! its workers stop soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
+//! Every run has its own channel and flag: dropping the [`Run`] sets the flag and closes the channel, so that its
+//! workers stop soon, none of them hangs at a full channel, and no result of theirs arrives any more.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,15 +19,15 @@ use super::priority::processor_time;
 use super::schedule::{WorkItem, WorkQueue};
 
 /// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so
-/// that workers do not wait for the next frame in the middle of it.
+/// that workers do not wait for the next frame in the middle of a preview.
 const CAPACITY: usize = 256;
-/// The results that one of many workers makes in a frame.
+/// The results per frame of each worker, if there are many workers.
 const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
-/// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before
-/// it is dropped.
+/// The longest wait of a worker for room in the channel between two checks of the flag. A run may be cancelled some
+/// time before it is dropped.
 const LONGEST_WAIT: Duration = Duration::from_millis(10);
-/// The time between two looks at a closed gate.
+/// The time between two checks of a closed gate.
 const GATE_WAIT: Duration = Duration::from_millis(1);
 
 pub(super) struct Run {
@@ -43,21 +43,21 @@ struct Shared {
     cancel: Arc<AtomicBool>,
     queue: Arc<WorkQueue>,
     first_result: Arc<OnceLock<Instant>>,
-    /// The processor time that all workers have had, in nanoseconds.
+    /// The processor time of all workers, in nanoseconds.
     worked: Arc<AtomicU64>,
     work: Box<Work>,
     waker: EventLoopWaker,
     gate: Gate,
-    /// The number of results from which on they should be collected soon.
+    /// The number of waiting results from which on they should be collected soon.
     many: usize,
-    /// The number of items of the G-buffer and the preview that are not delivered yet.
+    /// The number of undelivered items of the G-buffer and the preview.
     first_left: AtomicUsize,
     workers_left: AtomicUsize,
 }
 
 impl Run {
-    /// Sets all workers of `backend` to work. `first_items`: how many of the queue's items are previews or parts of the
-    /// G-buffer.
+    /// Starts all workers of `backend`. `first_items` is the number of items in the queue that are previews or parts of
+    /// the G-buffer.
     pub fn start(
         backend: &Backend,
         queue: WorkQueue,
@@ -95,7 +95,7 @@ impl Run {
         }
     }
 
-    /// The processor time that its workers have had for finished items, all together.
+    /// The processor time of all its workers together for finished items.
     pub fn worked(&self) -> Duration {
         Duration::from_nanos(self.worked.load(Ordering::Relaxed))
     }
@@ -113,17 +113,17 @@ impl Drop for Run {
 }
 
 impl Shared {
-    /// Works until the queue is empty. A panic in the work, or in the hook, ends the run with a message: beyond this
-    /// function it would end the program.
+    /// Works until the queue is empty. A panic in the work, or in the hook, ends the run with a message; otherwise it
+    /// would end the program.
     fn work_until_done(&self, results: Sender<TileResult>) {
         if let Err(payload) = catch_unwind(AssertUnwindSafe(|| self.work_on_queue(&results))) {
             self.cancel.store(true, Ordering::Relaxed);
-            // Waits until there is room or the run is dropped: without this message the job would be begun again.
+            // Waits until there is room or the run is dropped: without this message the job would be started again.
             let _ = results.send(TileResult::Failed(text_of_panic(payload.as_ref())));
         }
         drop(results);
         if self.workers_left.fetch_sub(1, Ordering::AcqRel) == 1 {
-            // The event loop also looks by itself after a while.
+            // The event loop also wakes by itself after a while.
             let _ = catch_unwind(AssertUnwindSafe(|| self.waker.wake_now()));
         }
     }
@@ -160,7 +160,7 @@ impl Shared {
         }
     }
 
-    /// Sends a result. False if nothing receives it any more.
+    /// Sends a result. False if the receiver is gone.
     fn deliver(&self, results: &Sender<TileResult>, mut result: TileResult) -> bool {
         loop {
             result = match results.send_timeout(result, LONGEST_WAIT) {

@@ -1,5 +1,4 @@
-//! Another scene in place of the one of the picture: its film is cleared, so that no picture and no tile of one scene
-//! is taken for another's.
+//! Clears the film when another scene is opened, so that no picture or tile of one scene is taken for another's.
 
 use bevy::prelude::*;
 
@@ -9,8 +8,8 @@ use super::renderer::Renderer;
 use super::status::RenderStatus;
 use crate::scene::SceneStatus;
 
-/// Clears the film as soon as the entities are those of another scene. A scene that is read again keeps its picture
-/// until the next one has come. Runs after scenes have been read and after commands, which make new ones.
+/// Clears the film as soon as the entities are those of another scene. A reloaded scene keeps its picture until the
+/// next one arrives. Runs after scenes have been read and after commands, which create new scenes.
 pub(super) fn clear_for_other_scene(
     scene: Res<SceneStatus>,
     mut renderer: ResMut<Renderer>,

@@ -1,7 +1,7 @@
-//! The order of work: which tile comes first, and how many samples each visit to a tile makes.
+//! The order of work: which tile comes first, and how many samples each visit to a tile adds.
 //!
-//! The samples of a tile are always divided at the same places (see [`crate::render::passes`]), on any thread, with any
-//! number of interruptions: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
+//! The samples of a tile are always divided at the same numbers (see [`crate::render::passes`]), on any thread, with
+//! any number of interruptions: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -16,7 +16,7 @@ use crate::render::noise::replicas::Missing;
 use crate::render::passes::pass_end;
 use crate::render::tile::Tile;
 
-/// Sorts tiles from the middle of the picture outwards, for that is where people look.
+/// Sorts tiles from the centre of the picture outwards, because users look there.
 pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
     tiles.sort_by_key(|tile| {
         // Twice the distance from the middle is a whole number.
@@ -26,7 +26,7 @@ pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
     });
 }
 
-/// The indices in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no
+/// The indices in `tiles` of the tiles that `region` touches, by fractions of the picture; all of them if there is no
 /// region, or none in it.
 pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec<usize> {
     let touches = |tile: &Tile, region: Rect| {
@@ -43,7 +43,7 @@ pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec
     if inside.is_empty() { all.collect() } else { inside }
 }
 
-/// One visit to a tile; `index` is its place in the job's list of tiles.
+/// One visit to a tile; `index` is the tile's index in the job's list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum WorkItem {
     /// The G-buffer of a tile.
@@ -56,7 +56,7 @@ pub(super) enum WorkItem {
     },
     /// Samples of some replicas.
     Replicas(Arc<[Missing]>),
-    /// Samples of all pixels, or of each block its own.
+    /// Samples of all pixels, or a range of its own for each block.
     Samples {
         index: usize,
         samples: Range<u32>,
@@ -64,13 +64,13 @@ pub(super) enum WorkItem {
     },
 }
 
-/// The number of replicas in a piece of work.
+/// The number of replicas in a work item.
 const REPLICAS_AT_ONCE: usize = 16;
 
 /// The samples that urgent tiles get before all others.
 const HEAD_START: u32 = 4;
 
-/// When a tile has its turn: urgent tiles come first, then those with fewer samples, then by their order.
+/// The rank of a tile: urgent tiles come first, then those with fewer samples, then by their order.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Turn {
     is_late: bool,
@@ -78,7 +78,7 @@ struct Turn {
     index: usize,
 }
 
-/// Deals out a job's work, pass after pass. Each worker claims its next item, so that none waits while there is work.
+/// Hands out a job's work, pass after pass. Each worker claims its next item, so that none is idle while there is work.
 pub(super) struct WorkQueue {
     state: Mutex<QueueState>,
 }
@@ -90,11 +90,11 @@ struct QueueState {
     gbuffer: Vec<usize>,
     /// The tiles of the preview that are not claimed yet, the next one last.
     previews: Vec<usize>,
-    /// The edge of its blocks in pixels.
+    /// The edge of preview blocks in pixels.
     step: u32,
     /// The tiles that are not claimed in this pass yet.
     waiting: BinaryHeap<Reverse<Turn>>,
-    /// The tiles that have a head start, in rising order.
+    /// The tiles that have a head start, ascending.
     urgent: Vec<usize>,
     target: u32,
     /// The replicas that are not claimed yet, the next ones last.
@@ -104,9 +104,8 @@ struct QueueState {
 }
 
 impl WorkQueue {
-    /// A queue of work. `tiles` has the index of each tile to be rendered and the samples that it has, `target` is the
-    /// number of samples it gets, and `previews` are the tiles that are first shown coarsely, in blocks of `step`
-    /// pixels.
+    /// A queue of work. `tiles` has the index of each tile to be rendered and its samples so far, `target` is the
+    /// number of samples to reach, and `previews` are the tiles with a coarse preview, in blocks of `step` pixels.
     pub fn new(tiles: &[(usize, u32)], target: u32, previews: &[usize], step: u32) -> Self {
         Self {
             state: Mutex::new(QueueState {
@@ -126,7 +125,7 @@ impl WorkQueue {
         }
     }
 
-    /// A queue of what is missing of replicas.
+    /// A queue of the missing samples of replicas.
     pub fn of_replicas(missing: &[Missing]) -> Self {
         let queue = Self::new(&[], 0, &[], 1);
         let pieces = missing.chunks(REPLICAS_AT_ONCE).rev();
@@ -134,22 +133,22 @@ impl WorkQueue {
         queue
     }
 
-    /// Has the G-buffers of these tiles made before all samples, in turn with the previews.
+    /// Adds the G-buffers of these tiles before all samples, alternating with the previews.
     pub fn begin_with_gbuffer(&self, tiles: impl DoubleEndedIterator<Item = usize>) {
         self.state().gbuffer = tiles.rev().collect();
     }
 
-    /// Gives these tiles, in rising order, their first samples before all others.
+    /// Gives these tiles, in ascending order, their first samples before all others.
     pub fn set_urgent(&self, urgent: Vec<usize>) {
         self.state().set_urgent(urgent);
     }
 
-    /// Has the blocks of these tiles differ in their samples.
+    /// Sets the rounds of tiles whose blocks get different numbers of samples.
     pub fn set_rounds(&self, rounds: impl Iterator<Item = (usize, Box<TileRound>)>) {
         self.state().rounds = rounds.collect();
     }
 
-    /// The next piece of work; None when everything up to the target has been claimed.
+    /// The next work item; None when all work up to the target has been claimed.
     pub fn claim(&self) -> Option<WorkItem> {
         let mut state = self.state();
         if state.gbuffer.len() >= state.previews.len()
@@ -189,13 +188,12 @@ impl WorkQueue {
         })
     }
 
-    /// Sets the target of what is claimed from now on.
+    /// Sets the target of later claims.
     pub fn set_target(&self, target: u32) {
         self.state().target = target;
     }
 
-    /// Lowers the target to the end of the pass that has been begun, so that all tiles end with equal samples. Returns
-    /// that target.
+    /// Lowers the target to the end of the current pass, so that all tiles end with equal samples. Returns that target.
     pub fn finish_pass(&self) -> u32 {
         let mut state = self.state();
         state.target = state.target.min(state.begun);
@@ -208,7 +206,7 @@ impl WorkQueue {
 }
 
 impl QueueState {
-    /// The turn that comes next and is not at the target.
+    /// The next tile that is not at the target.
     fn next_turn(&mut self) -> Option<Turn> {
         let Reverse(next) = *self.waiting.peek()?;
         if next.done >= self.target && !next.is_late {

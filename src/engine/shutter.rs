@@ -14,19 +14,19 @@ use crate::render::motion::FrameBefore;
 use crate::render::shutter::Shutter;
 use crate::scene::IntegratorSettings;
 
-/// The moments of the next picture. It does not follow changes of the scene: [`open_shutter`] sets it anew for each
+/// The moments of the next picture. They do not follow changes of the scene: [`open_shutter`] sets them again for each
 /// picture.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct OpenShutter {
     /// The moments; None where all samples see the scene as it is.
     pub shutter: Option<Shutter>,
-    /// The frame before, for the motion in a picture without moments.
+    /// The previous frame, for the motion layer of a picture without moments.
     pub before: Option<FrameBefore>,
 }
 
-/// Lets the samples of the next picture be spread over as many moments as `times`, in frames, has. `show` brings the
-/// scene to each of them, and, if the layer of motion is wanted, to the times that lie a frame earlier. The picture has
-/// the bits that it would have if no other had been rendered before. Returns false if it was cancelled.
+/// Spreads the samples of the next picture over the moments `times`, in frames. `show` brings the scene to each of
+/// them, and, if the motion layer is wanted, to the times one frame earlier. The picture has the same bits as if no
+/// other had been rendered before. Returns false if it was cancelled.
 pub fn open_shutter(
     app: &mut App,
     times: impl IntoIterator<Item = f64>,
@@ -63,7 +63,7 @@ pub fn open_shutter(
     for time in times {
         show(app.world_mut(), time);
         if moments.is_empty() {
-            // A hierarchy that has followed edits may give a picture other last bits.
+            // An edited hierarchy may give a picture other last bits.
             app.world_mut().resource_mut::<Dirty>().all_shapes();
         }
         if !load_to_completion(app, limits)? {
@@ -71,7 +71,7 @@ pub fn open_shutter(
         }
         let packed = app.world().resource::<PackedScene>();
         let shapes = packed.entity_of_instance.clone();
-        // Shapes that come or go cannot be told apart: nothing moves then.
+        // If shapes come or go between frames, they cannot be matched: nothing moves then.
         let frame_before = before.next().filter(|(known, _)| **known == *shapes);
         let Some(mut moment) = packed.scene.clone().zip(packed.view.clone()) else {
             continue;
@@ -86,7 +86,7 @@ pub fn open_shutter(
         }
         moments.push(moment);
     }
-    // That of the scene at the last moment. A pilot may have learnt it, or is about to: `auto` chooses for that moment.
+    // The guide of the last moment, for which `auto` chooses, so that a pilot may have learnt it or is about to.
     let extracted = app.world().resource::<Extracted>();
     let guide = (&extracted.scene, &extracted.guide);
     let open = OpenShutter {

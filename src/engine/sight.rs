@@ -1,4 +1,4 @@
-//! The shapes that the camera sees alone and the walls that it sees through, as tables of the kernel.
+//! The shapes that the camera sees exclusively and the walls that it sees through, as tables of the kernel.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::accel::{SplitMethod, Tlas};
 use crate::render::visibility::outer_walls::OuterWalls;
 use crate::render::visibility::sight::Isolated;
 
-/// The shapes as they were last taken out of the scene.
+/// The last hierarchy over the shapes that are seen exclusively.
 #[derive(Default)]
 pub(super) struct SeenAlone {
     of: Option<(Arc<Tlas>, Vec<Entity>)>,
@@ -17,8 +17,8 @@ pub(super) struct SeenAlone {
 }
 
 impl SeenAlone {
-    /// The shapes of the entities `wanted`; None if there are none, and everything is seen. `entity_of_instance` tells
-    /// whose the instances and placements of `geometry` are.
+    /// The hierarchy over the shapes of the entities `wanted`; None if there are none, and all shapes are visible.
+    /// `entity_of_instance` has the entity of each instance and placement of `geometry`.
     pub fn update(
         &mut self,
         wanted: &[Entity],
@@ -36,7 +36,7 @@ impl SeenAlone {
             let items: Vec<u32> = items
                 .filter_map(|(item, entity)| entities.contains(entity).then_some(item))
                 .collect();
-            // Shapes that are hidden or not loaded yet are not in the tables: if all are missing, everything is shown.
+            // Hidden and unloaded shapes are not in the tables: if all of these are missing, all shapes are shown.
             self.shapes = (!items.is_empty()).then(|| {
                 let part = geometry.part(&items, SplitMethod::default());
                 Isolated(Arc::new(part))
@@ -47,7 +47,7 @@ impl SeenAlone {
     }
 }
 
-/// The outer walls as they were last found in the scene.
+/// The last outer walls found in the scene.
 #[derive(Default)]
 pub(super) struct SeenThrough {
     of: Option<Arc<Tlas>>,

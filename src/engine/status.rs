@@ -1,4 +1,4 @@
-//! The state of the engine's work, in numbers. The application words them.
+//! The state of the engine in numbers. The application turns them into words.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -14,10 +14,10 @@ use crate::render::clamp::BrightnessLimit;
 pub struct RenderStatus {
     /// The state of the engine.
     pub state: RenderState,
-    /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it
-    /// is.
+    /// Whether all files that the scene names are loaded, built and packed, so that the picture shows the current
+    /// scene.
     pub is_up_to_date: bool,
-    /// Why a picture that is paused is not the one that would be rendered now; None if it is, or if it is not paused.
+    /// The change since a paused picture was begun; None if it is current, or if it is not paused.
     pub outdated: Option<Outdated>,
     /// The samples per pixel that the whole picture, or the rendered region, has.
     pub samples: u32,
@@ -31,52 +31,51 @@ pub struct RenderStatus {
     pub noise_target: Option<f32>,
     /// The limit that is reached.
     pub stopped_by: Option<StopReason>,
-    /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there
-    /// is none.
+    /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None before there
+    /// is one.
     pub noise: Option<f32>,
-    /// What the integrator `auto` stands for; None where another one is asked for.
+    /// The choice of the integrator `auto`; None where another integrator is set.
     pub auto: Option<AutoStatus>,
     /// The size of the picture in pixels.
     pub size: UVec2,
-    /// The pixels that the picture has when it is traced in full: those of the film, see
-    /// [`RenderControl`](super::RenderControl::view_size).
+    /// The size of the picture at full resolution in pixels, after [`RenderControl`](super::RenderControl::view_size).
     pub full_size: UVec2,
     /// Time spent on the samples of this picture; pauses do not count.
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
     pub rays: u64,
-    /// The guide of its paths; None where they have none.
+    /// The guide of its paths; None if they have none.
     pub guide: Option<GuideStatus>,
     /// The rays per second, in millions.
     pub mrays_per_s: f64,
-    /// The rays per second, in millions, that all threads would trace if the processors did nothing else; 0 while that
-    /// is not known.
+    /// The rays per second, in millions, that all threads would trace if the processors had no other load; 0 while that
+    /// is unknown.
     pub undisturbed_mrays_per_s: f64,
     /// The camera samples per second, in millions.
     pub msamples_per_s: f64,
     /// The number of samples that were not finite and therefore dropped.
     pub invalid_samples: u64,
-    /// How bright samples may be; None without a clamp, and until that is known.
+    /// The brightness limit of samples; None without a clamp, and until the limit is known.
     pub clamped: Option<BrightnessLimit>,
     /// The number of triangles of all instances.
     pub triangles: u64,
-    /// The figures of the hierarchies in use.
+    /// The statistics of the hierarchies in use.
     pub bvh: BvhStatus,
     /// The number of meshes that shapes name and that are not loaded yet.
     pub meshes_loading: u32,
     /// The number of acceleration structures that are being built.
     pub builds_running: u32,
-    /// Errors of the scene or the render, in words; the picture is made without the things named here.
+    /// Errors of the scene or the render, in words; the picture is made without the parts named here.
     pub errors: Vec<String>,
-    /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is
-    /// not the one asked for.
+    /// The errors about parts that do not fit into the memory budget: the scene is valid, but the picture is not the
+    /// one requested.
     pub shortages: Vec<String>,
-    /// The time at which the picture was begun anew.
+    /// The time at which the picture last started again.
     pub last_restart: Instant,
     /// The time from a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
-    /// The time from a change to when a worker has finished that tile. The rest of `latency` waits for the window to
-    /// begin its next frame.
+    /// The time from a change until a worker has finished that tile. The rest of `latency` is spent waiting for the
+    /// window's next frame.
     pub response: LatencyStats,
 }
 
@@ -117,7 +116,7 @@ impl Default for RenderStatus {
     }
 }
 
-/// What a paused picture is older than.
+/// The change that made a paused picture outdated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outdated {
     /// The scene was edited since, or is another one.
@@ -129,19 +128,19 @@ pub enum Outdated {
 /// The guide of a picture's paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GuideStatus {
-    /// The rays that it was learnt with, as part of [`RenderStatus::rays`]: none where it is left from an earlier
-    /// picture or from a pilot.
+    /// The rays by which it was learnt, as part of [`RenderStatus::rays`]: 0 if it comes from an earlier picture or
+    /// from a pilot.
     pub rays: u64,
-    /// Its memory in bytes; 0 until it is learnt, and where there is nothing to be guided by.
+    /// Its memory in bytes; 0 until it is learnt, and for scenes without paths to guide.
     pub bytes: u64,
 }
 
-/// The power of the number of samples with which noise falls: 0.5 for independent samples, and this about for well
-/// spread ones.
+/// The power of the number of samples with which noise falls: 0.5 for independent samples, and about this for well
+/// distributed ones.
 const FALL_OF_NOISE: f64 = 0.6;
 
 impl RenderStatus {
-    /// The part of the picture that is done, from 0 to 1: by the limit that will be reached first.
+    /// The finished fraction of the picture, from 0 to 1, by the limit that will be reached first.
     pub fn done(&self) -> f64 {
         let of_share = |samples: u32| f64::from(samples.saturating_sub(self.first));
         let by_samples = of_share(self.samples) / of_share(self.target).max(1.0);
@@ -151,20 +150,20 @@ impl RenderStatus {
         by_samples.max(by_time).max(by_noise).clamp(0.0, 1.0)
     }
 
-    /// Whether no samples are added because the picture has all of them, or is paused.
+    /// Whether no samples are added because the picture is finished or paused.
     pub fn rests(&self) -> bool {
         matches!(self.state, RenderState::Done | RenderState::Paused)
     }
 
-    /// The limit of noise, if there is one that the picture has not reached: also while it is under way.
+    /// The limit of noise, if the picture has one and has not reached it, even while it is rendering.
     pub fn missed_noise(&self) -> Option<f32> {
         let is_missed = |limit: &f32| self.noise.is_none_or(|noise| noise > *limit);
-        // A picture that is all black reaches it without a noise.
+        // A black picture reaches it without an estimate of noise.
         let target = self.noise_target.filter(|_| self.stopped_by != Some(StopReason::Noise));
         target.filter(is_missed)
     }
 
-    /// The seconds until the picture is done, as fast as before; None while that is unknown.
+    /// The estimated seconds until the picture is done, at the same speed; None while that is unknown.
     pub fn seconds_left(&self) -> Option<f64> {
         let done = self.done();
         let is_known = self.state == RenderState::Rendering && done > 0.0 && self.samples > 0;
@@ -172,16 +171,16 @@ impl RenderStatus {
     }
 }
 
-/// What the integrator `auto` stands for.
+/// The choice of the integrator `auto`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AutoStatus {
     /// The name of the integrator, as in files.
     pub integrator: &'static str,
-    /// Whether its pilot is under way.
+    /// Whether its pilot is running.
     pub is_searching: bool,
-    /// The rays that pilots have learnt the guide of the scene with. They are no part of [`RenderStatus::rays`].
+    /// The rays by which pilots have learnt the scene's guide. They are not part of [`RenderStatus::rays`].
     pub guide_rays: u64,
-    /// The choice. Before there is one it is path tracing, without a gain.
+    /// The choice. Before it is made it is path tracing, without a gain.
     pub choice: Choice,
 }
 
@@ -201,24 +200,24 @@ pub enum RenderState {
     Paused,
     /// The picture has the requested samples, or has reached another limit.
     Done,
-    /// The last job broke off; `errors` says why. The next change tries again.
+    /// The last job failed; `errors` says why. The next change tries again.
     Failed,
 }
 
-/// The acceleration structures of the scene together (each mesh counted once).
+/// The statistics of all acceleration structures of the scene (each mesh counted once).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BvhStatus {
     /// The number of inner nodes.
     pub nodes: u64,
     /// The number of leaves with primitives.
     pub leaves: u64,
-    /// The depth of the deepest mesh hierarchy below the deepest path of the scene's.
+    /// The depth of the deepest mesh hierarchy plus that of the scene's.
     pub max_depth: u32,
     /// Surface area heuristic cost of the largest hierarchy.
     pub sah_cost: f64,
-    /// Memory held.
+    /// The memory in bytes.
     pub bytes: u64,
-    /// Time spent building what is now in use, milliseconds.
+    /// The build time of the structures in use, in milliseconds.
     pub build_ms: f64,
 }
 
@@ -229,10 +228,10 @@ pub struct LatencyStats {
 }
 
 impl LatencyStats {
-    /// The number of latencies over which median and percentile are taken.
+    /// The number of latencies for the median and the percentile.
     pub(crate) const WINDOW: usize = 128;
 
-    /// Adds a latency; the oldest one is forgotten beyond [`Self::WINDOW`].
+    /// Adds a latency, and drops the oldest one beyond [`Self::WINDOW`].
     pub(crate) fn record(&mut self, milliseconds: f32) {
         if self.recent.len() == Self::WINDOW {
             self.recent.pop_front();
@@ -240,7 +239,7 @@ impl LatencyStats {
         self.recent.push_back(milliseconds);
     }
 
-    /// Latencies that are remembered.
+    /// The number of recorded latencies, at most the window.
     pub fn len(&self) -> usize {
         self.recent.len()
     }
@@ -250,12 +249,12 @@ impl LatencyStats {
         self.recent.is_empty()
     }
 
-    /// The median of those remembered; None before the first.
+    /// The median of the recorded latencies; None before the first.
     pub fn median_ms(&self) -> Option<f32> {
         self.quantile_ms(0.5)
     }
 
-    /// The 95th percentile of those remembered; None before the first.
+    /// The 95th percentile of the recorded latencies; None before the first.
     pub fn p95_ms(&self) -> Option<f32> {
         self.quantile_ms(0.95)
     }

@@ -10,7 +10,7 @@ use crate::render::noise::adaptive::FIRST;
 pub(super) struct StopCondition {
     /// Samples per pixel, at least 1.
     pub samples: u32,
-    /// Whether neither more nor fewer samples are wanted, see [`RenderControl::exact_samples`].
+    /// Whether the number of samples must be exact, see [`RenderControl::exact_samples`].
     pub is_exact: bool,
     /// Seconds of rendering.
     pub seconds: Option<f32>,
@@ -25,35 +25,35 @@ pub(super) struct StopCondition {
 /// The limit that a picture has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// The samples asked for.
+    /// The number of samples.
     Samples,
-    /// The time allowed.
+    /// The rendering time.
     Time,
-    /// The noise asked for.
+    /// The noise.
     Noise,
 }
 
-/// Below this number of samples the spread says little: few samples of a rare bright thing have missed it, and agree.
+/// Below this number of samples estimates of noise are unreliable: samples that all miss a rare bright light agree.
 pub const FEWEST_FOR_NOISE: u32 = 16;
 
-/// From this number of samples on a picture without light is taken for one.
+/// From this number of samples on, a picture without light counts as black.
 const FEWEST_FOR_BLACK: u32 = 1024;
-/// The shortest round is this share of the samples so far.
+/// The shortest round is the samples so far divided by this.
 const SHORTEST_ROUND: u32 = 8;
 
-/// What divides a picture into rounds: the limit of noise, and whether sampling is adaptive.
+/// The settings that divide a picture into rounds: the limit of noise, and whether sampling is adaptive.
 pub type Rounds = (Option<f32>, bool);
 
-/// The relative noise with this number of samples; None where all is black.
+/// The relative noise at this number of samples; None if the picture is black.
 #[derive(Clone, Copy, Debug)]
 pub struct JudgedNoise {
     pub samples: u32,
     pub noise: Option<f32>,
-    /// Whether replicas have told.
+    /// Whether it is corrected by replicas.
     pub is_corrected: bool,
 }
 
-/// What the sensor's film asks for.
+/// The limits set by the sensor's film.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmLimits {
     /// Samples per pixel.
@@ -65,7 +65,7 @@ pub struct FilmLimits {
 }
 
 impl StopCondition {
-    /// The limits of the film count where `control` does not say.
+    /// The limits of the film apply where `control` has none.
     pub fn new(control: &RenderControl, film: FilmLimits) -> Self {
         let exact = control.exact_samples;
         Self {
@@ -81,8 +81,8 @@ impl StopCondition {
         }
     }
 
-    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` that was
-    /// judged with that many samples; None where all is black.
+    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` judged
+    /// at that many samples; its inner None is a black picture.
     pub fn reached(&self, samples: u32, seconds: f64, noise: Option<Option<f32>>) -> Option<StopReason> {
         let in_time = self.seconds.is_none_or(|limit| seconds < f64::from(limit));
         let is_quiet = |limit| match noise {
@@ -102,9 +102,9 @@ impl StopCondition {
     }
 
     /// The end of the round of samples that begins after `done` per pixel. With a limit of noise all pixels have
-    /// equally many samples at the end of a round, which depends on the picture alone, and there the noise is
-    /// judged: so the same picture has the same samples on any number of threads. `noise` is that at `done`. Rounds
-    /// become shorter towards the limit, as far as it can be foreseen.
+    /// equally many samples at the end of a round, which depends on the picture alone, and there the noise is judged:
+    /// so the same picture has the same samples on any number of threads. `noise` is the noise at `done`. Rounds become
+    /// shorter towards the limit, as far as it can be predicted.
     pub fn round_end(&self, done: u32, noise: Option<f32>, is_adaptive: bool) -> u32 {
         let limit = match self.noise {
             Some(limit) => limit,
@@ -114,7 +114,7 @@ impl StopCondition {
         if done < FEWEST_FOR_NOISE {
             return FEWEST_FOR_NOISE.min(self.samples);
         }
-        // Noise falls with the root of the samples at least, and hardly faster than with their number.
+        // Noise falls at least with the root of the number of samples, and hardly faster than with that number.
         let growth = noise
             .filter(|noise| noise.is_finite())
             .map_or(2.0, |noise| f64::from(noise / limit).clamp(1.0, 2.0));

@@ -1,4 +1,4 @@
-//! The view of a scene: where its camera is, what it sees, how light reaches it, and the guide of its paths.
+//! The view of a scene: its camera, its visible surfaces, its integrator, and the guide of its paths.
 
 use super::{Extracted, Flight};
 use crate::engine::authored::{Authored, name_of};
@@ -16,7 +16,7 @@ use crate::render::visibility::sight::Sight;
 use crate::scene::Sensor;
 
 impl Extracted {
-    /// Whether the view differs from this one in nothing but the number of pixels.
+    /// Whether the view differs from `old` in nothing but the number of pixels.
     pub(super) fn sees_as(&self, old: Option<&View>) -> bool {
         match (&self.view, old) {
             (Some(view), Some(old)) => is_same_at_other_size(old, view),
@@ -24,7 +24,7 @@ impl Extracted {
         }
     }
 
-    /// A view that was flown through borders of media is in another medium than its sensor.
+    /// Sets the medium of the view: a view moved across borders of media is in another medium than its sensor.
     pub(super) fn update_medium_of_view(&mut self) {
         if let (Some(view), Some(flight)) = (&mut self.view, &self.flight) {
             view.medium = medium_at(&self.scene, flight.from, flight.medium, flight.to);
@@ -43,8 +43,8 @@ impl Extracted {
         }
     }
 
-    /// Gives the view the guide of the scene, a new one if that has changed: it would be learnt anew, and until then
-    /// keep the old scene. Returns the guide of before.
+    /// Sets the scene's guide in the view. If the scene has changed, that is a new guide, because the old one would
+    /// have to be learnt again and would keep the old scene alive. Returns the old guide.
     pub(super) fn keep_guide(&mut self, same_scene: bool) -> Option<Guide> {
         let old = (!same_scene).then(|| std::mem::take(&mut self.guide));
         if let Some(view) = &mut self.view {
@@ -53,7 +53,7 @@ impl Extracted {
         old
     }
 
-    /// Has the view be by the method of the choice, if there is one. It is as before a choice.
+    /// Sets the chosen integrator in the view, or the integrator before a choice if there is none.
     pub(in crate::engine) fn take_choice(&mut self, auto: &AutoIntegrator) {
         let Some(view) = &mut self.view else { return };
         let choice = auto.choice(&self.scene, view).unwrap_or(Choice::UNTRIED);
@@ -62,7 +62,7 @@ impl Extracted {
         view.guide = is_guided.then(|| self.guide.clone());
     }
 
-    /// The integrator `auto` is as before its choice.
+    /// Resets the view to the integrator before a choice if `auto` is selected.
     pub(super) fn forget_choice(&mut self, is_auto: bool) {
         if let Some(view) = self.view.as_mut().filter(|_| is_auto) {
             view.integrator = before_choice(&self.scene, view);

@@ -1,4 +1,4 @@
-//! Decides whether a few shapes are packed or all, and takes in what was packed.
+//! Decides whether a few shapes are packed or all, and takes in the results.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -14,8 +14,8 @@ use crate::engine::extract::Extracted;
 use crate::engine::pack::group::Layout;
 
 impl Extracted {
-    /// Brings the shapes up to date. Tells which instances are not where and what they were; None while all are being
-    /// packed, which goes on in the next frame. What is left in `touched` is to be done in a later frame.
+    /// Brings the shapes up to date. Returns the instances that have moved or changed; None while all are being packed,
+    /// which continues in the next frame. Shapes that stay in `touched` are for a later frame.
     pub(in crate::engine) fn update_shapes(
         &mut self,
         touched: &mut Touched,
@@ -31,7 +31,7 @@ impl Extracted {
             return Some(changes);
         }
         if self.packing.is_none() {
-            // What changes from now on is packed once more.
+            // Changes from now on are packed again.
             *touched = Touched::default();
         }
         let mut moved = self.pack_all(authored, cache, policy)?;
@@ -49,7 +49,7 @@ impl Extracted {
         Some(ShapeChanges { moved, edits: None })
     }
 
-    /// Packs all shapes, or goes on with it. Tells which instances are not where and what they were once that is done.
+    /// Starts or continues packing all shapes. Returns the instances that have moved or changed once that is done.
     pub(in crate::engine) fn pack_all(
         &mut self,
         authored: &Authored,
@@ -80,7 +80,7 @@ impl Extracted {
                     self.packing = Some(Packing::Building { built, moved });
                     None
                 }
-                // The thread has ended with the pool: all is packed again.
+                // The thread has ended with the pool, so all shapes are packed again.
                 Err(TryRecvError::Disconnected) => self.pack_all(authored, cache, policy),
             },
         }

@@ -6,7 +6,7 @@ use crate::scene::{MeshHandle, Shape, ShapeKind};
 
 /// The mesh that a shape names.
 pub(super) struct NamedMesh<'c> {
-    /// None if there is none, or not yet.
+    /// None if the mesh does not exist or is not built yet.
     pub built: Option<&'c BuiltMesh>,
     /// Whether its file is still being read.
     pub is_loading: bool,

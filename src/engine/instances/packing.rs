@@ -1,5 +1,5 @@
-//! Packs all shapes. Very many are packed in the window over several frames, and the hierarchy over them is built on
-//! another thread, so that no frame takes long. What changes meanwhile is packed afterwards.
+//! Packs all shapes. In the window, very many are packed over several frames, and the hierarchy over them is built on
+//! another thread, so that no frame takes long. Changes in the meantime are packed afterwards.
 
 use std::collections::{BTreeMap, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,14 +19,14 @@ use crate::engine::pack::group::{Layout, PackedShapes, PlacedGroup};
 use crate::engine::pack::instance::{InstanceRecord, ShapeSource, pack_instance};
 use crate::scene::{DocumentOrder, InstanceOf, MemberOf};
 
-/// From this number of shapes on they are packed over several frames.
+/// From this number on, shapes are packed over several frames.
 const MANY: usize = 16_384;
-/// The part of a frame that goes into packing.
+/// The time per frame for packing.
 pub(in crate::engine) const LONGEST: Duration = Duration::from_millis(15);
-/// The shapes that are packed between two looks at the clock.
+/// The shapes that are packed between two checks of the clock.
 const STEP: usize = 256;
 
-/// The packing of all shapes, under way.
+/// The unfinished packing of all shapes.
 pub(in crate::engine) enum Packing {
     Reading(Box<Reading>),
     Building {
@@ -92,7 +92,7 @@ impl Built {
 }
 
 impl Reading {
-    /// Lists the shapes. All meshes must be asked for until [`Self::go_on`] is done.
+    /// Lists the shapes. All meshes must be requested until [`Self::go_on`] is done.
     pub fn begin(authored: &Authored, cache: &mut BlasCache) -> Self {
         let shapes = authored.shapes.iter();
         let mut shapes: Vec<_> = shapes.map(|shape| (*shape.order, shape.entity)).collect();
@@ -114,7 +114,7 @@ impl Reading {
         }
     }
 
-    /// Packs what is left, or as much as there is time for; true once nothing is left.
+    /// Packs the remaining shapes, or as many as there is time for; true once all are packed.
     pub fn go_on(
         &mut self,
         authored: &Authored,
@@ -133,7 +133,7 @@ impl Reading {
         self.rest.len() == 0
     }
 
-    /// Packs one shape; the result is part of the world itself. `order` is what it was when the shapes were listed.
+    /// Packs one shape; the result is part of the world itself. `order` is the shape's order in the list.
     fn pack(
         &mut self,
         order: DocumentOrder,

@@ -1,5 +1,5 @@
-//! Brings the records of shapes and the hierarchy over them up to date where only a few shapes have changed.
-//! [`super::packing`] packs all.
+//! Updates the records of shapes and the hierarchy over them after changes of a few shapes. [`super::packing`] packs
+//! all shapes.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::engine::pack::instance::{InstanceRecord, pack_instance};
 use crate::engine::status::BvhStatus;
 use crate::scene::ShapeKind;
 
-/// A shape that has changed, as it is now.
+/// A changed shape in its current state.
 struct Edited {
     packed: Option<(Instance, InstanceRecord)>,
     error: Option<String>,
@@ -40,9 +40,9 @@ struct RecordEdits {
 }
 
 impl Extracted {
-    /// Packs the shapes of the world that have changed, and edits the tables. The result is that of packing all shapes,
-    /// but for what the hierarchy looks like inside. None where all shapes have to be packed, which also replaces
-    /// what was noted here.
+    /// Packs the changed shapes of the world, and edits the tables. The result equals that of packing all shapes, up to
+    /// the inner structure of the hierarchy. None where all shapes have to be packed, which also replaces the edits
+    /// made here.
     pub(in crate::engine) fn edit_shapes(
         &mut self,
         changed: &EntityHashSet,
@@ -221,14 +221,14 @@ impl Extracted {
         }
     }
 
-    /// The present hierarchy with little beside it, if it has been built anew. It waits for an edit, because the
-    /// picture begins anew with it.
+    /// The current hierarchy with few edits beside it, if a rebuild is done. It waits for an edit, because the picture
+    /// starts again with it.
     fn take_rebuilt(&mut self) -> Option<Tlas> {
         let anew = self.rebuild.take_if(|rebuild| rebuild.is_done())?;
         anew.finish(&self.scene.geometry)
     }
 
-    /// Looks up which materials, lights and media shapes have, and adds the shapes to what has changed.
+    /// Looks up the materials, lights and media of shapes, and adds the shapes to the changed ones.
     pub(in crate::engine) fn update_bindings(
         &mut self,
         touched: &Touched,
@@ -252,7 +252,7 @@ impl Extracted {
         };
         for &number in &touched {
             let record = &mut self.layout.shapes[number as usize];
-            // A shape that was just removed is not among these records, because its removal has packed them anew.
+            // A shape that was just removed is not among these records, because its removal has packed them again.
             if let Ok((_, _, uses, light, media)) = authored.surface_bindings.get(record.entity) {
                 (record.material, record.has_light) = (uses.map(|uses| uses.0), light.is_some());
                 record.media = media.entities();
@@ -293,7 +293,7 @@ fn triangles_of(primitive: &Primitive) -> u64 {
     }
 }
 
-/// Packs a shape that has changed. None if that is not enough: it is of a group, or its mesh is not there.
+/// Packs a changed shape. None if that is not enough: it belongs to a group, or its mesh is not loaded.
 fn edited(entity: Entity, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Option<Edited> {
     let none = Edited {
         packed: None,

@@ -1,4 +1,4 @@
-//! The meshes of building parts in use. Parts of equal numbers share one, as copies of stairs do.
+//! The meshes of building parts in use. Parts with equal dimensions share one, as copies of stairs do.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use crate::geometry::mesh::MeshData;
 use crate::scene::assets::solid_mesh::solid_mesh;
 use crate::scene::{Solid, SolidValue};
 
-/// The meshes, each with a number that no other gets.
+/// The meshes, each with a unique number.
 #[derive(Default)]
 pub(in crate::engine) struct SolidMeshes {
     known: HashMap<(&'static str, Vec<u32>), (u64, Arc<MeshData>)>,
@@ -15,7 +15,7 @@ pub(in crate::engine) struct SolidMeshes {
 }
 
 impl SolidMeshes {
-    /// The mesh with its number.
+    /// The mesh and its number.
     pub fn get(&mut self, part: &Solid) -> (u64, Arc<MeshData>) {
         let next = &mut self.next;
         let entry = self.known.entry((part.plugin(), bits(part))).or_insert_with(|| {
@@ -31,7 +31,7 @@ impl SolidMeshes {
     }
 }
 
-/// The numbers that decide the mesh, to be compared exactly.
+/// The dimensions that determine the mesh, as bits for an exact comparison.
 fn bits(part: &Solid) -> Vec<u32> {
     let mut bits = Vec::new();
     part.clone().visit_mut(&mut |_, value| match value {

@@ -1,38 +1,38 @@
-//! Edits of long lists of shapes: copies them in pieces, because most of a list stays as it is.
+//! Edits of long lists of shapes, which are copied in pieces because most of a list is unchanged.
 
 use std::ops::Range;
 
 /// The edits of the list of shapes since it was packed. All numbers ascend.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::engine) struct ListEdits {
-    /// The shapes that are gone, by their numbers before.
+    /// The old numbers of the shapes that are gone.
     pub removed: Vec<u32>,
     /// The shapes that are new.
     pub inserted: Vec<u32>,
-    /// The other shapes that may have changed, by their present numbers.
+    /// The other shapes that may have changed, by their current numbers.
     pub changed: Vec<u32>,
 }
 
-/// What has changed about the shapes.
+/// The changes of the shapes.
 #[derive(Debug)]
 pub(in crate::engine) struct ShapeChanges {
-    /// For each shape, whether it is not where and what it was.
+    /// For each shape, whether it has moved or changed.
     pub moved: Vec<bool>,
-    /// None: all shapes were packed.
+    /// The edits of the list; None if all shapes were packed.
     pub edits: Option<ListEdits>,
 }
 
 /// A piece of the edited list.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::engine) enum Piece {
-    /// These places of the list as it was.
+    /// This range of the old list.
     Kept(Range<usize>),
-    /// What is inserted, as an index into the list of places.
+    /// An inserted entry, as an index into `inserted`.
     New(usize),
 }
 
-/// The pieces of a list of this length without what is at the places `removed`, and with something new at the places
-/// `inserted`, which count in the edited list. Both ascend.
+/// The pieces of a list of this length after the entries at `removed` are removed and new ones are inserted at the
+/// indices `inserted` of the edited list. Both ascend.
 pub(in crate::engine) fn pieces(len: usize, removed: &[u32], inserted: &[u32]) -> Vec<Piece> {
     let mut removed = removed.iter().map(|place| *place as usize).peekable();
     let mut inserted = (0..).zip(inserted.iter().map(|place| *place as usize)).peekable();

@@ -1,13 +1,13 @@
-//! How a picture begins.
+//! The start of a picture: a preview or whole samples.
 
 use super::Job;
 
-/// The way in which a picture begins.
+/// The start of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::engine) enum Beginning {
-    /// It begins with a sample of every pixel.
+    /// A sample of every pixel.
     Whole,
-    /// It begins with a sample of each block with an edge of this many pixels.
+    /// A sample of each block with an edge of this many pixels.
     Preview(u32),
 }
 
@@ -15,7 +15,7 @@ pub(in crate::engine) enum Beginning {
 const PREVIEW_STEP: f32 = 4.0;
 
 impl Beginning {
-    /// A preview in blocks that are about as large whatever part of the resolution is rendered.
+    /// A preview in blocks of about the same apparent size at any `motion_scale`.
     pub fn preview(motion_scale: f32) -> Self {
         match (PREVIEW_STEP * motion_scale).round() as u32 {
             0 | 1 => Self::Whole,
@@ -25,7 +25,7 @@ impl Beginning {
 }
 
 impl Job {
-    /// Has it begin with the G-buffer.
+    /// Lets the job begin with the G-buffer.
     pub fn with_gbuffer(self) -> Self {
         Self {
             gbuffer_left: (0..self.tiles.len()).collect(),
@@ -33,7 +33,7 @@ impl Job {
         }
     }
 
-    /// Makes it a share of a picture, see [`RenderControl::share`](super::RenderControl::share).
+    /// Makes the job a share of a picture, see [`RenderControl::share`](super::RenderControl::share).
     pub fn into_share(self, first: u32) -> Self {
         Self {
             share: Some(first),

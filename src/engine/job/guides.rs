@@ -1,12 +1,12 @@
-//! What a job knows of the guides of its paths.
+//! The guides of a job's paths.
 
 use super::Job;
 use crate::render::guide::Guide;
 use crate::render::shutter::Shutter;
 
 impl Job {
-    /// Counts what guides were learnt with since the last call, which may be that of another picture of the same scene.
-    /// The rays of pilots are not among them.
+    /// Counts the rays by which guides were learnt since the last call, which may belong to another picture of the same
+    /// scene. The rays of pilots are not among them.
     pub(super) fn count_rays_of_guides(&mut self) {
         let rays = self.guides().map(Guide::take_rays).sum::<u64>();
         self.rays += rays;

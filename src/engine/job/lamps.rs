@@ -1,4 +1,4 @@
-//! What a job knows of the lamps of its picture.
+//! The lamps of a job's picture and the layers of their light.
 
 use std::sync::Arc;
 
@@ -10,19 +10,19 @@ use crate::render::film::SetAside;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
-/// The light of a layer may be so many times as strong as it was for some of its samples, and may have so many times
-/// fewer samples than there are: a weak lamp gets few samples, whose noise grows with it.
+/// The largest factor by which a layer's light may have become stronger for some of its samples, and by which the layer
+/// may have fewer samples than the picture: a weak lamp gets few samples, whose noise the factor amplifies.
 pub(super) const MOST_RISE: f32 = 4.0;
 
-/// The most layers of light that are set aside.
+/// The most layers of light that are kept for lamps that are off.
 pub(super) const MOST_ASIDE: usize = 4;
 
-/// How many times as strong the light of a layer is as at the beginning, and the least that it was.
+/// The strength of a layer's light relative to the beginning, and the least so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strength {
     pub now: Rgb,
     pub least: Rgb,
-    /// The samples of a pixel that the light of the layer is not of, because it was set aside meanwhile.
+    /// The samples per pixel that the layer's light lacks, because the lamp was off meanwhile.
     pub missed: u32,
 }
 
@@ -44,7 +44,7 @@ impl Strength {
     }
 }
 
-/// The light of lamps that do not shine.
+/// The kept light of lamps that are off.
 pub(super) struct Aside {
     pub sources: Vec<WeightedSource>,
     pub strength: Strength,
@@ -52,16 +52,16 @@ pub(super) struct Aside {
     pub _memory: Reservation,
 }
 
-/// What has become of the lamps of a job since it began.
+/// The changes of a job's lamps since it began.
 #[derive(Default)]
 pub(super) struct Relighting {
-    /// By layer of light; empty while all is as it was.
+    /// The strengths by layer of light; empty before the first change.
     pub strengths: Vec<Strength>,
-    /// The latest is the last.
+    /// Kept layers, the latest last.
     pub aside: Vec<Aside>,
 }
 
-/// What a picture is to be of.
+/// The scene, view and lamps that a picture should show.
 pub struct Wanted<'a> {
     pub scene: &'a RenderScene,
     pub view: &'a View,

@@ -1,4 +1,4 @@
-//! Lamps that change while a picture is made of their light: they become stronger or weaker, go out, and shine again.
+//! Changes of lamps during a picture: they become stronger or weaker, are switched off, and on again.
 
 use bevy::prelude::*;
 
@@ -15,32 +15,32 @@ use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
 use crate::render::view::{Integrator, View};
 
-/// Where light is that a film had or has.
+/// The location of light that the film has or had.
 #[derive(Clone, Copy)]
 enum Place {
-    /// The layer of the film.
+    /// A layer of the film.
     Layer(usize),
-    /// The place among what is set aside.
+    /// An index into the kept layers.
     Aside(usize),
-    /// There is none.
+    /// Nowhere: no light.
     Nowhere,
 }
 
-/// The layers of light that a film is to have.
+/// The new layers of light of a film.
 struct Plan {
-    /// For each layer where its light is now, and the factor on it.
+    /// For each new layer the location of its light now, and the factor on it.
     layers: Vec<(Place, Rgb)>,
-    /// The layers of the film that are set aside, with their lamps.
+    /// The layers of the film to be kept aside, with their lamps.
     gone: Vec<(usize, Vec<WeightedSource>)>,
 }
 
 impl Job {
-    /// Goes on with the samples that it has if nothing has changed in the scene but how strong lights are and which
-    /// emitters there are, and gives the film the light of these. False if that is not possible.
+    /// Continues with the existing samples if nothing in the scene has changed but the strengths of lights and the set
+    /// of emitters, and gives the film the light of the new ones. False if that is not possible.
     pub fn relight(&mut self, wanted: &Wanted, stop: &StopCondition, film: &mut RenderFilm) -> bool {
         let view = wanted.view;
-        // Exact pictures are what they would be without any change, and noise that decides where samples go is of the
-        // old light.
+        // An exact picture must not depend on earlier changes, and adaptive sampling follows the noise of the old
+        // light.
         if stop.is_exact || stop.is_adaptive || !self.can_be_relit(wanted.scene, view, film) {
             return false;
         }
@@ -77,16 +77,16 @@ impl Job {
         self.relighting.aside.drain(..too_many);
         (self.scene, self.view) = (wanted.scene.clone(), view.clone());
         (self.lamps, self.light_groups) = (wanted.lamps.clone(), wanted.light_groups.clone());
-        // What was known of the noise is of the other light.
+        // The estimated noise is that of the old light.
         (self.replicas, self.judged, self.round) = (None, None, (Rounds::default(), 0));
         self.noise_of_tiles = PictureNoise::of(&film.film, &self.tiles);
         self.note_noise();
-        // The same samples would not have been chosen for this light: an exact picture begins anew.
+        // Sampling would have been different for the new light, so an exact picture starts again.
         self.cuts.insert(0);
         true
     }
 
-    /// Whether its film can be given the light of other lamps, and nothing else differs.
+    /// Whether only the lamps differ, and the film can be given the light of others.
     fn can_be_relit(&self, scene: &RenderScene, view: &View, film: &RenderFilm) -> bool {
         let with_other_lights = RenderScene {
             lights: self.scene.lights.clone(),
@@ -109,7 +109,7 @@ impl Job {
             && film.film.can_be_relit()
     }
 
-    /// How the film becomes that of the lamps that there are now; None if it does not know the light of one of them.
+    /// The plan by which the film gets the light of the current lamps; None if the light of one of them is unknown.
     fn plan(&self, wanted: &Wanted) -> Option<Plan> {
         let old = self.lamps.by_layer(&self.view.light_groups);
         let new = wanted.lamps.by_layer(&wanted.view.light_groups);
@@ -121,7 +121,7 @@ impl Job {
                 false => self.known_light(lamps, &old, &mut is_gone)?,
             });
         }
-        // Lamps that are out may shine again.
+        // Lamps that are switched off may be switched on again.
         for &(from, factor) in &layers {
             if let Place::Layer(layer) = from
                 && factor == Rgb::ZERO
@@ -137,7 +137,7 @@ impl Job {
         })
     }
 
-    /// Where the light of lamps is, and the factor on it. Layers that stay are no longer `is_gone`.
+    /// The location of the lamps' light, and the factor on it. Layers that are used further are unmarked in `is_gone`.
     fn known_light(&self, lamps: &LayerLamps, old: &[LayerLamps], is_gone: &mut [bool]) -> Option<(Place, Rgb)> {
         if let Some(layer) = old.iter().position(|old| old.owners == lamps.owners)
             && let Some(factor) = gain::common(&old[layer].sources, &lamps.sources)
@@ -149,26 +149,26 @@ impl Job {
         aside.find_map(|(place, aside)| {
             let sources: Vec<&WeightedSource> = aside.sources.iter().collect();
             match gain::common(&sources, &lamps.sources)? {
-                // It stays where it is.
+                // A kept layer stays where it is.
                 Rgb::ZERO => Some((Place::Nowhere, Rgb::ZERO)),
                 factor => Some((Place::Aside(place), factor)),
             }
         })
     }
 
-    /// The number of samples that every pixel has, around a region as well.
+    /// The number of samples that every pixel has, also around a region.
     fn least_of_all(&self) -> u32 {
         self.done.iter().copied().min().unwrap_or(0)
     }
 
-    /// Lets go of light that is of too few samples to be taken up again.
+    /// Drops kept light with too few samples to be used again.
     pub(super) fn forget_lamps(&mut self) {
         let samples = self.least_of_all() as f32;
         let has_enough = |aside: &Aside| aside.light.samples as f32 * MOST_RISE >= samples;
         self.relighting.aside.retain(has_enough);
     }
 
-    /// Lets go of all light of lamps that do not shine.
+    /// Drops all kept light of lamps that are off.
     pub fn forget_all_lamps(&mut self) {
         self.relighting.aside.clear();
     }
@@ -195,10 +195,10 @@ impl Job {
         }
     }
 
-    /// Keeps the light of layers that the film will not have any more, as far as there is memory.
+    /// Keeps the light of layers that the film loses, as far as memory allows.
     fn set_aside(&mut self, mut gone: Vec<(usize, Vec<WeightedSource>)>, film: &RenderFilm) {
         let pixels = u64::from(film.film.width()) * u64::from(film.film.height());
-        // Those that were out before are kept already.
+        // Layers of lamps that were off before are kept already.
         gone.retain(|(layer, lamps)| !lamps.is_empty() && self.strength(Place::Layer(*layer)).now != Rgb::ZERO);
         let too_many = gone.len().saturating_sub(MOST_ASIDE);
         for (layer, sources) in gone.drain(too_many..) {

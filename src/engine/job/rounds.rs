@@ -12,17 +12,17 @@ use crate::render::tile::Tile;
 const LEAST_ROUND: u32 = 32;
 
 impl Job {
-    /// The noise that was judged when all pixels of the region had so many samples.
+    /// The noise that was judged when all pixels of the region had this number of samples.
     pub(super) fn judged_at(&self, samples: u32) -> Option<JudgedNoise> {
         self.judged.filter(|judged| judged.samples == samples)
     }
 
-    /// Whether all pixels of the region have so many samples.
+    /// Whether all pixels of the region have this number of samples.
     pub(super) fn are_equal(&self, samples: u32) -> bool {
         self.active.iter().all(|&index| self.done[index] == samples)
     }
 
-    /// The work until the end of the present round, or of the next one.
+    /// The work until the end of the current round, or of the next one.
     pub(super) fn next_queue(
         &mut self,
         stop: &StopCondition,
@@ -32,8 +32,8 @@ impl Job {
         step: u32,
     ) -> WorkQueue {
         let done = self.least_samples();
-        // An interrupted round goes on to its own end. Where else it ended would depend on the moment of the
-        // interruption, and so would the picture.
+        // An interrupted round continues to its own end. Any other end would depend on the time of the interruption,
+        // and so would the picture.
         let (asked_then, end) = self.round;
         let goes_on = asked_then == asked && end != u32::MAX && done < end;
         if !goes_on && previews.is_empty() && asked.0.is_some() {
@@ -61,16 +61,16 @@ impl Job {
             .iter()
             .map(|&index| self.adaptation.on_the_way_to(index, self.done[index]));
         let most = under_way.max().unwrap_or(0);
-        // Moments of a shutter are shared out evenly, so that sampling is uniform with one.
+        // The moments of a shutter are shared out evenly, so that sampling is uniform with one.
         let is_adaptive = stop.is_adaptive && self.shutter.is_none() && done == most;
         let noise = self.judged_at(done).and_then(|judged| judged.noise);
         let has_differences = self.adaptation.has_differences(&self.active);
         let end = match done < most {
-            // Where pixels differ in their samples, the first round makes them equal.
+            // If pixels differ in their samples, the first round makes them equal.
             true => stop.samples.min(most),
             false => stop.round_end(done, noise, is_adaptive),
         };
-        // What has differences goes on by rounds, whatever is asked for.
+        // Tiles with differences continue by rounds, even if no setting asks for them.
         let end = if has_differences {
             end.min(most.max(LEAST_ROUND).saturating_mul(2))
         } else {
@@ -84,13 +84,13 @@ impl Job {
         }
     }
 
-    /// Whether replicas tell the noise after so many samples, if a limit of it is asked for. Of a share it is not
-    /// asked.
+    /// Whether replicas measure the noise at this number of samples, if there is a limit of noise. A share has no such
+    /// limit.
     pub(super) fn has_replicas_at(&self, samples: u32) -> bool {
         samples >= FEWEST_FOR_NOISE && self.share.is_none() && has_replicas(self.view.integrator)
     }
 
-    /// What replicas lack to tell the noise once all pixels of the region have `done` samples.
+    /// The samples that replicas lack to measure the noise once all pixels of the region have `done` samples.
     fn missing_replicas(&mut self, done: u32, film: &RenderFilm) -> Vec<Missing> {
         if !self.has_replicas_at(done) || !self.are_equal(done) {
             return Vec::new();
@@ -104,8 +104,8 @@ impl Job {
         self.active.iter().map(|&index| self.tiles[index]).collect()
     }
 
-    /// Judges the noise once all pixels of the region have the same number of samples, and replicas as many where there
-    /// are any. The tiles are read in a fixed order, so that the result does not depend on the threads.
+    /// Judges the noise once all pixels of the region have the same number of samples, and the replicas, if any, as
+    /// many. The tiles are read in a fixed order, so that the result does not depend on the threads.
     pub(super) fn judge(&mut self, film: &mut RenderFilm) {
         let samples = self.least_samples();
         if !self.are_equal(samples) || samples == 0 {
@@ -137,7 +137,7 @@ impl Job {
         self.correct_noise(noise.correction(), film);
     }
 
-    /// Has all that is told of noise from now on be so many times what the samples foretell.
+    /// Multiplies all later estimates of noise from samples by `correction`.
     pub(super) fn correct_noise(&mut self, correction: f32, film: &mut RenderFilm) {
         self.noise_of_tiles.correct(correction);
         if self.replicas.is_some() && film.film.correct_errors(correction) {
@@ -145,7 +145,7 @@ impl Job {
         }
     }
 
-    /// Takes note of the noise: as it was judged, or as far as it is known between rounds.
+    /// Updates the noise: the judged one, or an estimate between rounds.
     pub(super) fn note_noise(&mut self) {
         let samples = self.least_samples();
         let judged = self.judged_at(samples).filter(|_| self.are_equal(samples));

@@ -1,4 +1,4 @@
-//! What a checkpoint has of a job, beside the film: enough to go on as if it had not been interrupted.
+//! The state of a job in a checkpoint, beside the film: enough to continue as if it had not been interrupted.
 
 use bevy::math::{Rect, UVec2, Vec2};
 
@@ -11,7 +11,7 @@ use crate::render::noise::replicas::Replicas;
 use crate::render::tile::Tile;
 
 impl Job {
-    /// Writes the state. Passes under way are not saved; they are rendered again.
+    /// Writes the state. Unfinished passes are not saved; they are rendered again.
     pub fn write(&self) -> Vec<u8> {
         let mut to = Writer::default();
         self.done.iter().for_each(|&samples| to.u32(samples));
@@ -44,9 +44,9 @@ impl Job {
         to.0
     }
 
-    /// Takes up what [`Self::write`] has written of the same picture, and the film of that time. The job has not run
-    /// yet. The region is the one that was rendered then, of which are the round under way, the judged noise and
-    /// the replicas. [`Damaged`] if the state ends too early, or says what cannot be.
+    /// Restores the state that [`Self::write`] has written for the same picture, and its film. The job has not run yet.
+    /// The region must be that of the saved job, to which the current round, the judged noise and the replicas belong.
+    /// [`Damaged`] if the state ends too early or is inconsistent.
     pub fn resume(&mut self, state: &[u8], saved: Film, film: &mut RenderFilm) -> Result<(), Damaged> {
         let mut from = Reader(state);
         for done in &mut self.done {
@@ -75,7 +75,7 @@ impl Job {
             if !(correction.is_finite() && correction > 0.0) {
                 return Err(Damaged);
             }
-            // Replicas are chosen by the errors of pixels, which have two samples.
+            // Replicas are chosen by the errors of pixels, which need two samples.
             let is_known = |(tile, done): (&Tile, &u32)| {
                 let mut pixels =
                     (tile.y..tile.y + tile.height).flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));

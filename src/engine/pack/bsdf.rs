@@ -1,4 +1,4 @@
-//! One material of the scene as one of the renderer: its numbers are brought into range, and names become numbers.
+//! Packs one material of the scene for the renderer: clamps its numbers to their ranges, and turns names into ids.
 
 use super::texture::TexturePacker;
 use super::{Checker, STAND_IN_ID};
@@ -71,7 +71,7 @@ impl MaterialPacker<'_, '_, '_> {
                 let facets = self.facets(*distribution, alpha);
                 let specular_reflectance = self.textures.packed(specular_reflectance);
                 let specular_transmittance = self.textures.packed(specular_transmittance);
-                // Light goes straight through where nothing refracts it, however rough: there is no density.
+                // Without refraction light passes straight through, however rough the interface: there is no density.
                 if eta == 1.0 {
                     TexturedBsdf::Dielectric {
                         eta,
@@ -236,7 +236,7 @@ impl MaterialPacker<'_, '_, '_> {
         }
     }
 
-    /// The coefficient, and a factor on it.
+    /// The absorption coefficient, and a factor on it.
     fn absorption(&mut self, absorption: &Absorption) -> (texture::Parameter<Rgb>, f32) {
         match absorption {
             Absorption::Melanin { eumelanin, pheomelanin } => {
@@ -263,7 +263,7 @@ impl MaterialPacker<'_, '_, '_> {
     }
 }
 
-/// Complex index of a conductor that reflects everything.
+/// Complex index of a conductor that reflects all light.
 pub(super) const PERFECT_MIRROR: (Rgb, Rgb) = (Rgb::ZERO, Rgb::ONE);
 
 fn kind(distribution: Distribution) -> MicrofacetKind {
@@ -273,7 +273,7 @@ fn kind(distribution: Distribution) -> MicrofacetKind {
     }
 }
 
-/// The index inside over that outside.
+/// The refractive index inside over that outside.
 fn relative_index(interior: &Ior, exterior: &Ior) -> f32 {
     let index = |ior: &Ior| match ior {
         Ior::Named(name) => ior::dielectric_ior(name).unwrap_or(1.0),

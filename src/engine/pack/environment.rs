@@ -1,4 +1,4 @@
-//! Environment pictures with their sampling densities, which take a while to build: kept for as long as they are in
+//! Environment pictures with their sampling densities, which take a while to build: they are kept while they are in
 //! use.
 
 use std::sync::Arc;
@@ -24,8 +24,7 @@ impl Environments {
         self.0.iter_mut().for_each(|known| known.in_use = false);
     }
 
-    /// Returns one map for one picture, however often it is asked for. An error if its density does not fit into the
-    /// memory budget.
+    /// The same map for each request of a picture. An error if its density does not fit into the memory budget.
     pub fn get(&mut self, image: &Arc<Image>, compensated: bool) -> Result<Arc<EnvironmentMap>, Shortage> {
         let is_it = |known: &&mut Known| Arc::ptr_eq(&known.image, image) && known.compensated == compensated;
         if let Some(known) = self.0.iter_mut().find(is_it) {
@@ -44,7 +43,7 @@ impl Environments {
         Ok(map)
     }
 
-    /// Removes the environments that were not asked for since [`Self::begin_use`], but for those that are still in use
+    /// Removes the environments that were not requested since [`Self::begin_use`], unless they are still in use
     /// elsewhere.
     pub fn end_use(&mut self) {
         self.0.retain(|known| known.in_use || Arc::strong_count(&known.map) > 1);

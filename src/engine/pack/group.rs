@@ -1,4 +1,4 @@
-//! Sorts shapes into those of the world and those of groups, and builds the hierarchy over all of them.
+//! Divides shapes into those of the world and those of groups, and builds the hierarchy over all of them.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::accel::{Instance, Instances, Placement, SplitMethod, Tlas};
 pub(in crate::engine) struct PlacedGroup {
     pub entity: Entity,
     pub name: String,
-    /// The place of the group among all groups.
+    /// The index of the group among all groups.
     pub group: usize,
     pub places: Arc<Vec<Affine3>>,
 }
@@ -39,8 +39,8 @@ pub(in crate::engine) struct Layout {
 }
 
 impl Layout {
-    /// Divides the shapes of the world and of each group, in order, into what goes into the hierarchy and a record of
-    /// each that is kept.
+    /// Divides the shapes of the world and of each group, in order, into the input of the hierarchy and the record of
+    /// each, which is kept.
     pub fn new(
         in_world: (Instances, Vec<InstanceRecord>),
         members: Vec<(Vec<Instance>, Vec<InstanceRecord>)>,
@@ -58,7 +58,7 @@ impl Layout {
         (layout, PackedShapes { in_world, members })
     }
 
-    /// Whether each shape has moved or changed; all of them if the list differs.
+    /// Whether each shape has moved or changed; true for all if the list differs.
     pub(crate) fn moved_since(&self, old: &Self) -> Vec<bool> {
         let same =
             |(i, record): (usize, &InstanceRecord)| old.shapes.get(i).is_some_and(|old| record.same_geometry(old));
@@ -67,14 +67,14 @@ impl Layout {
         numbered.map(|pair| regrouped || !same(pair)).collect()
     }
 
-    /// Takes shapes of the world out, replaces some, and puts others in; the numbers are those of [`ShapeEdits`].
+    /// Removes, replaces and inserts shapes of the world; the numbers are those of [`ShapeEdits`].
     pub(crate) fn edit(
         &mut self,
         removed: &[u32],
         replaced: Vec<(u32, InstanceRecord)>,
         inserted: Vec<(u32, InstanceRecord)>,
     ) {
-        /// Moving all that comes after is quicker than a new list, up to this number of places.
+        /// Up to this number of edits, moving all later entries is faster than making a new list.
         const FEW: usize = 8;
         for (number, record) in replaced {
             self.shapes[number as usize] = record;
@@ -104,7 +104,7 @@ impl Layout {
             .collect();
     }
 
-    /// Whether every group stands where it stood.
+    /// Whether the placements of every group are unchanged.
     pub(crate) fn placed_as(&self, old: &Self) -> bool {
         let same = |(a, b): (&PlacedGroup, &PlacedGroup)| {
             let places = Arc::ptr_eq(&a.places, &b.places) || a.places == b.places;
@@ -113,19 +113,19 @@ impl Layout {
         self.placed.len() == old.placed.len() && self.placed.iter().zip(&old.placed).all(same)
     }
 
-    /// Whether the shapes are of the same entities.
+    /// Whether the shapes belong to the same entities.
     pub(crate) fn is_of_same_entities(&self, old: &Self) -> bool {
         let old = old.shapes.iter().map(|record| record.entity);
         self.shapes.iter().map(|record| record.entity).eq(old)
     }
 
-    /// Whether the shape is a member of a group, which cannot shine.
+    /// Whether the shape is a member of a group, which cannot emit light.
     pub(crate) fn is_member(&self, shape: usize) -> bool {
         shape >= self.in_world
     }
 
-    /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that
-    /// [`Self::new`] gave with it.
+    /// Builds the hierarchy over all shapes, and returns the entity of each of its items. `instances` must come from
+    /// the same [`Self::new`].
     pub fn build(&self, instances: PackedShapes, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
         let members = instances.members.into_iter();
         let groups = members.map(|members| Arc::new(Tlas::group(members, method))).collect();

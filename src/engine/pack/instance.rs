@@ -10,12 +10,12 @@ use crate::accel::{Instance, Primitive};
 use crate::math::Frame;
 use crate::scene::{DocumentOrder, Shape, ShapeKind};
 
-/// A shape of the scene whose geometry is there: what its [`Instance`] was made from, and what its surface is made of.
+/// A shape of the scene whose geometry is available: the data of its [`Instance`], and those of its surface.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct InstanceRecord {
     pub order: DocumentOrder,
     pub entity: Entity,
-    /// None for a shape without one.
+    /// The material; None for a shape without one.
     pub material: Option<Entity>,
     /// Whether it has an area light.
     pub has_light: bool,
@@ -25,11 +25,11 @@ pub(in crate::engine) struct InstanceRecord {
     world_from_local: Affine3A,
     face_normals: bool,
     flip_normals: bool,
-    /// Material slots of its mesh; 1 for other shapes.
+    /// The number of material slots of its mesh; 1 for other shapes.
     pub slots: u32,
 }
 
-/// The components by which a shape is packed.
+/// The components from which a shape is packed.
 #[derive(Clone, Copy)]
 pub(in crate::engine) struct ShapeSource<'a> {
     pub order: DocumentOrder,
@@ -42,12 +42,12 @@ pub(in crate::engine) struct ShapeSource<'a> {
 }
 
 impl InstanceRecord {
-    /// The place among all shapes.
+    /// The sort key among all shapes.
     pub fn key(&self) -> (DocumentOrder, Entity) {
         (self.order, self.entity)
     }
 
-    /// Whether both are of the same mesh.
+    /// Whether both have the same mesh.
     pub fn is_of_same_mesh(&self, other: &Self) -> bool {
         matches!((&self.primitive, &other.primitive), (Primitive::Mesh(a), Primitive::Mesh(b)) if Arc::ptr_eq(a, b))
     }
@@ -70,7 +70,7 @@ impl InstanceRecord {
     }
 }
 
-/// Says why a shape has no extent or no place.
+/// The reason why a shape has no extent or no valid transform.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub(in crate::engine) enum ShapeError {
     #[error("a sphere of radius {radius} is left out")]
@@ -83,7 +83,7 @@ pub(in crate::engine) enum ShapeError {
     Transform,
 }
 
-/// Packs a shape; None while its mesh is not there. `mesh` is what the shape's kind names, if it names one.
+/// Packs a shape; None while its mesh is not available. `mesh` is the mesh that the shape's kind names, if any.
 pub(in crate::engine) fn pack_instance(
     source: &ShapeSource,
     mesh: Option<&BuiltMesh>,
@@ -108,7 +108,7 @@ pub(in crate::engine) fn pack_instance(
                 let radius = *radius;
                 return Err(ShapeError::Cylinder { radius, length });
             };
-            // The start of the angle is Mitsuba's choice as well.
+            // The zero of the angle is also Mitsuba's.
             let Frame { s, t, n } = Frame::from_normal(direction);
             let axes = Mat3::from_cols(s * *radius, t * *radius, n * length);
             (
@@ -117,7 +117,7 @@ pub(in crate::engine) fn pack_instance(
                 false,
             )
         }
-        // Becomes no shape of its own.
+        // These kinds are not shapes of their own.
         ShapeKind::Instance | ShapeKind::Frame => return Ok(None),
         ShapeKind::Cube | ShapeKind::Solid(_) => (mesh_primitive(), to_world, false),
         ShapeKind::Triangle { corners: [a, b, c] } => {

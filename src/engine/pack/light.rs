@@ -1,4 +1,4 @@
-//! Packs emitters that are no surface, and the colours of those that are.
+//! Packs emitters that are not surfaces, and the radiance of those that are.
 
 use bevy::math::Affine3A;
 
@@ -11,7 +11,7 @@ use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
 use crate::scene::{Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
 use crate::texture::Parameter;
 
-/// The data that packing lights needs besides themselves.
+/// The context for packing lights.
 pub(in crate::engine) struct LightContext<'c, 'p> {
     pub textures: &'c mut TexturePacker<'p>,
     pub environments: &'c mut Environments,
@@ -19,7 +19,7 @@ pub(in crate::engine) struct LightContext<'c, 'p> {
     pub shortages: &'c mut Vec<String>,
 }
 
-/// None for a light that cannot be: nowhere, or going nowhere; and for one whose picture is not there yet.
+/// None for a light without a valid position or direction, and for one whose picture is not available yet.
 pub(in crate::engine) fn pack_emitter(
     emitter: &Emitter,
     to_world: Affine3A,
@@ -119,7 +119,7 @@ fn half_size(fov: f32, axis: FovAxis, aspect: f32) -> glam::Vec2 {
     glam::Vec2::new(half_width, half_width / aspect)
 }
 
-/// Packs the atmosphere. None, with a report, for a sun that stands nowhere.
+/// Packs the atmosphere. None, with a report, for a sun without a direction.
 fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -> Option<Atmosphere> {
     let atmosphere = sky.atmosphere(world_from_local);
     if atmosphere.is_none() {
@@ -131,10 +131,10 @@ fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -
     atmosphere
 }
 
-/// The most that a map may differ from one that only turns and scales evenly, relative to its scale.
+/// The largest deviation of a map from one that only rotates and scales uniformly, relative to its scale.
 const UNEVEN: f32 = 1e-3;
 
-/// The turning (and mirroring) of something infinitely far away; stretching it is reported, for it has no effect.
+/// The rotation (and mirroring) of an emitter at infinity; stretching is reported, because it has no effect.
 fn turning(to_world: Affine3A, check: &mut Checker) -> Option<glam::Mat3> {
     let Some(rigid) = rigid(to_world) else {
         check.report("its transform is degenerate, the light is left out");
@@ -148,7 +148,7 @@ fn turning(to_world: Affine3A, check: &mut Checker) -> Option<glam::Mat3> {
     Some(turned)
 }
 
-/// Checks that a transform can be undone. None, with a report, if not.
+/// Checks that a transform can be inverted. None, with a report, if not.
 fn invertible(to_world: Affine3A, check: &mut Checker) -> Option<Affine3A> {
     if !to_world.is_finite() || !to_world.inverse().is_finite() {
         check.report("its transform is degenerate, the light is left out");

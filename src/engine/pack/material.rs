@@ -1,5 +1,4 @@
-//! The list of the scene's materials as that of the renderer: references become ids. What each of them becomes says
-//! `bsdf.rs`.
+//! Packs the list of the scene's materials for the renderer: references become ids. `bsdf.rs` packs each of them.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
@@ -13,18 +12,18 @@ use crate::scene::Material;
 use crate::shading::{Bsdf, DielectricModel, Diffuse, ShadingTables};
 use crate::texture::TextureTable;
 
-/// The look of shapes without a material, or with one that makes no sense: the format's default.
+/// The look of shapes without a material, or with an invalid one: the format's default.
 pub(in crate::engine) const STAND_IN: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse {
     reflectance: Rgb::splat(0.5),
 }));
 
-/// A light that has no material reflects nothing: so the format has it.
+/// A light without a material reflects nothing, as in the format.
 const LAMP: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO }));
 
 /// The first materials of every table, see `STAND_IN_ID` and `LAMP_ID`.
 const FIXED: [material::Material; 2] = [STAND_IN, LAMP];
 
-/// A material entity as extraction finds it.
+/// A material entity as read by extraction.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct MaterialSource<'a> {
     pub entity: Entity,
@@ -34,7 +33,7 @@ pub(in crate::engine) struct MaterialSource<'a> {
     pub second: Option<Entity>,
 }
 
-/// The renderer's materials, and which is which entity.
+/// The renderer's materials, and the id of each entity.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct PackedMaterials {
     /// The fixed ones, then one per source in their order.
@@ -89,7 +88,7 @@ pub(in crate::engine) fn pack_materials(
     }
 }
 
-/// The table, with a stand-in for every material that cannot be in it.
+/// The table, with a stand-in for every material that is invalid in it.
 pub(in crate::engine) fn material_table(
     mut materials: Vec<material::Material>,
     tables: ShadingTables,
@@ -102,8 +101,8 @@ pub(in crate::engine) fn material_table(
     MaterialTable::checked(materials, tables)
 }
 
-/// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those
-/// inside of it in the same list; pictures are grey, and what makes no sense is the default.
+/// Packs materials outside of any scene, and returns their ids. Each comes with the indices of its nested materials in
+/// the same list; pictures are replaced by grey, and invalid materials by the default.
 pub(crate) fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
     // Only the identity of the entities matters.
     let entity = |place: usize| Entity::from_raw_u32(place as u32);
@@ -143,7 +142,7 @@ fn contains_itself(start: usize, sources: &[MaterialSource], places: &EntityHash
             .filter_map(|entity| places.get(&entity).copied())
     };
     let mut waiting: Vec<usize> = nested(start).collect();
-    // A list of marks for each of very many plain materials would take the square of their number.
+    // Marks per material would take quadratic memory for very many plain materials.
     if waiting.is_empty() {
         return false;
     }

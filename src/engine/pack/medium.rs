@@ -1,4 +1,4 @@
-//! The list of the scene's media as that of the renderer: references become ids, and files become grids.
+//! Packs the list of the scene's media for the renderer: references become ids, and files become grids.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::medium::{
 };
 use crate::scene::{GridFile, Medium, PhaseFunction, VolumeFilter, VolumeMap, VolumeParameter, VolumeWrap};
 
-/// A medium entity as extraction finds it.
+/// A medium entity as read by extraction.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct AuthoredMedium<'a> {
     pub entity: Entity,
@@ -22,11 +22,11 @@ pub(in crate::engine) struct AuthoredMedium<'a> {
     pub medium: &'a Medium,
 }
 
-/// The sources of the renderer's media in the order of the authored ones, and which is which entity.
+/// The sources of the renderer's media in the order of the authored ones, and the id of each entity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::engine) struct PackedMedia {
     pub sources: Vec<MediumSource>,
-    /// What messages call each of them.
+    /// The name of each medium in messages.
     pub names: Vec<String>,
     pub ids: Arc<EntityHashMap<MediumId>>,
 }
@@ -54,7 +54,7 @@ pub(in crate::engine) fn pack_media<'v>(
     }
 }
 
-/// A medium that is part of no scene. Its grids are not there, and what is wrong with it is mended.
+/// Packs a medium outside of any scene. Its grid files are ignored, and invalid numbers are replaced.
 pub(crate) fn pack_medium_without_files(medium: &Medium) -> MediumSource {
     let mut packer = MediumPacker {
         volumes: &|_| None,
@@ -78,7 +78,7 @@ impl MediumPacker<'_, '_, '_> {
         let emission = self.color(&medium.emission, Rgb::ZERO);
         MediumSource {
             sigma_t: match &sigma_t {
-                // A box is the only voxel of a grid: nothing is outside of it.
+                // A box is the only voxel of a grid, outside of which there is nothing.
                 VolumeParameter::Box { value, to_world } => {
                     self.boxed(*value, *to_world).unwrap_or(Volume::Constant(Rgb::ZERO))
                 }
@@ -91,7 +91,7 @@ impl MediumPacker<'_, '_, '_> {
         }
     }
 
-    /// A colour in space; `otherwise` while its file is not there.
+    /// A colour in space; `otherwise` while its file is not available.
     fn color(&mut self, volume: &VolumeParameter<Rgb>, otherwise: Rgb) -> Volume {
         match volume {
             VolumeParameter::Constant(value) | VolumeParameter::Box { value, .. } => Volume::Constant(*value),
@@ -125,7 +125,7 @@ impl MediumPacker<'_, '_, '_> {
         self.placed(map.grid.clone(), world_from_local, filter, wrap)
     }
 
-    /// The same value all over a box.
+    /// A constant value within a box.
     fn boxed(&mut self, value: Rgb, world_from_unit: Affine3A) -> Option<Volume> {
         let voxel = VolumeGrid::new(UVec3::ONE, 3, Voxels::F32(value.to_array().to_vec())).ok()?;
         let (filter, wrap) = (medium::VolumeFilter::Nearest, medium::VolumeWrap::Clamp);
@@ -152,7 +152,7 @@ impl MediumPacker<'_, '_, '_> {
             PhaseFunction::Isotropic => Phase::Isotropic,
             PhaseFunction::HenyeyGreenstein { g } => Phase::HenyeyGreenstein { g: *g },
             PhaseFunction::Rayleigh => Phase::Rayleigh,
-            // A table that is of no use has been replaced and reported.
+            // An unusable table has been replaced and reported.
             PhaseFunction::Tabulated { values } => {
                 TabulatedPhase::new(values).map_or(Phase::Isotropic, |table| Phase::Tabulated(Arc::new(table)))
             }

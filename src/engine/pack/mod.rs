@@ -1,5 +1,5 @@
 //! Turns components into the renderer's records, with plain functions, one file for each kind of record. Every check of
-//! a range and every change of unit is made here, those of materials and lights in `ranges.rs`; the kernel (`render`
+//! a range and every conversion of units is here, those of materials and lights in `ranges.rs`; the kernel (`render`
 //! and below) trusts its numbers.
 
 mod bsdf;
@@ -19,13 +19,13 @@ pub(super) mod view;
 use crate::color::Rgb;
 use crate::material::MaterialId;
 
-/// The first materials of every table: what has no material or an impossible one, and a light that has none.
+/// The first materials of every table: for shapes without a valid material, and for lights without one.
 const STAND_IN_ID: MaterialId = MaterialId(0);
 const LAMP_ID: MaterialId = MaterialId(1);
 
-/// Checks the numbers of one entity and writes down what was wrong with them.
+/// Checks the numbers of one entity and reports the invalid ones.
 pub(super) struct Checker<'a> {
-    /// The name of the entity as the user knows it.
+    /// The name of the entity in messages to the user.
     pub name: &'a str,
     pub errors: &'a mut Vec<String>,
 }
@@ -35,7 +35,7 @@ impl Checker<'_> {
         self.errors.push(format!("{}: {text}", self.name));
     }
 
-    /// `value` if it lies in [low, high], else the nearest end; `otherwise` if it is no number at all.
+    /// `value` clamped to [low, high]; `otherwise` if it is NaN.
     pub fn number(&mut self, what: &str, value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
         if value.is_nan() {
             self.report(format_args!("{what} is not a number, {otherwise} is used"));
@@ -48,7 +48,7 @@ impl Checker<'_> {
         clamped
     }
 
-    /// A colour with each component in [0, `high`]; what is no number counts as 0.
+    /// A colour with each component in [0, `high`]; NaN counts as 0.
     pub fn color(&mut self, what: &str, value: Rgb, high: f32) -> Rgb {
         let checked = Rgb::from_array(value.to_array().map(|component| match component {
             component if component.is_nan() => 0.0,

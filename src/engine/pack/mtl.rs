@@ -1,6 +1,6 @@
 //! Interprets the materials of an OBJ's own library. MTL describes Phong-like shading, so this is an interpretation:
 //!
-//! | the library says | becomes |
+//! | the library says | result |
 //! |---|---|
 //! | `illum` 6 or 7; `illum` 4 or 9 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1), through which light comes out in the colour `Tf` |
 //! | `Pm` > 0.5 | rough metal in the colour `Kd`, alpha = max(`Pr`, 0.03)² |
@@ -10,10 +10,10 @@
 //! | `map_Kd` | diffuse in the colours of the picture |
 //! | `map_Ke` | emits the colours of the picture |
 //! | `norm` | shaded about the normals of the picture |
-//! | `bump` | shaded as if moved by the picture times `-bm`, in units of the mesh; about its normals if it holds some |
-//! | `d` < 1, `map_d` | opaque with this share, or as far as the picture is bright |
+//! | `bump` | bumped by the picture times `-bm`, in units of the mesh; a normal map if the picture holds normals |
+//! | `d` < 1, `map_d` | this opacity, or the brightness of the picture as opacity |
 //!
-//! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at
+//! All but glass are seen from both sides: such files do not specify sides, and many have their triangles oriented at
 //! random.
 
 use super::Checker;
@@ -32,7 +32,7 @@ use crate::shading::{
 };
 use crate::texture::Parameter;
 
-/// Appends what one material is to `materials` and returns the id of the one to use.
+/// Appends the materials that one library material becomes to `materials` and returns the id of the one to use.
 pub(in crate::engine) fn push_mtl(
     mtl: &MtlMaterial,
     model: DielectricModel,
@@ -92,8 +92,8 @@ pub(in crate::engine) fn push_mtl(
     }
 }
 
-/// Whether the picture of a `bump` statement holds normals, which exporters (Blender's among them) write so: they are
-/// light blue in the mean, as no heights are.
+/// Whether the picture of a `bump` statement holds normals, as written by exporters such as Blender's: its mean is
+/// light blue, which heights never are.
 fn has_normals(map: &MtlMap, textures: &TexturePacker) -> bool {
     const UPRIGHT: Rgb = Rgb::new(0.5, 0.5, 0.9);
     let is_upright = |mean: Rgb| (mean - UPRIGHT).abs().max_element() < 0.15;
@@ -102,8 +102,8 @@ fn has_normals(map: &MtlMap, textures: &TexturePacker) -> bool {
         .is_some_and(|image| is_upright(image.mean(true)))
 }
 
-/// What a material emits: nothing if that is black. Odd colours have been reported with the other parameters or do not
-/// matter.
+/// The emission of a material; zero if it is black. Invalid colours have been reported with the other parameters or do
+/// not matter.
 pub(super) fn emission(mtl: &MtlMaterial, textures: &mut TexturePacker) -> Parameter<Rgb> {
     match &mtl.maps.ke {
         Some(map) => textures.parameter(&mtl_picture(map, false)),
@@ -122,7 +122,7 @@ fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> 
             eta: check.number("Ni", index, *INDICES.start(), *INDICES.end(), PRINCIPLED_ETA.usual),
             model,
             specular_reflectance: Rgb::ONE,
-            // The filter is that of the whole object, whose surface light crosses twice.
+            // The filter is for the whole object, whose surface light crosses twice.
             specular_transmittance: check.reflectance("Tf", mtl.tf).powf(0.5),
         }),
         MtlModel::Metal { roughness } => {

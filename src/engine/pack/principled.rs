@@ -1,11 +1,11 @@
-//! The principled materials' part of the mapping.
+//! Packs the principled materials.
 
 use super::bsdf::MaterialPacker;
 use crate::material::{TexturedPrincipled, TexturedPrincipledThin};
 use crate::scene::{Principled, PrincipledIndex, PrincipledThin};
 use crate::shading::{SamplingRates, ThinSamplingRates, eta_from_specular};
 
-/// Glass of index 1 has no surface; Mitsuba's smallest differences instead.
+/// An index of 1 would leave glass without a surface; these are Mitsuba's smallest differences from it.
 const LEAST_SPECULAR: f32 = 1e-3;
 const LEAST_GLASS_ETA: f32 = 1.001;
 
@@ -56,7 +56,7 @@ impl MaterialPacker<'_, '_, '_> {
     }
 }
 
-/// The index inside over that outside.
+/// The refractive index inside over that outside.
 fn principled_eta(material: &Principled) -> f32 {
     let refracts = material.refracts();
     match material.index {

@@ -1,5 +1,4 @@
-//! Brings the parameters of materials and lights into the ranges that are declared of them, because edits need not come
-//! from a file.
+//! Clamps the parameters of materials and lights to their declared ranges, because edits need not come from a file.
 
 use super::Checker;
 use crate::color::{BRIGHTEST, Rgb};
@@ -14,7 +13,7 @@ use crate::scene::{
 };
 use crate::shading::ior;
 
-/// The number of a parameter that is one.
+/// The number of a parameter, if it is a number.
 fn number(value: Option<ParameterRef>) -> Option<f32> {
     match value? {
         ParameterRef::Float(number) | ParameterRef::Height(number) => number.constant(),
@@ -32,7 +31,7 @@ fn number(value: Option<ParameterRef>) -> Option<f32> {
 }
 
 impl Checker<'_> {
-    /// The material with all numbers in range, and with names of media and metals that are known.
+    /// The material with all numbers in range, and with known names of media and metals.
     pub fn material(&mut self, material: &Material) -> Material {
         let mut usual = Vec::new();
         if let Some(plugin) = Material::usual(material.plugin()) {
@@ -82,12 +81,12 @@ impl Checker<'_> {
         mended
     }
 
-    /// The number within the declared range; `otherwise` if it is no number at all.
+    /// The number clamped to the declared range; `otherwise` if it is NaN.
     pub fn within(&mut self, info: &ParameterInfo, value: f32, otherwise: f32) -> f32 {
         self.number(info.name, value, *info.range.start(), *info.range.end(), otherwise)
     }
 
-    /// Brings a parameter into its range. `usual` is the default of its plugin.
+    /// Clamps a parameter to its range. `usual` is the default of its plugin.
     fn parameter(&mut self, info: &ParameterInfo, value: ParameterMut, usual: Option<ParameterRef>) {
         let otherwise = number(usual).unwrap_or(info.usual);
         match value {
@@ -155,7 +154,7 @@ impl Checker<'_> {
                 *share = self.within(info, *share, 0.5);
             }
             ParameterMut::Values(values) => self.table(info, values),
-            // The packing of the sun checks what follows from its place.
+            // The packing of the sun checks values derived from its position.
             ParameterMut::SunPosition(_)
             | ParameterMut::Integer(_)
             | ParameterMut::Flag(_)
@@ -174,8 +173,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks the table of a phase function. An unusable one is replaced by one that scatters equally in all
-    /// directions.
+    /// Checks the table of a phase function. An unusable one is replaced by isotropic scattering.
     fn table(&mut self, info: &ParameterInfo, values: &mut Vec<f32>) {
         let is_good = |value: &f32| (0.0..=BRIGHTEST).contains(value);
         let sums_up = values.iter().any(|value| *value > 0.0);

@@ -1,4 +1,4 @@
-//! Packs the surface of each instance: the slots that tie it to materials and lights.
+//! Packs the surface of each instance: the slots that link it to materials and lights.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -25,35 +25,35 @@ use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
 use crate::texture::Parameter;
 
-/// The data of a shape that is looked up where its record is not enough.
+/// The data of a shape that its record does not have.
 pub(in crate::engine) struct SurfaceSource<'s> {
     pub name: String,
     /// None for a shape without an area light.
     pub light: Option<&'s AreaLight>,
 }
 
-/// The surfaces of all instances, the materials they refer to, and the lights they are.
+/// The surfaces of all instances, with their materials and their area lights.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct PackedSurfaces {
-    /// The very table that was there if it is equal.
+    /// The slots of all instances; the old table itself if it is equal.
     pub table: Arc<SurfaceTable>,
     /// The scene's materials, then those of mesh files in use.
     pub materials: Vec<Material>,
-    /// Light sources with the shapes they are, their ids as in `table`.
+    /// The light of each emitting shape, with its entity, in the order of the ids in `table`.
     pub lights: Vec<(Entity, WeightedSource)>,
-    /// The numbers of the shapes whose slots follow from more than their records: they shine, or have materials of a
-    /// mesh file or none that there is.
+    /// The numbers of the shapes whose slots need more than their records: they emit light, or have materials of a mesh
+    /// file or a missing one.
     pub special: Vec<u32>,
 }
 
-/// What surfaces are packed from.
+/// The input for packing surfaces.
 pub(in crate::engine) struct SurfacePacker<'a, 't, F> {
     pub layout: &'a Layout,
-    /// Looks a shape up, which is done for special ones only.
+    /// Looks up a shape, for special ones only.
     pub source: F,
     /// The ids of the scene's materials.
     pub ids: &'a EntityHashMap<MaterialId>,
-    /// The ids of the media that light meets; sides of others are empty.
+    /// The ids of the media that light meets; other media are treated as none.
     pub media: &'a EntityHashMap<MediumId>,
     pub model: DielectricModel,
     pub textures: &'a mut TexturePacker<'t>,
@@ -61,8 +61,8 @@ pub(in crate::engine) struct SurfacePacker<'a, 't, F> {
 }
 
 impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
-    /// Packs the surfaces. `old` is the table that was packed before. With `edits` what has not changed is taken from
-    /// it: the ids are those of that time, and `special` are the special shapes by their present numbers.
+    /// Packs the surfaces. `old` is the previous table. With `edits` unchanged shapes are copied from it: the ids are
+    /// still valid, and `special` are the special shapes by their current numbers.
     pub fn pack(
         mut self,
         materials: Vec<Material>,
@@ -93,7 +93,8 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
         packed
     }
 
-    /// The table with the slots of all shapes but special ones, whose places are kept free, and the numbers of those.
+    /// The table with the slots of all shapes except special ones, whose slots are left free, and the numbers of the
+    /// special ones.
     fn all<'o>(&self) -> (Cow<'o, SurfaceTable>, Vec<u32>) {
         let shapes = &self.layout.shapes;
         let (mut table, mut special) = (SurfaceTable::default(), Vec::new());
@@ -110,7 +111,7 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
         (Cow::Owned(table), special)
     }
 
-    /// The same from the table before. None if a shape has got another number of slots.
+    /// [`Self::all`] from the old table. None if the number of slots of a shape has changed.
     fn edited<'o>(
         &self,
         old: &'o SurfaceTable,
@@ -247,7 +248,7 @@ impl<'s, F: Fn(Entity) -> SurfaceSource<'s>> SurfacePacker<'_, '_, F> {
     }
 }
 
-/// The mesh of a shape that has materials of its mesh file.
+/// The mesh of a shape that uses materials of its mesh file.
 fn library(record: &InstanceRecord) -> Option<&Arc<MeshData>> {
     match (&record.primitive, record.material) {
         (Primitive::Mesh(blas), None) => Some(blas.mesh()).filter(|mesh| !mesh.materials.is_empty()),
@@ -255,7 +256,7 @@ fn library(record: &InstanceRecord) -> Option<&Arc<MeshData>> {
     }
 }
 
-/// The place of a slot that is filled later.
+/// A slot that is filled later.
 const FREE: SurfaceSlot = SurfaceSlot {
     material: STAND_IN_ID,
     light: None,
@@ -265,7 +266,7 @@ const FREE: SurfaceSlot = SurfaceSlot {
     },
 };
 
-/// The table with edits of the list of shapes; `slots` has the number of slots of each new shape, which are free.
+/// The table after edits of the list of shapes; `slots` has the number of slots of each new shape, which are left free.
 fn spliced(old: &SurfaceTable, edits: &ListEdits, slots: &[u32]) -> SurfaceTable {
     let first_of = |shape: usize| {
         old.first_slot

@@ -9,20 +9,20 @@ use crate::scene::assets::texture_map::packed_bitmap;
 use crate::scene::{Bitmap, Parameter, Texture};
 use crate::texture::{self, Checkerboard, Image, TextureId};
 
-/// The textures met so far.
+/// The textures packed so far.
 pub(in crate::engine) struct TexturePacker<'a> {
-    /// The pictures that are there, and [`no_picture`] for those that will not be, by absolute path.
+    /// The pictures that are loaded, and [`no_picture`] for those that failed, by absolute path.
     pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>,
     known: Vec<Texture>,
-    /// The indices in `known` of the textures with a hash.
+    /// The indices in `known` of the textures with each hash.
     places: HashMap<u64, Vec<u32>>,
     packed: Vec<texture::Texture>,
 }
 
-/// The replacement of a picture that is not there: grey, neither black nor white.
+/// The replacement of a missing picture: grey, neither black nor white.
 static NO_PICTURE: LazyLock<Arc<Image>> = LazyLock::new(|| Arc::new(Image::uniform(0.5)));
 
-/// What takes the place of a picture that cannot be read.
+/// The replacement of a picture that cannot be read.
 pub(in crate::engine) fn no_picture() -> Arc<Image> {
     NO_PICTURE.clone()
 }
@@ -37,7 +37,7 @@ impl<'a> TexturePacker<'a> {
         }
     }
 
-    /// The packed parameter that is this texture.
+    /// The packed parameter for this texture.
     pub fn parameter<T>(&mut self, texture: &Texture) -> texture::Parameter<T> {
         texture::Parameter::Texture(self.id(texture))
     }
@@ -48,7 +48,7 @@ impl<'a> TexturePacker<'a> {
         if let Some(&place) = known.into_iter().find(|&&place| self.known[place as usize] == *texture) {
             return TextureId(place);
         }
-        // Textures inside come before the one that refers to them.
+        // Nested textures come before the one that refers to them.
         let packed = match texture {
             Texture::Bitmap(bitmap) => texture::Texture::Bitmap(self.bitmap(bitmap)),
             Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {
@@ -68,7 +68,7 @@ impl<'a> TexturePacker<'a> {
         TextureId(place)
     }
 
-    /// The packed parameter: a constant as it is, or the texture.
+    /// The packed parameter: the constant itself, or the texture.
     pub fn packed<T: Copy>(&mut self, parameter: &Parameter<T>) -> texture::Parameter<T> {
         match parameter {
             Parameter::Constant(value) => texture::Parameter::Constant(*value),
@@ -76,12 +76,12 @@ impl<'a> TexturePacker<'a> {
         }
     }
 
-    /// A picture; None while it is not there.
+    /// A picture; None while it is not loaded.
     pub fn picture(&self, path: &Path) -> Option<Arc<Image>> {
         (self.pictures)(path)
     }
 
-    /// Width over height of a picture; 1 for what is none.
+    /// Width over height of a picture; 1 for other parameters.
     pub fn aspect<T>(&self, parameter: &Parameter<T>) -> f32 {
         let image = match parameter {
             Parameter::Texture(Texture::Bitmap(bitmap)) => self.picture(&bitmap.path),
@@ -100,7 +100,7 @@ impl<'a> TexturePacker<'a> {
     }
 }
 
-/// A hash: equal textures have the same, and few others share it.
+/// A hash for which equal textures agree and few others do.
 fn alike(texture: &Texture) -> u64 {
     let mut hasher = DefaultHasher::new();
     texture.plugin().hash(&mut hasher);

@@ -22,13 +22,13 @@ use crate::scene::{
     Sequence,
 };
 
-/// The most bounces before Russian roulette begins. Nothing else ends the paths of a closed white room, which would go
-/// on for minutes each.
+/// The most bounces before Russian roulette begins. Only roulette ends the paths of a closed white room, which would
+/// otherwise take minutes each.
 const LATEST_ROULETTE: u32 = 1024;
-/// The same where every vertex of a path from the camera is joined with every vertex of one from a light.
+/// The same limit where every vertex of a camera path is connected to every vertex of a light path.
 const LATEST_ROULETTE_OF_JOINED: u32 = 128;
 
-/// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor looks nowhere.
+/// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor has no direction.
 pub(in crate::engine) fn pack_view(
     sensor: &Sensor,
     film: &Film,
@@ -55,7 +55,7 @@ pub(in crate::engine) fn pack_view(
     let film_size = UVec2::new(film.width, film.height).max(UVec2::ONE).as_vec2();
     let crop_min = UVec2::new(window.x, window.y).as_vec2() / film_size;
     let crop_size = UVec2::new(window.width, window.height).max(UVec2::ONE).as_vec2() / film_size;
-    // The whole film's. The picture shows the same at every resolution, whatever the rounding of its size.
+    // The aspect of the whole film: the framing is equal at every resolution, whatever the rounding of its size.
     let whole = size.as_vec2() / crop_size;
     let aspect = whole.x / whole.y;
     let traced = resolution::traced(film, control);
@@ -72,7 +72,7 @@ pub(in crate::engine) fn pack_view(
     let camera = match sensor.lens {
         Lens::Orthographic => {
             let [left, up, forward] = columns(to_world).map(Vec3::length);
-            // In the file the near plane lies in the sensor's space, and depths are in the world.
+            // In the file the near plane is in the sensor's space, and depths are in world space.
             let near = near * forward;
             let far = near + far - sensor.near_clip.max(0.0);
             Camera::orthographic(pose, Vec2::new(left, up / aspect), near, far)
@@ -117,7 +117,7 @@ pub(in crate::engine) fn pack_view(
         medium,
         filter: pixel_filter(film.filter, check),
         integrator: match integrator.plugin {
-            // Until there is a choice, `auto` is path tracing.
+            // Before a choice, `auto` is path tracing.
             PathPlugin::Path | PathPlugin::VolPath | PathPlugin::VolPathMis | PathPlugin::Auto => {
                 Integrator::Path(path_settings)
             }
@@ -139,7 +139,7 @@ pub(in crate::engine) fn pack_view(
             ViewMode::Path if control.strategy_split => Shown::StrategyThirds,
             ViewMode::Path => Shown::Radiance,
         },
-        // The sight depends on the geometry as well.
+        // The sight is set later, because it depends on the geometry as well.
         sight: Sight::default(),
         light_groups: LightGroups::default(),
         layers: match film.storage.pixels.is_some_and(PixelFormat::has_alpha) {
@@ -223,7 +223,7 @@ fn pixel_filter(filter: ReconstructionFilter, check: &mut Checker) -> PixelFilte
     }
 }
 
-/// None for a pinhole.
+/// The lens; None for a pinhole.
 fn thin_lens(lens: Lens, check: &mut Checker) -> Option<ThinLens> {
     let Lens::Thin {
         aperture_radius,
