@@ -1,21 +1,20 @@
-//! The choice of the integrator `auto`: path tracing, guided or not, or paths from the lights as well, by what a pilot
-//! finds of each.
+//! The choice of the integrator `auto` from a pilot run: path tracing, guided or not, or bidirectional path tracing.
 //!
 //! Bidirectional path tracing finds all light that path tracing finds and more, but a sample of it costs many times as
-//! much. It pays where it is less noisy by more than that. The noise of path tracing cannot be had from few samples of
-//! it: light that it finds once in ten thousand samples is not among them, and the pilot would look calm. So its second
-//! moment has two parts. What path tracing finds often, up to `COMMON` times the light of the place, is measured with
-//! its own samples. What is brighter in one sample is rare, and bidirectional paths tell of it: for each path that they
-//! find, the density is known with which path tracing would find it (`Find::in_one`), and that may be zero.
+//! much. It pays off where it is less noisy by more than that. The noise of path tracing cannot be estimated from few
+//! samples: light that it finds once in ten thousand samples is not among them, and the pilot would look noise-free. So
+//! its second moment has two parts. Light that path tracing finds often, up to `COMMON` times the local brightness, is
+//! measured with its own samples. Brighter samples are rare, and are estimated from bidirectional paths: for each of
+//! them the density is known with which path tracing would find it (`Find::in_one`), which may be zero.
 //!
-//! The same is known of guided paths, whose densities are those of the guide and of the surfaces together. But a guide
-//! has to be learnt first, which costs more than the pilot of the others. So it is tried only where path tracing is
-//! noisy and paths from the lights do not do better by far than guides can.
+//! Guided paths are treated alike, with the combined densities of guide and surfaces. But a guide has to be learnt
+//! first, which costs more than the rest of the pilot. So it is tried only where path tracing is noisy and
+//! bidirectional path tracing does not beat the usual gain of guides by far.
 //!
-//! All is relative to the light of the place and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a rare
-//! sample decides for the picture. The cost of a sample is counted in rays, not in seconds. The random numbers are the
-//! pilot's own, and its film has the same number of pixels at every resolution. So the choice is a function of the
-//! scene and of what the camera sees, on any number of threads.
+//! All values are relative to the local brightness and bounded by it (`BRIGHTEST`), so that neither a bright spot nor a
+//! rare sample dominates the choice. The cost of a sample is counted in rays, not in seconds. The pilot has its own
+//! random numbers, and its film has the same number of pixels at every resolution. So the choice is a function of the
+//! scene and the view, on any number of threads.
 
 mod choice;
 
@@ -35,50 +34,49 @@ use crate::color::luminance;
 use crate::sampling::SequenceKind;
 use crate::sampling::hash::pcg3d;
 
-/// The edge of the pilot's film in pixels, if it is a square. Others have as many pixels.
+/// The edge of a square pilot film in pixels. Others have as many pixels.
 const EDGE: f32 = 512.0;
-/// The picture is judged by the mean of so many parts in a row and in a column.
+/// The number of parts along each side of the picture, over which the pilot averages.
 const PARTS: u32 = 8;
-/// The pixels of a part in each stage. The second is for what the first has left in doubt.
+/// The pixels of a part in each stage. The second stage runs if the first leaves the choice in doubt.
 const STAGES: [u32; 2] = [8, 32];
 /// The samples of a pixel by path tracing, and by bidirectional path tracing.
 const PATH_SAMPLES: u32 = 16;
 const PAIR: u32 = 2;
-/// The samples of path tracing that cost as much as a pixel of a stage.
+/// The samples of path tracing that cost as much as one pixel of a stage.
 const COST_OF_PIXEL: u64 = 48;
-/// The share of a picture's cost that a pilot may cost.
+/// The largest cost of a pilot as a share of the picture's cost.
 const SHARE: f64 = 0.03;
-/// The share where path tracing is noisy, so that a guide may well gain far more than that.
+/// That share where path tracing is noisy, so that a guide may gain far more than its cost.
 const SHARE_OF_NOISY: f64 = 0.04;
-/// The time of a ray of bidirectional path tracing, with all that is done for it, in that of path tracing: as measured,
+/// The time per ray of bidirectional path tracing, all work included, relative to that of path tracing: as measured,
 /// see `benches/NOTES.md`.
 const COST_OF_RAY: f64 = 5.0;
-/// The same of a guided ray.
+/// The time per guided ray, likewise relative.
 const COST_OF_GUIDED_RAY: f64 = 1.25;
-/// The samples of path tracing that cost as much as learning a guide, and as guided samples of a pixel.
+/// The samples of path tracing that cost as much as learning a guide, and as the guided samples of a pixel.
 const COST_OF_LEARNING: u64 = 1 << 19;
 const COST_OF_GUIDED_PIXEL: u64 = 24;
-/// A guide is tried where a sample of path tracing has this variance at least, relative to the light of its place.
+/// A guide is tried if the variance of a sample of path tracing is at least this, relative to the local brightness.
 const NOISY: f64 = 3.0;
 /// The gain of bidirectional path tracing from which on no guide is tried.
 const BEYOND_GUIDES: f64 = 6.0;
-/// What path tracing finds is rare if it is so many times as bright as the place.
+/// A sample counts as rare if it is this many times as bright as its surroundings.
 const COMMON: f32 = 16.0;
-/// The brightest that a single path is taken for, in the light of its place: path tracing misses light that is
-/// brighter, in any picture of less than thousands of samples.
+/// The largest brightness counted for a single path, relative to its surroundings: in any picture of less than
+/// thousands of samples, path tracing misses brighter light.
 const BRIGHTEST: f32 = 1024.0;
-/// Places are taken to be as bright as this share of the picture's mean at least.
+/// The least local brightness, relative to the picture's mean.
 const DARK: f32 = 0.05;
-/// Beyond this factor of the gain from which on bidirectional path tracing is chosen, one way or the other, the first
-/// stage is enough.
+/// The first stage suffices if the gain is off the threshold for bidirectional path tracing by more than this factor.
 const CLEAR: f64 = 4.0;
-/// Gains are told down to this, and up to its reciprocal.
+/// Gains are limited to this and its reciprocal.
 const LEAST_GAIN: f64 = 1e-6;
 /// The seed of the pilot's random numbers.
 const SEED: u32 = 0x5eed_a070;
 
-/// What the pilot of a picture may do. It depends on the number of samples alone, and where it is equal, so is the
-/// choice.
+/// The effort of the pilot for a picture. It depends on the number of samples alone, and equal budgets lead to equal
+/// choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     stages: usize,
@@ -86,7 +84,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// The budget of a picture that has so many `samples` over all pixels.
+    /// The budget of a picture with `samples` summed over all pixels.
     pub fn of(samples: u64) -> Self {
         Self {
             stages: stages(samples),
@@ -95,8 +93,8 @@ impl Budget {
     }
 }
 
-/// Whether there is a choice for a picture of so many `samples`, over all pixels: fewer are not worth a pilot, and
-/// media leave none.
+/// Whether a choice is made for a picture with `samples` summed over all pixels: fewer do not pay for a pilot, and
+/// media allow path tracing alone.
 pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
     let settings = view.integrator.settings();
     let has_media = settings.media && !scene.media.is_empty();
@@ -104,12 +102,12 @@ pub fn has_choice(scene: &RenderScene, view: &View, samples: u64) -> bool {
     is_usual && settings.longest_path() > 2 && !has_media && pays_for_pilot(samples)
 }
 
-/// Whether a picture of so many samples, over all pixels, is worth a pilot.
+/// Whether a picture with `samples` summed over all pixels pays for a pilot.
 pub fn pays_for_pilot(samples: u64) -> bool {
     stages(samples) > 0
 }
 
-/// The number of stages that a picture of so many samples can pay for.
+/// The number of stages that a picture with this number of samples can pay for.
 fn stages(samples: u64) -> usize {
     let budget = SHARE * samples as f64;
     let mut cost = 0;
@@ -120,16 +118,16 @@ fn stages(samples: u64) -> usize {
     STAGES.iter().take_while(is_within).count()
 }
 
-/// Whether a picture of so many samples can pay for learning a guide, and for the second stage with guided samples
-/// besides.
+/// Whether a picture with this number of samples can pay for learning a guide, and for the second stage with guided
+/// samples.
 fn pays_for_guide(samples: u64) -> bool {
     let pixels = |stage: usize| u64::from(STAGES[stage] * PARTS * PARTS);
     let cost = COST_OF_PIXEL * pixels(0) + COST_OF_LEARNING + (COST_OF_PIXEL + COST_OF_GUIDED_PIXEL) * pixels(1);
     cost as f64 <= SHARE_OF_NOISY * samples as f64
 }
 
-/// The view of the pilot for a view, whose integrator has the settings of paths. Where these are equal, so is the
-/// choice.
+/// The view of the pilot for a view, whose integrator has the settings of paths. Equal pilot views lead to equal
+/// choices.
 pub fn pilot_view(view: &View) -> View {
     let ratio = (view.width as f32 / view.height as f32).sqrt();
     let side = |length: f32| length.round().max(1.0) as u32;
@@ -147,9 +145,9 @@ pub fn pilot_view(view: &View) -> View {
     }
 }
 
-/// The choice for a picture of so many `samples` over all pixels, by a pilot on this many `threads`. `guide` is that of
-/// the scene, which may be learnt: the rays of that are then in [`Guide::rays_of_pilot`]. None if `cancel` was set in
-/// the meantime.
+/// The choice for a picture with `samples` summed over all pixels, by a pilot on `threads` threads. `guide` is the
+/// scene's guide, which may be learnt: those rays are then in [`Guide::rays_of_pilot`]. None if `cancel` was set in the
+/// meantime.
 pub fn choose(
     scene: &RenderScene,
     view: &View,
@@ -201,18 +199,18 @@ pub fn choose(
 struct Part {
     /// The luminances of path tracing, for each pixel.
     by_path: Vec<[f32; PATH_SAMPLES as usize]>,
-    /// The same of guided paths; none where nothing guides them.
+    /// Those of guided paths; empty without a guide.
     guided: Vec<[f32; PATH_SAMPLES as usize]>,
-    /// The samples of bidirectional path tracing, without what paths from the lights bring to the lens.
+    /// The samples of bidirectional path tracing, without light that light paths bring to the lens.
     pairs: Vec<[f32; PAIR as usize]>,
-    /// What bidirectional paths have found, and what they have sent to the lens, to any part.
+    /// The bidirectional paths found for the part's own pixels, and those sent to the lens, for any part.
     seen: Vec<Find>,
     sent: Vec<Find>,
     /// Rays by path tracing, by bidirectional path tracing, and by guided paths.
     rays: [u64; 3],
 }
 
-/// Traces a stage, each part by one of the threads.
+/// Traces a stage, with the parts distributed over the threads.
 fn trace(scene: &RenderScene, view: &View, stage: usize, threads: usize, cancel: &AtomicBool) -> Option<Vec<Part>> {
     let count = (PARTS * PARTS) as usize;
     let next = AtomicUsize::new(0);
@@ -255,7 +253,7 @@ fn trace_part(scene: &RenderScene, view: &View, stage: usize, number: u32, cance
     };
     let mut part = Part::default();
     let settings = view.integrator.settings();
-    // Each pixel of each stage has numbers of its own, also where two are the same.
+    // Each pixel of each stage has its own random numbers, also where two pixels are the same.
     let first = stage as u32 * 64;
     let by_path: Vec<Job> = jobs(first, PATH_SAMPLES).collect();
     let light = |radiance, weight: f32| {
@@ -319,17 +317,17 @@ fn add(parts: &mut Vec<Part>, stage: Vec<Part>) {
     }
 }
 
-/// What the samples of a pilot say.
+/// The estimates from the samples of a pilot.
 struct Judgement {
-    /// The variance of a sample of path tracing, relative to the light of its place.
+    /// The variance of a sample of path tracing, relative to the local brightness.
     noise: f64,
-    /// By how much bidirectional path tracing is better, and guided paths, if all parts have some.
+    /// The gain of bidirectional path tracing, and that of guided paths if all parts have some.
     gain: f64,
     gain_of_guide: Option<f64>,
     missed: f32,
 }
 
-/// What the samples of all parts say of a picture of this size; None where path tracing has no noise.
+/// The estimates from all parts for a picture of this size; None where path tracing has no noise.
 fn judge(parts: &[Part], size: UVec2) -> Option<Judgement> {
     let pairs: usize = parts.iter().map(|part| part.pairs.len()).sum();
     let paths = f64::from(PAIR) * pairs.max(1) as f64;
@@ -373,7 +371,7 @@ fn judge(parts: &[Part], size: UVec2) -> Option<Judgement> {
     let cost = COST_OF_RAY * (rays(1) / samples(PAIR)) / of_path;
     let cost_of_guided = COST_OF_GUIDED_RAY * (rays(2) / samples(PATH_SAMPLES)).max(1.0) / of_path;
     if by_path <= 0.0 {
-        // Both are without noise.
+        // Both methods are without noise.
         return None;
     }
     let gain = |variance: f64, cost: f64| {
@@ -391,14 +389,14 @@ fn judge(parts: &[Part], size: UVec2) -> Option<Judgement> {
 /// The sums over the samples of a part.
 struct Sums<'a> {
     part: &'a Part,
-    /// What paths from the lights have sent to it.
+    /// The paths from the lights that reach the lens in this part.
     sent: &'a [Find],
-    /// The factor by which the sum of what was sent is the mean over its pixels.
+    /// The factor that turns the sum of that light into the mean over the part's pixels.
     of_sent: f64,
 }
 
 impl Sums<'_> {
-    /// The mean over the part's samples of a number for each of what they have found.
+    /// The mean over the part's samples of a number for each of their finds.
     fn of_finds(&self, number: impl Fn(&Find) -> f64) -> f64 {
         let of_seen = 1.0 / (f64::from(PAIR) * self.part.pairs.len().max(1) as f64);
         let sum = |finds: &[Find]| finds.iter().map(&number).sum::<f64>();
@@ -412,7 +410,7 @@ impl Sums<'_> {
         seen / (f64::from(PAIR) * self.part.pairs.len().max(1) as f64) + self.of_sent * sent
     }
 
-    /// The variance of a sample of path tracing, of which these are some, at a place of this luminance.
+    /// The variance of a sample of path tracing, given these samples and the local luminance.
     fn variance_by_path(
         &self,
         samples: &[[f32; PATH_SAMPLES as usize]],
@@ -432,8 +430,8 @@ impl Sums<'_> {
         common / samples.len().max(1) as f64 + self.of_finds(rare)
     }
 
-    /// The variance of a sample of bidirectional path tracing, at a place of this luminance. What comes to the lens has
-    /// few of very many paths, so that its variance is its second moment.
+    /// The variance of a sample of bidirectional path tracing, given the local luminance. Of very many light paths few
+    /// reach the lens here, so that their variance is their second moment.
     fn variance_bidirectional(&self, place: f32) -> f64 {
         let clipped = |light: f32| f64::from(light.min(BRIGHTEST * place));
         let of_pair = |pair: &[f32; PAIR as usize]| 0.5 * (clipped(pair[0]) - clipped(pair[1])).powi(2);

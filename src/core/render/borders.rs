@@ -1,4 +1,4 @@
-//! Borders of media: what a camera ray meets behind those that light does not notice, and the medium at a place.
+//! Borders of media: hits of camera rays behind invisible borders, and the medium at a point.
 
 use glam::Vec3;
 
@@ -11,8 +11,8 @@ use crate::medium::{MediumId, Way};
 /// The most borders that a ray passes.
 const MOST_BORDERS: u32 = 1024;
 
-/// The medium at the place `to`, if `medium` is at the place `from`, both in world space. Every surface on the straight
-/// way in between that names media on its sides is a border, whatever it is made of.
+/// The medium at the point `to`, given that `medium` is at the point `from`, both in world space. Every surface on the
+/// straight segment between them that names media on its sides is a border, whatever its material.
 pub fn medium_at(scene: &RenderScene, from: Vec3, mut medium: Option<MediumId>, to: Vec3) -> Option<MediumId> {
     let mut ray = Ray::segment(from, to);
     for _ in 0..MOST_BORDERS {
@@ -26,7 +26,7 @@ pub fn medium_at(scene: &RenderScene, from: Vec3, mut medium: Option<MediumId>, 
         let normal = point.geometric_normal;
         medium = scene.slot(&hit).media.entered(medium, ray.dir, normal);
         let rest = Ray::segment(offset_origin(point.position, point.error, normal, ray.dir), to);
-        // The place is at the surface itself, within rounding.
+        // The point is on the surface, within rounding.
         if rest.dir.dot(ray.dir) <= 0.0 {
             break;
         }
@@ -43,8 +43,8 @@ pub(crate) struct Met {
     pub point: SurfacePoint,
 }
 
-/// The first surface along a ray but borders, and how many rays it took. `along` is shown the ways through media up to
-/// there; the ray begins in `medium`.
+/// The first surface along a ray that is not just a border, and the number of rays traced. `along` is called with the
+/// segments through media up to it; the ray starts in `medium`.
 pub(crate) fn behind_borders(
     scene: &RenderScene,
     ray: &Ray,

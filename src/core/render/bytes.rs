@@ -36,9 +36,9 @@ impl Writer {
     }
 }
 
-/// A file that is being written, with the checksum (flate2's CRC) and the length of what was written so far.
+/// A file that is being written, with the checksum (flate2's CRC) and the length so far.
 pub struct SummedFile<'a> {
-    /// The file. What is written to it directly is not summed.
+    /// The file. Direct writes are not included in the checksum.
     pub file: &'a mut dyn Write,
     /// The checksum.
     pub crc: Crc,
@@ -47,7 +47,7 @@ pub struct SummedFile<'a> {
 }
 
 impl<'a> SummedFile<'a> {
-    /// A file of which nothing is summed yet.
+    /// A file with an empty checksum.
     pub fn new(file: &'a mut dyn Write) -> Self {
         Self {
             file,
@@ -56,7 +56,7 @@ impl<'a> SummedFile<'a> {
         }
     }
 
-    /// Writes bytes that are summed.
+    /// Writes bytes and adds them to the checksum.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.crc.update(bytes);
         self.length += bytes.len() as u64;
@@ -64,12 +64,12 @@ impl<'a> SummedFile<'a> {
     }
 }
 
-/// The most that can have been counted.
+/// The largest valid count.
 const MOST_COUNTED: u64 = 1 << 60;
-/// The longest time that anything can have taken, in seconds.
+/// The longest valid duration in seconds.
 const LONGEST: f64 = 1e9;
 
-/// Bytes that end too early, or say what cannot be.
+/// The error for bytes that end too early or have invalid values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the state of the picture in it is damaged")]
 pub struct Damaged;
@@ -117,14 +117,13 @@ impl<'a> Reader<'a> {
         self.u64().map(f64::from_bits)
     }
 
-    /// The next long whole number, which counts something: far from the largest number, so that more can be added.
+    /// The next long whole number, a count: far from the largest number, so that more can be added.
     pub fn count(&mut self) -> Result<u64, Damaged> {
         self.u64()
             .and_then(|count| if count <= MOST_COUNTED { Ok(count) } else { Err(Damaged) })
     }
 
-    /// The next number in double precision, which is a time in seconds: at most thirty years, so that more can be
-    /// added.
+    /// The next number in double precision, a duration in seconds: at most thirty years, so that more can be added.
     pub fn duration(&mut self) -> Result<Duration, Damaged> {
         let seconds = self.f64()?;
         match (0.0..=LONGEST).contains(&seconds) {
@@ -133,7 +132,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next number, which is 0 or 1.
+    /// The next number, which must be 0 or 1.
     pub fn flag(&mut self) -> Result<bool, Damaged> {
         match self.u32()? {
             0 => Ok(false),
@@ -142,13 +141,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next number, which is finite.
+    /// The next number, which must be finite.
     pub fn finite(&mut self) -> Result<f32, Damaged> {
         self.f32()
             .and_then(|number| if number.is_finite() { Ok(number) } else { Err(Damaged) })
     }
 
-    /// Reads a finite number for each place.
+    /// Fills `places` with finite numbers.
     pub fn finites(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
         places
             .iter_mut()

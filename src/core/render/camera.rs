@@ -15,17 +15,16 @@ use crate::sampling::warp;
 
 pub use importance::RayTo;
 
-/// A thin lens with a circular or polygonal aperture: things off the focus plane are blurred.
+/// A thin lens with a circular or polygonal aperture: objects off the focus plane are blurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// World units; of the circle around the blades' corners, if there are blades.
+    /// The radius in world units; of the circle around the blades' corners, if there are blades.
     pub aperture_radius: f32,
-    /// Distance of the sharp plane along the view axis.
+    /// Distance of the focus plane along the view axis.
     pub focus_distance: f32,
     /// The number of edges of the aperture; below 3 it is round.
     pub blades: u32,
-    /// The rotation of the blades in radians, from the camera's +x towards +y. Without any the first corner lies at
-    /// +x.
+    /// The rotation of the blades in radians, from the camera's +x towards +y. At 0 the first corner is at +x.
     pub blade_rotation: f32,
 }
 
@@ -56,8 +55,8 @@ enum Projection {
 pub struct Camera {
     world_from_camera: Affine3A,
     projection: Projection,
-    /// The picture's top left on the image plane (of a perspective at distance 1), and below the way from there to its
-    /// bottom right.
+    /// The picture's top left on the image plane (of a perspective at distance 1), and (next) the vector from there to
+    /// its bottom right.
     corner: Vec2,
     diagonal: Vec2,
     near: f32,
@@ -102,8 +101,8 @@ impl Camera {
         }
     }
 
-    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they
-    /// may be outside.
+    /// The camera for the part of this one's picture from `min` to `max`, in film coordinates of this one; they may be
+    /// outside.
     pub fn cropped(self, min: Vec2, max: Vec2) -> Self {
         Self {
             corner: self.corner + min * self.diagonal,
@@ -112,7 +111,7 @@ impl Camera {
         }
     }
 
-    /// The same camera with everything in focus: all rays go through the middle of the lens.
+    /// The same camera with a pinhole at the centre of the lens, so that the whole scene is in focus.
     pub fn sharp(self) -> Self {
         let projection = match self.projection {
             Projection::Perspective { .. } => Projection::Perspective { lens: None },
@@ -124,16 +123,16 @@ impl Camera {
     /// The ray through `film`, (0, 0) at the top left and (1, 1) at the bottom right of the picture; `u_lens` in [0,
     /// 1)^2.
     ///
-    /// Its direction has unit length. Its origin is the pinhole, or lies on the lens or in the plane of an orthographic
-    /// camera; it runs from the near plane to the far plane. The near plane is a `t_min`, for rounding would move
-    /// an origin there aside, by more the farther the camera is from the world's origin.
+    /// Its direction has unit length. Its origin is the pinhole, a point of the lens or of an orthographic camera's
+    /// plane; it runs from the near plane to the far plane. The near plane is a `t_min`, because rounding would shift
+    /// an origin there, by more the farther the camera is from the world's origin.
     pub fn ray(&self, film: Vec2, u_lens: Vec2) -> Ray {
         let on_plane = self.corner + film * self.diagonal;
         let (origin, toward) = match self.projection {
             Projection::Orthographic => (on_plane.extend(0.0), Vec3::Z),
             Projection::Perspective { lens: None } => (Vec3::ZERO, on_plane.extend(1.0)),
             Projection::Perspective { lens: Some(lens) } => {
-                // The ray is aimed from where it will begin, so that all rays through the lens meet in the plane of
+                // The ray is aimed from its rounded origin, so that all rays through the lens meet in the plane of
                 // focus.
                 let origin = self.rounded(lens.sample(u_lens));
                 (origin, lens.focus_distance * on_plane.extend(1.0) - origin)
@@ -157,7 +156,7 @@ impl Camera {
         (self.world_from_camera.matrix3.transpose() * rounded).into()
     }
 
-    /// [`Self::ray`] for sixteen points of the film, (x, y) of each. None unless all rays go through one point.
+    /// [`Self::ray`] for sixteen points of the film, by their x and y. None unless all rays go through one point.
     #[inline(always)]
     pub(crate) fn pinhole_rays(&self, film: [Lanes; 2]) -> Option<RayLanes> {
         if self.projection != (Projection::Perspective { lens: None }) {
@@ -167,7 +166,7 @@ impl Camera {
             |film: Lanes, corner: f32, diagonal: f32| film.mul_add(Lanes::splat(diagonal), Lanes::splat(corner));
         let x = on_plane(film[0], self.corner.x, self.diagonal.x);
         let y = on_plane(film[1], self.corner.y, self.diagonal.y);
-        // Both are one over the cosine with the view axis.
+        // The reciprocal of the cosine with the view axis.
         let stretch = x.mul_add(x, y.mul_add(y, Lanes::ONE)).sqrt();
         let scale = Lanes::ONE / stretch;
         let columns = [
@@ -186,8 +185,8 @@ impl Camera {
     }
 
     /// World to film coordinates as in [`Self::ray`], with the distance along the view axis; for drawing over the
-    /// picture. Points with a distance of zero or less are behind the camera and their film coordinates mean
-    /// nothing.
+    /// picture. Points with a distance of zero or less are behind the camera, and their film coordinates are
+    /// meaningless.
     pub fn project(&self, world: Vec3) -> (Vec2, f32) {
         let p = self.world_from_camera.inverse().transform_point3(world);
         let on_plane = match self.projection {
@@ -197,7 +196,7 @@ impl Camera {
         ((on_plane - self.corner) / self.diagonal, p.z)
     }
 
-    /// The film coordinates of what is infinitely far away in a direction of the world; None behind the camera, and for
+    /// The film coordinates of a direction in world space, for points at infinity; None behind the camera, and for
     /// parallel rays.
     pub fn project_direction(&self, direction: Vec3) -> Option<Vec2> {
         let toward = self.direction_in_camera(direction);
@@ -205,7 +204,7 @@ impl Camera {
         (!self.is_orthographic() && toward.z > 0.0).then(|| (on_plane - self.corner) / self.diagonal)
     }
 
-    /// The point that [`Self::project`] takes to these film coordinates and this distance along the view axis.
+    /// The inverse of [`Self::project`]: the point with these film coordinates and this distance along the view axis.
     pub fn unproject(&self, film: Vec2, depth: f32) -> Vec3 {
         let on_plane = self.corner + film * self.diagonal;
         let p = match self.projection {
@@ -256,7 +255,7 @@ impl Camera {
         self.world_from_camera.matrix3.to_cols_array()
     }
 
-    /// A camera at the origin with these [axes](Self::axes), of which only directions are asked.
+    /// A camera at the origin with these [axes](Self::axes), for directions only.
     pub fn of_axes(axes: &[f32; 9]) -> Self {
         let world_from_camera = Affine3A::from_mat3(Mat3::from_cols_array(axes));
         Self::orthographic(world_from_camera, Vec2::ONE, 0.0, 1.0)
@@ -267,7 +266,7 @@ impl Camera {
         (self.near, self.far)
     }
 
-    /// The least and the largest distance along the view axis that points of a box have; negative behind the camera.
+    /// The least and the largest distance along the view axis of a box's points; negative behind the camera.
     pub fn depth_range(&self, bounds: &Aabb) -> (f32, f32) {
         let forward = Vec3::from(self.world_from_camera.matrix3.z_axis);
         let center = (bounds.center() - Vec3::from(self.world_from_camera.translation)).dot(forward);

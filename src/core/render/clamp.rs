@@ -1,6 +1,6 @@
-//! A limit to how bright a sample may be. A few samples that are far brighter than all others ("fireflies") are noise
-//! that takes very many samples to even out; a picture in which they are made as bright as the limit has less noise,
-//! and too little light.
+//! A limit on the brightness of samples. A few samples that are far brighter than all others ("fireflies") are noise
+//! that takes very many samples to average out; a picture in which they are darkened to the limit has less noise, and
+//! too little light.
 //!
 //! The limit is a percentile of the samples of a pilot (`fireflies`). It depends on the scene and the view alone, so
 //! that any part of a picture, rendered anywhere, has the same.
@@ -14,12 +14,12 @@ use super::fireflies::Pilot;
 use super::scene::RenderScene;
 use super::together::Together;
 
-/// The percentile of the samples' light that is the limit, with the limits that were found. Clones share these.
+/// The percentile of the samples' light that is the limit, with a cache of limits. Clones share the cache.
 ///
-/// They are a store and no part of what a picture depends on: two clamps are equal if their percentiles are.
+/// Pictures do not depend on the cache: two clamps are equal if their percentiles are.
 #[derive(Clone)]
 pub struct Clamp {
-    /// The share of the samples with light, in percent, that the clamp leaves as they are; above 0 and below 100.
+    /// The percentage of the samples with light that the clamp does not change; above 0 and below 100.
     pub percentile: f32,
     limits: Arc<Mutex<Vec<KnownLimit>>>,
 }
@@ -27,10 +27,10 @@ pub struct Clamp {
 /// The limit of a scene in a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrightnessLimit {
-    /// The greatest luminance of the light of a sample, W/(m^2 sr), without what the camera sees of lamps directly, in
-    /// mirrors and through glass.
+    /// The greatest luminance of a sample's light, W/(m^2 sr), without lamps that the camera sees directly, in mirrors
+    /// and through glass.
     pub luminance: f32,
-    /// The share of the picture's light that the clamp removes, from 0 to 1, as the pilot has it.
+    /// The share of the picture's light that the clamp removes, from 0 to 1, as estimated by the pilot.
     pub removed: f32,
 }
 
@@ -42,14 +42,14 @@ struct KnownLimit {
     limit: Arc<Search>,
 }
 
-/// The search for a limit, by all workers that wait for it. Its parts, and so its result, are None if it was cancelled.
+/// The search for a limit by all workers that wait for it. Its parts and its result are None if it was cancelled.
 type Search = Together<Option<Pilot>, Option<BrightnessLimit>>;
 
-/// The limits that are kept, each with its scene: those of the picture by path tracing and with paths from the lights.
+/// The number of cached limits, each with its scene: for path tracing and for light paths.
 const KEPT: usize = 2;
 
 impl Clamp {
-    /// A clamp whose limits are not known yet.
+    /// A clamp with an empty cache.
     pub fn new(percentile: f32) -> Self {
         Self {
             percentile,
@@ -57,9 +57,9 @@ impl Clamp {
         }
     }
 
-    /// The limit of a scene that a camera sees on a film of this size, if it is not known found by all workers that ask
-    /// for it: `trace` traces part number n of `parts` of the pilot, and `of_pilot` gives the limit. None if
-    /// cancelled. `from_lights`: whether paths begin at the lights as well.
+    /// The limit of a scene in a view, from the cache or computed by all workers that ask for it: `trace` traces part
+    /// number n of `parts` of the pilot, and `of_pilot` computes the limit. None if cancelled. `from_lights` says
+    /// whether light paths are traced as well.
     pub(super) fn limit(
         &self,
         scene: &RenderScene,
@@ -76,7 +76,7 @@ impl Clamp {
             if let Some(Some(limit)) = search.get(&trace, finish, cancel) {
                 return Some(limit);
             }
-            // Somebody was cancelled, and not all parts are there: others begin anew.
+            // A worker was cancelled, and parts are missing: others start again.
             let mut known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
             known.retain(|known| !Arc::ptr_eq(&known.limit, &search));
             if cancel.load(Ordering::Relaxed) {
@@ -117,7 +117,7 @@ impl Clamp {
         limit
     }
 
-    /// The limit of the scene and the view that were new last; None before that.
+    /// The most recently found limit; None before the first.
     pub fn found(&self) -> Option<BrightnessLimit> {
         let known = self.limits.lock().unwrap_or_else(PoisonError::into_inner);
         known.first()?.limit.known()?

@@ -1,7 +1,7 @@
-//! Removes the noise of a picture with Intel Open Image Denoise (OIDN), on the CPU.
+//! Denoises a picture with Intel Open Image Denoise (OIDN), on the CPU.
 //!
-//! This is the whole of what the program sees of it; the foreign calls are in `denoise/ffi.rs`. Without the cargo
-//! feature `denoise` everything here is still there, and [`denoise`] answers [`DenoiseError::NotBuilt`].
+//! This is the program's whole interface to the library; the foreign calls are in `denoise/ffi.rs`. Without the cargo
+//! feature `denoise` the interface remains, and [`denoise`] returns [`DenoiseError::NotBuilt`].
 //!
 //! Source: the API documentation of Open Image Denoise 2, sections "Filters, RT" and "RTLightmap".
 
@@ -20,17 +20,17 @@ pub use self::running::end_all;
 use super::film::Film;
 use crate::color::Rgb;
 
-/// The picture without noise, in the order of `color`, all of it finite and not negative.
+/// The denoised picture, in the order of `color`; all values are finite and not negative.
 ///
-/// `cancel` is looked at while the filter runs: from when it is set it takes some tenths of a second at worst until
-/// [`DenoiseError::Cancelled`] comes back. Calls from several threads are independent of each other.
+/// `cancel` is polled while the filter runs: it takes some tenths of a second at worst until
+/// [`DenoiseError::Cancelled`] is returned. Calls from several threads are independent of each other.
 pub fn denoise(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     input.check()?;
     run(input, cancel)
 }
 
-/// [`denoise`] in high quality of the radiance that a film has gathered, with its features. `threads` is the number
-/// that the denoiser may use; None is one for each core.
+/// [`denoise`] in high quality for the radiance of a film, with its features. `threads` is the number for the denoiser;
+/// None is one for each core.
 pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
     let input = DenoiseInput {
@@ -46,7 +46,7 @@ pub fn denoise_film(film: &Film, threads: Option<usize>, cancel: &AtomicBool) ->
     denoise(&input, cancel)
 }
 
-/// A lightmap without noise, of non-negative irradiance row by row; all of it finite and not negative. `threads` and
+/// A denoised lightmap, from non-negative irradiance row by row; all values are finite and not negative. `threads` and
 /// `cancel` as for [`denoise_film`].
 pub fn denoise_lightmap(
     width: u32,
@@ -89,8 +89,8 @@ fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, D
     ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
 }
 
-/// The largest finite component, at least 0. An infinite pixel becomes as bright as the brightest other one: with a
-/// fixed large number in its place the library would expose for that pixel and lose the rest of the picture.
+/// The largest finite component, at least 0. Infinite pixels are replaced by it: with a fixed large number instead, the
+/// library would expose for that pixel and lose the rest of the picture.
 #[cfg(feature = "denoise")]
 fn brightest(color: &[Rgb]) -> f32 {
     let components = color.iter().flat_map(|pixel| pixel.to_array());
@@ -122,8 +122,8 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
         quality: input.quality,
         cancel,
     };
-    // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads
-    // share no state, and no memory is held between calls.
+    // Each call creates its own device, which takes about 4 ms, while filtering takes some hundreds. Thus threads share
+    // no state, and no memory is held between calls.
     let device = ffi::Device::new(input.threads)?;
     if input.prefilter {
         for (slot, image) in [
@@ -138,7 +138,7 @@ fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseErr
     device.filter_color(&job, &color, albedo.as_deref(), normal.as_deref(), input.prefilter)
 }
 
-/// The same pixels, with NaN as the number nearest to 0 in the range and all else clamped to it. Copies only if needed.
+/// The pixels clamped to a range, with NaN as the number nearest to 0 in it. Copies only if needed.
 #[cfg(feature = "denoise")]
 fn within(pixels: &[Vec3], low: f32, high: f32) -> std::borrow::Cow<'_, [Vec3]> {
     let inside = |pixel: &Vec3| pixel.to_array().iter().all(|x| (low..=high).contains(x));

@@ -1,20 +1,19 @@
-//! The random dimensions of a path: they tell which of a sample's numbers decides what.
+//! The random dimensions of a path: which of a sample's numbers is used for which decision.
 //!
-//! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs
-//! them or not, so that what one bounce does changes no number of another. A draw is one number or a pair, see
+//! The first dimensions are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it
+//! needs them or not, so that one bounce cannot shift the numbers of another. A draw is one number or a pair, see
 //! [`crate::sampling::Sampler`].
 //!
-//! Surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by
-//! [`BounceDraw::Lobe`], at a depth of its own. Every name that is added to [`BounceDraw`] changes the numbers of all
-//! later bounces, and so the noise of every picture. The draws of media therefore have dimensions behind those of the
-//! longest path.
+//! Surfaces that let light pass straight need no extra numbers: passing is chosen as a lobe, by [`BounceDraw::Lobe`],
+//! at its own depth. Every name that is added to [`BounceDraw`] changes the numbers of all later bounces, and so the
+//! noise of every picture. The draws of media therefore have dimensions after those of the longest path.
 
 use crate::math::Word;
 use crate::sampling::SPREAD_DIMENSIONS;
 
-/// The place within the pixel's filter where the camera ray passes through the film; a pair.
+/// The point within the pixel's filter through which the camera ray passes the film; a pair.
 pub(super) const FILTER: u32 = 0;
-/// The place on the lens where it starts; a pair.
+/// The point of the lens where the ray starts; a pair.
 pub(super) const LENS: u32 = 1;
 /// The first dimension of the first bounce.
 const CAMERA_DIMENSIONS: u32 = 2;
@@ -24,7 +23,7 @@ const CAMERA_DIMENSIONS: u32 = 2;
 pub(super) enum BounceDraw {
     /// The choice of a light.
     LightChoice,
-    /// The place on it; a pair.
+    /// The point on it; a pair.
     LightPoint,
     /// The lobe of the surface that the path follows.
     Lobe,
@@ -36,7 +35,7 @@ pub(super) enum BounceDraw {
 
 const BOUNCE_DIMENSIONS: u32 = BounceDraw::Roulette as u32 + 1;
 
-// The noise that the eye sees in the first samples is that of the camera and of the first surface.
+// The noise visible in the first samples is that of the camera and of the first surface.
 const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS);
 
 impl BounceDraw {
@@ -48,17 +47,17 @@ impl BounceDraw {
     }
 }
 
-/// The draws of a path in media. A scattering in a medium takes its direction and its light from [`BounceDraw`], as one
-/// at a surface does.
+/// The draws of a path in media. The direction and the light of a scattering in a medium are in [`BounceDraw`], as at a
+/// surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum MediumDraw {
-    /// How far the ray goes that leads to the vertex of this depth; a pair, and a stream.
+    /// The length of the segment that leads to the vertex of this depth; a pair, and a stream.
     Distance,
     /// The transmittance of the shadow ray from the vertex of this depth; a stream.
     Shadow,
-    /// The choice of a lamp near which the ray that leads to the vertex of this depth is rather scattered.
+    /// The choice of a lamp, near which the segment that leads to the vertex of this depth gets more scattering.
     Lamp,
-    /// The place on it; a pair.
+    /// The point on it; a pair.
     LampPoint,
 }
 
@@ -73,22 +72,22 @@ impl MediumDraw {
     }
 }
 
-/// The draws of a path that begins at a light.
+/// The draws of a light path.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LightDraw {
     /// The lobe of the surface that the path follows; at depth 0 the choice of the light.
     Lobe,
-    /// The direction that the path takes; a pair. At depth 0 that in which the light shines.
+    /// The direction that the path takes; a pair. At depth 0 the direction of emission.
     Direction,
     /// Whether Russian roulette ends the path.
     Roulette,
-    /// The place on the light, at depth 0 alone; a pair.
+    /// The point on the light, at depth 0 only; a pair.
     Place,
     /// The point of the lens to which the vertex sends its light; a pair.
     Lens,
     /// The pixel near that point of the film.
     Pixel,
-    /// The vertex of this path with which the vertex of that depth of the camera's path is joined.
+    /// The vertex of this path with which the camera path's vertex of that depth is joined.
     Partner,
 }
 

@@ -1,17 +1,17 @@
-//! The exposure that suits a picture.
+//! Automatic exposure of a picture.
 
 use crate::color::{Rgb, luminance};
 
-/// The brightness that the middle of a picture is brought to: middle grey.
+/// The luminance to which the average of a picture is exposed: middle grey.
 const KEY: f32 = 0.18;
 
-/// The share of the pixels at either end, darkest and brightest, that does not count: lamps in view, black corners,
+/// The share of the pixels at either end, darkest and brightest, that is ignored: visible lamps, black corners,
 /// fireflies.
 const LEFT_OUT: f32 = 0.1;
 
 /// The exposure in stops with which the logarithmic average of the picture's luminance becomes middle grey (Reinhard et
-/// al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 1). Black pixels, where as a rule nothing is, do
-/// not count; None if all are.
+/// al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 1). Black pixels, usually empty background, do
+/// not count; None if all are black.
 pub fn auto_exposure(radiance: &[Rgb]) -> Option<f32> {
     let stops = radiance.iter().map(|&rgb| luminance(rgb).log2());
     let mut stops: Vec<f32> = stops.filter(|stops| stops.is_finite()).collect();

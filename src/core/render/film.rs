@@ -1,4 +1,4 @@
-//! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
+//! The accumulation buffer: sums over the samples of every pixel, with a coarse preview until there are samples.
 
 mod chunks;
 mod errors;
@@ -24,53 +24,52 @@ use crate::color::{Rgb, luminance};
 use crate::render::noise::blocks::{BLOCK, BLOCKS};
 use crate::render::noise::mean_error::{BlockError, Efficiency};
 
-/// A film of a size this many times smaller than memory was taken for gives that back.
+/// A film smaller than its memory by this factor releases it.
 const TOO_MUCH: usize = 16;
 
-/// The number of pictures of the film's size that are in memory at once while it is denoised and saved: the colour
-/// before and after, albedo and normals.
+/// The number of pictures of the film's size in memory while it is denoised and saved: the colour before and after,
+/// albedo and normals.
 const COPIES: usize = 4;
 
-/// The film. The pixels of a tile are together, row by row in rows of [`TILE`], because samples come tile by tile; at
-/// the right and lower edge some are no pixels of the picture.
+/// The film. The pixels of a tile are contiguous, row by row in rows of [`TILE`], because samples come tile by tile; at
+/// the right and lower edge some are outside of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     width: u32,
     height: u32,
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
-    /// The mean luminance at the last power of two of samples, and at the one before.
+    /// The mean luminance at the last power of two of samples, and at the previous one.
     noted: Vec<[f32; 2]>,
-    /// What is known of the errors of each block of pixels, tile by tile.
+    /// The error estimates of each block of pixels, tile by tile.
     errors: Vec<BlockError>,
-    /// What follows from them for each tile.
+    /// The sampling efficiency of each tile, from these errors.
     efficiencies: Vec<Efficiency>,
-    /// The preview of each tile of the picture that has no samples yet.
+    /// The preview of each tile of the picture without samples.
     previews: Vec<Option<TilePreview>>,
-    /// What is kept beside the picture.
+    /// The layers beside the picture.
     kept: FilmLayers,
     layers: LayerSums,
     first_hits: Vec<Option<FirstHit>>,
     splats: Splats,
-    /// For each tile the chunk that is not whole yet, see [`super::passes`]. Its samples are in `counts`, and not yet
-    /// in `sums`.
+    /// The unfinished chunk of each tile, see [`super::passes`]. Its samples are in `counts`, and not yet in `sums`.
     begun: Vec<Option<Box<TileSamples>>>,
     /// The chunks of each tile, if they are kept.
     chunks: Option<Vec<Vec<TileSamples>>>,
-    /// How many times the estimate the squared errors of the pixels' own samples are, where
-    /// [`crate::render::noise::replicas`] have told.
+    /// The ratio of the true squared errors to those estimated from the pixels' own samples, as measured by
+    /// [`crate::render::noise::replicas`].
     correction: Option<f32>,
 }
 
-/// What the samples of a pixel tell; all zero if there are none.
+/// Statistics of a pixel's samples; all zero if there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// The number of samples.
     pub samples: u32,
     /// Their mean.
     pub radiance: Rgb,
-    /// The variance of the luminance of a sample, but for the light that came from the lights to the camera. That of a
-    /// single sample may be anything.
+    /// The variance of a sample's luminance, without light that light paths bring to the camera. That of a single
+    /// sample is arbitrary.
     pub variance: f32,
 }
 
@@ -80,15 +79,15 @@ impl Film {
         Self::with_layers(width, height, FilmLayers::default())
     }
 
-    /// A film that keeps layers beside the picture.
+    /// A film with layers beside the picture.
     pub fn with_layers(width: u32, height: u32, kept: FilmLayers) -> Self {
         let mut film = Self::default();
         film.begin(width, height, kept);
         film
     }
 
-    /// Makes it as new, of whatever size, in the memory that it has if that is enough and not far too much: to have
-    /// pages given and taken by the system costs more than to fill them. Returns the previews that it had.
+    /// Clears and resizes the film, in its existing memory if that is enough and not far too much: getting pages from
+    /// the system costs more than filling them. Returns the old previews.
     pub fn begin(&mut self, width: u32, height: u32, kept: FilmLayers) -> Vec<Option<TilePreview>> {
         let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
         let pixels = tiles * (TILE * TILE) as usize;
@@ -100,7 +99,7 @@ impl Film {
             *self = Self::default();
         }
         (self.width, self.height, self.kept) = (width, height, kept);
-        // Old values are not read where there is no sample.
+        // Old values of pixels without a sample are never read.
         self.sums.resize(pixels, PixelSum::default());
         self.layers.resize(kept, pixels);
         self.first_hits.resize(pixels, None);
@@ -119,7 +118,7 @@ impl Film {
         std::mem::replace(&mut self.previews, vec![None; tiles])
     }
 
-    /// Memory that a film of this size needs in bytes, with the copies that are made to show and to save it.
+    /// The memory of a film of this size in bytes, with the copies for showing and saving it.
     pub fn memory_bytes(width: u32, height: u32, kept: FilmLayers) -> u64 {
         let pixel = size_of::<PixelSum>()
             + size_of::<u32>()
@@ -135,7 +134,7 @@ impl Film {
         rounded(width) * rounded(height) * pixel as u64
     }
 
-    /// The memory in bytes of the chunks of so many tiles that the film of a share with these samples keeps, see
+    /// The memory in bytes of the chunks of `tiles` tiles that the film of a share with these samples keeps, see
     /// [`Self::keep_chunks`].
     pub fn chunk_bytes(tiles: usize, samples: Range<u32>, kept: FilmLayers) -> u64 {
         let tile = (TILE * TILE) as usize * (size_of::<PixelSum>() + kept.sum_bytes());
@@ -182,7 +181,7 @@ impl Film {
         self.previews[place].take_if(|preview| preview.tile == tile)
     }
 
-    /// Splats may lie in any tile.
+    /// Adds splats, which may be in any tile.
     fn add_splats(&mut self, splats: &TileSplats) {
         let is_inside = |splat: &&Splat| splat.pixel.x < self.width && splat.pixel.y < self.height;
         for splat in splats.list.iter().filter(is_inside) {
@@ -192,7 +191,7 @@ impl Film {
         self.splats.paths += splats.paths;
     }
 
-    /// Whether there is light from splats, which any new samples change in the whole picture.
+    /// Whether there is light from splats, which new samples change in the whole picture.
     pub fn has_splats(&self) -> bool {
         self.splats.paths > 0
     }
@@ -215,19 +214,19 @@ impl Film {
             .copied()
     }
 
-    /// Shows a coarse picture in those pixels of the tile that have no sample yet. It stays as it is: to write it out
-    /// pixel by pixel takes as long as a frame may.
+    /// Shows a coarse picture in the pixels of the tile without samples. It is stored as it is: expanding it pixel by
+    /// pixel would take a whole frame's time.
     pub fn add_preview(&mut self, preview: TilePreview) {
         let place = self.tile_index(preview.tile.x, preview.tile.y);
         self.previews[place] = Some(preview);
     }
 
-    /// The preview of a tile of the picture, as long as it has no samples.
+    /// The preview of a tile of the picture, while the tile has no samples.
     pub(super) fn preview_of(&self, tile: Tile) -> Option<&TilePreview> {
         self.previews[self.tile_index(tile.x, tile.y)].as_ref()
     }
 
-    /// The preview's block around a pixel that has no sample yet.
+    /// The preview's block at a pixel that has no sample yet.
     fn preview(&self, x: u32, y: u32) -> Option<(&TilePreview, usize)> {
         let preview = self.previews[self.tile_index(x, y)].as_ref()?;
         let (tile, step) = (preview.tile, preview.step);
@@ -249,26 +248,26 @@ impl Film {
         self.counts[self.index(x, y)]
     }
 
-    /// The number of samples of the pixel that has most.
+    /// The largest number of samples of a pixel.
     pub fn most_samples(&self) -> u32 {
         // There are no samples outside of the picture.
         self.counts.iter().copied().max().unwrap_or(0)
     }
 
-    /// The number of samples that every pixel has.
+    /// The least number of samples of a pixel.
     pub fn sample_count(&self) -> u32 {
         let rows = tiles(self.width, self.height).into_iter();
         rows.filter_map(|tile| self.counts_of(tile).min()).min().unwrap_or(0)
     }
 
-    /// The number of pixels that have no sample yet.
+    /// The number of pixels without samples.
     pub fn pixels_without_samples(&self) -> usize {
         let tiles = tiles(self.width, self.height).into_iter();
         let counts = tiles.flat_map(|tile| self.counts_of(tile));
         counts.filter(|&count| count == 0).count()
     }
 
-    /// The mean over a pixel's samples, or its preview; None when there is nothing to show yet.
+    /// The mean over a pixel's samples, or its preview; None if it has neither.
     pub fn pixel(&self, x: u32, y: u32) -> Option<PixelSum> {
         let index = self.index(x, y);
         match self.counts[index] {
@@ -281,8 +280,8 @@ impl Film {
         }
     }
 
-    /// The first hit of a pixel's sample 0, or of its preview until that is there. None where nothing is hit or there
-    /// is no sample.
+    /// The first hit of a pixel's sample 0, or of its preview before that. None where nothing is hit or there is no
+    /// sample.
     pub fn first_hit(&self, x: u32, y: u32) -> Option<FirstHit> {
         let index = self.index(x, y);
         match self.counts[index] {
@@ -293,7 +292,7 @@ impl Film {
         }
     }
 
-    /// What is kept beside the picture.
+    /// The layers beside the picture.
     pub fn layers(&self) -> FilmLayers {
         self.kept
     }
@@ -312,8 +311,8 @@ impl Film {
         }
     }
 
-    /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is
-    /// 1 for groups without one. Splats are of no group. Without layers or without factors it is just that.
+    /// The radiance of [`Self::pixel`] with the light of each group multiplied by its factor, which is 1 for groups
+    /// without one. Splats belong to no group. Without layers or without factors it is unchanged.
     pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
         let index = self.index(x, y);
         let (radiance, layers, count) = match self.counts[index] {
@@ -327,7 +326,7 @@ impl Film {
             }
             count => (self.sum(x, y).radiance, self.layer_values(x, y), count),
         };
-        // Previews have all light in them.
+        // Previews include all light.
         let splats = match self.counts[index] {
             0 => Rgb::ZERO,
             _ => self.splatted(index),
@@ -341,7 +340,7 @@ impl Film {
         Some(sum / count as f32 + splats)
     }
 
-    /// The radiance of [`Self::mixed_pixel`] for a row of pixels of a tile, in the first of `row`.
+    /// The radiance of [`Self::mixed_pixel`] for a row of pixels of a tile, written to the start of `row`.
     pub fn mixed_row(&self, tile: Tile, y: u32, factors: &[Rgb], row: &mut [Option<Rgb>; TILE as usize]) {
         let is_mixed = self.kept.groups > 0 && !factors.is_empty();
         if is_mixed || self.has_splats() || self.previews[self.tile_index(tile.x, y)].is_some() {
@@ -355,7 +354,7 @@ impl Film {
         });
     }
 
-    /// What the samples of a row of pixels of a tile tell, in the first of `row`.
+    /// The statistics of a row of pixels of a tile, written to the start of `row`.
     pub fn moments_row(&self, tile: Tile, y: u32, row: &mut [Moments; TILE as usize]) {
         let start = self.index(tile.x, y);
         self.each_sum_of_row(tile, y, |place, samples, radiance, luminance_squared| {
@@ -377,11 +376,11 @@ impl Film {
         });
     }
 
-    /// Gives `each` the place in a row of a tile of every pixel of it, its number of samples, and the sums of their
-    /// radiance and of their squared luminances.
+    /// Calls `each` for every pixel in a row of a tile with its index in the row, its number of samples, and the sums
+    /// of their radiance and of their squared luminances.
     fn each_sum_of_row(&self, tile: Tile, y: u32, mut each: impl FnMut(usize, u32, Rgb, f32)) {
         let places = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
-        // Looked up once, and not for each pixel.
+        // Looked up once for all pixels.
         let begun = self.begun_at(tile.x, y);
         let begun = begun.map(|(chunk, start, _)| (&chunk.pixels[start..], chunk.samples.len() as u32));
         let pixels = self.sums[places.clone()].iter().zip(&self.counts[places]);
@@ -429,12 +428,12 @@ impl Film {
         radiance
     }
 
-    /// Mean albedo guide, in [0, 1].
+    /// Mean albedo for the denoiser, in [0, 1].
     pub fn albedo(&self) -> Vec<Rgb> {
         self.means(|mean| mean.albedo)
     }
 
-    /// Mean normal guide in world space; shorter than 1 where normals differ within a pixel.
+    /// Mean normal for the denoiser, in world space; shorter than 1 where normals differ within a pixel.
     pub fn normal(&self) -> Vec<Vec3> {
         self.means(|mean| mean.normal)
     }

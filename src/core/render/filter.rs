@@ -1,5 +1,5 @@
-//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that
-//! all samples have the same weight up to the sign, and no sample belongs to two pixels (Ernst, Stamminger, and
+//! Reconstruction filters by importance sampling: a sample's offset in the pixel follows the filter's magnitude, so
+//! that all samples have the same weight up to the sign, and no sample belongs to two pixels (Ernst, Stamminger, and
 //! Greiner, Filter Importance Sampling, 2006).
 //!
 //! A filter with negative lobes has samples of negative weight. All weights have the magnitude (integral of |f|) /
@@ -13,7 +13,7 @@ use glam::{IVec2, Vec2};
 
 use crate::sampling::PiecewiseConstant1d;
 
-/// Weighs light around a pixel's centre; lengths in pixels.
+/// A reconstruction filter around a pixel's centre; lengths in pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PixelFilter {
     /// The pixel's own square.
@@ -42,14 +42,14 @@ pub enum FilterKernel {
         /// The ringing.
         c: f32,
     },
-    /// A sinc, windowed by the middle lobe of one `lobes` times as wide.
+    /// A sinc, windowed by the central lobe of one that is `lobes` times as wide.
     Lanczos {
         /// Half the width of the filter in pixels, at least 1.
         lobes: u32,
     },
 }
 
-/// A place in the picture for a sample, and what the light found there counts.
+/// The position of a sample in the picture, and the weight of its light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
     /// The offset from the pixel's centre.
@@ -60,7 +60,7 @@ pub struct FilterSample {
 
 /// The distance at which the Gaussian ends, in standard deviations.
 const GAUSSIAN_REACH: f32 = 4.0;
-/// The farthest place of the film, in pixels, whose light has a pixel.
+/// The farthest film coordinate, in pixels, whose light belongs to a pixel.
 const FARTHEST: f32 = 1e6;
 /// The number of steps of a table, over the whole width of the filter.
 const STEPS: usize = 1024;
@@ -91,7 +91,7 @@ impl FilterKernel {
         }
     }
 
-    /// Half the width.
+    /// Half the width in pixels.
     pub fn radius(&self) -> f32 {
         match *self {
             Self::Gaussian { stddev } => GAUSSIAN_REACH * stddev,
@@ -106,7 +106,7 @@ fn sinc(x: f32) -> f32 {
     if x < 1e-3 { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
 
-/// A kernel's magnitude as steps, and where it is negative. The same along x and y.
+/// A kernel's magnitude as steps, and its sign. The same along x and y.
 #[derive(Clone, Debug)]
 pub struct FilterTable {
     kernel: FilterKernel,
@@ -118,7 +118,7 @@ pub struct FilterTable {
     scale: f32,
 }
 
-/// The rest follows from the kernel.
+/// All other fields follow from the kernel.
 impl PartialEq for FilterTable {
     fn eq(&self, other: &Self) -> bool {
         self.kernel == other.kernel
@@ -143,7 +143,7 @@ impl FilterTable {
         })
     }
 
-    /// The offset and the weight along one axis.
+    /// Samples the offset and the weight along one axis.
     #[inline(always)]
     fn sample(&self, u: f32) -> (f32, f32) {
         let sample = self.magnitude.sample(u);
@@ -156,14 +156,14 @@ impl FilterTable {
 }
 
 impl PixelFilter {
-    /// A box where the kernel has no positive integral.
+    /// The filter with this kernel, or a box if the kernel has no positive integral.
     pub fn tabulated(kernel: FilterKernel) -> Self {
         FilterTable::new(kernel).map_or(Self::Box, |table| Self::Tabulated(Arc::new(table)))
     }
 
-    /// Chooses a pixel to which the light at a place of the film, in pixels, belongs: all whose filter reaches there
-    /// have a share of it. Returns it with the factor of the light, over the probability of the choice by `u`; None
-    /// where no filter reaches. The pixel may be outside of the film.
+    /// Chooses a pixel for the light at a point of the film, in pixels, among all whose filters cover it. Returns it
+    /// with the factor on the light, over the probability of the choice by `u`; None where no filter reaches. The pixel
+    /// may be outside of the film.
     pub fn choose_pixel(&self, film: Vec2, mut u: f32) -> Option<(IVec2, f32)> {
         let mut pixel = IVec2::ZERO;
         let mut weight = 1.0;
@@ -207,7 +207,7 @@ impl PixelFilter {
         }
     }
 
-    /// The filter along one axis, with integral 1, in a distance from the centre.
+    /// The filter along one axis, with integral 1, at a distance from the centre.
     fn value(&self, x: f32) -> f32 {
         match self {
             Self::Box => 1.0,

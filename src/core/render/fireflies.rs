@@ -1,4 +1,4 @@
-//! Finds how bright samples may be where a view has a [clamp](super::clamp), and makes those darker that are brighter.
+//! Finds the brightness limit of a view with a [clamp](super::clamp), and darkens brighter samples to it.
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,16 +14,16 @@ use super::tracer::Tracer;
 use super::view::{Integrator, View};
 use crate::color::luminance;
 
-/// The samples of a pilot.
+/// The number of samples of a pilot.
 const SAMPLES: u32 = 1 << 15;
-/// The samples of a part of a pilot, which one worker traces at once.
+/// The samples of a part of a pilot, which one worker traces in one go.
 const BATCH: u32 = 2048;
-/// The sample numbers of a pixel in a pilot, at least.
+/// The fewest sample numbers of a pixel in a pilot.
 const NUMBERS: u32 = 16;
-/// The paths from the lights that make the photons of a pilot, unless [`FEWEST_ROUNDS`] have more. All samples with one
-/// number see the same photons, which cost far more than the samples where each has photons of its own.
+/// The light paths for the photons of a pilot, unless [`FEWEST_ROUNDS`] have more. All samples with one number share
+/// the same photons; if each had its own, photons would cost far more than the samples.
 const PHOTON_PATHS: u32 = 1 << 18;
-/// The fewest numbers of a pilot with photons.
+/// The fewest sample numbers of a pilot with photons.
 const FEWEST_ROUNDS: u32 = 4;
 /// The seed of pilots: limits do not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_c1a3;
@@ -49,12 +49,12 @@ pub(super) fn limit(scene: &RenderScene, view: &View, cancel: &AtomicBool) -> Op
     )
 }
 
-/// What a part of a pilot has found.
+/// The result of a part of a pilot.
 #[derive(Default)]
 pub(super) struct Pilot {
-    /// The luminances of the samples that have light, without what is seen directly.
+    /// The luminances of the samples that have light, without directly visible light.
     light: Vec<f32>,
-    /// The sum over all that is seen directly.
+    /// The sum of all directly visible light.
     seen: f64,
 }
 
@@ -74,7 +74,7 @@ fn trace(scene: &RenderScene, view: &View, part: u32, cancel: &AtomicBool) -> Op
         }
     }
     traced.take_splats(&mut splats);
-    // Filters with negative parts make negative light.
+    // Filters with negative lobes make negative light.
     let lights = splats.list.iter().map(|splat| luminance(splat.radiance).abs());
     found
         .light
@@ -82,7 +82,7 @@ fn trace(scene: &RenderScene, view: &View, part: u32, cancel: &AtomicBool) -> Op
     Some(found)
 }
 
-/// The sample numbers of a pilot: so many, so far apart.
+/// The sample numbers of a pilot: their count and their spacing.
 #[derive(Clone, Copy)]
 struct Numbers {
     count: u32,
@@ -90,7 +90,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Many unless they are dear, and more if there are few pixels.
+    /// Many unless they are expensive, and more if there are few pixels.
     fn of(view: &View) -> Self {
         let many = NUMBERS.max(SAMPLES.div_ceil(view.width * view.height));
         let count = match view.integrator {
@@ -99,7 +99,7 @@ impl Numbers {
             }
             _ => many,
         };
-        // Later numbers have photons in smaller places.
+        // Later numbers have photons with smaller merging radii.
         let step = many / count;
         Self { count, step }
     }
@@ -127,7 +127,7 @@ fn limit_of(parts: Vec<Pilot>, percentile: f32) -> BrightnessLimit {
     pilot.light.sort_unstable_by(f32::total_cmp);
     let place = (f64::from(percentile) / 100.0 * pilot.light.len() as f64) as usize;
     let Some(&limit) = pilot.light.get(place.min(pilot.light.len().saturating_sub(1))) else {
-        // Where no light is found nothing is known of its brightness.
+        // Without light there is no limit on its brightness.
         return BrightnessLimit {
             luminance: f32::INFINITY,
             removed: 0.0,
@@ -145,8 +145,7 @@ fn limit_of(parts: Vec<Pilot>, percentile: f32) -> BrightnessLimit {
 }
 
 impl BrightnessLimit {
-    /// The share of its light that is left to a sample, whose light counts `weight`. What is seen directly does not
-    /// count.
+    /// The factor on the light of a sample, which has the weight `weight`. Directly visible light does not count.
     pub(super) fn share(&self, sample: &PathSample, weight: f32) -> f32 {
         let [all, seen] = [sample.radiance, sample.seen].map(|light| luminance(light) * weight.abs());
         if all - seen > self.luminance {
@@ -156,7 +155,7 @@ impl BrightnessLimit {
         }
     }
 
-    /// Makes light for other pixels darker that is too bright.
+    /// Darkens splats that are too bright.
     pub(super) fn clamp_splats(&self, splats: &mut [Splat]) {
         for splat in splats {
             let light = luminance(splat.radiance).abs();

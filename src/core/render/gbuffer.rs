@@ -1,6 +1,6 @@
-//! The G-buffer of a picture: what the middle of each pixel sees, without light and without noise (Saito and Takahashi,
-//! Comprehensible Rendering of 3-D Shapes, SIGGRAPH 1990). It says which pixels of two pictures show the same piece of
-//! a surface. Mirrors and glass show what is seen in them, at the distance at which it seems to be.
+//! The G-buffer of a picture: the first surface at the centre of each pixel, without light and without noise (Saito and
+//! Takahashi, Comprehensible Rendering of 3-D Shapes, SIGGRAPH 1990). It tells which pixels of two pictures show the
+//! same surface point. Mirrors and glass show the surfaces seen in them, at their apparent distance.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,18 +15,18 @@ use crate::color::Rgb;
 use crate::math::{Ray, offset_origin};
 use crate::shading::TransportMode;
 
-/// The most mirrors and surfaces of glass that are looked through.
+/// The most mirrors and glass surfaces that a ray follows.
 const MOST_MIRRORS: u32 = 4;
 
-/// What a pixel shows.
+/// The surface that a pixel shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Texel {
-    /// The length of the way from the camera through the middle of the pixel, with mirrors and glass on it; infinite
-    /// where nothing is met.
+    /// The length of the path from the camera through the pixel's centre, mirrors and glass included; infinite where
+    /// nothing is hit.
     pub distance: f32,
     /// The shading normal in world space, in 127ths.
     normal: [i8; 3],
-    /// Whether it is seen in a mirror or through glass.
+    /// Whether the surface is seen in a mirror or through glass.
     pub is_specular: bool,
     /// The square roots of the surface's albedo, in 255ths.
     albedo: [u8; 3],
@@ -43,22 +43,22 @@ impl Texel {
         }
     }
 
-    /// What lies infinitely far away.
+    /// The background, infinitely far away.
     pub fn nothing() -> Self {
         Self::new(f32::INFINITY, Vec3::ZERO, Rgb::ONE, false)
     }
 
-    /// Whether something is met.
+    /// Whether a surface is hit.
     pub fn is_surface(&self) -> bool {
         self.distance.is_finite()
     }
 
-    /// About a unit vector in world space; zero where nothing is met.
+    /// The unit normal in world space, rounded; zero for the background.
     pub fn normal(&self) -> Vec3 {
         Vec3::from(self.normal.map(f32::from)) * (1.0 / 127.0)
     }
 
-    /// The colour of the surface in [0, 1]; white for lights and where nothing is met.
+    /// The colour of the surface in [0, 1]; white for lights and for the background.
     pub fn albedo(&self) -> Rgb {
         Rgb::from(self.albedo.map(|x| (f32::from(x) * (1.0 / 255.0)).powi(2)))
     }
@@ -67,21 +67,21 @@ impl Texel {
 /// The G-buffer of a tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileGBuffer {
-    /// The pixels that it is of.
+    /// The tile.
     pub tile: Tile,
-    /// What they show, row by row.
+    /// The texels row by row.
     pub texels: Vec<Texel>,
     /// The number of rays that were traced.
     pub rays: u64,
 }
 
-/// The ray through the middle of a pixel of a picture of this size. Everything is in focus along it.
+/// The ray through the centre of a pixel of a picture of this size. `sharp` must be a pinhole camera.
 pub fn middle_ray(sharp: &Camera, size: Vec2, x: u32, y: u32) -> Ray {
     sharp.ray((Vec2::new(x as f32, y as f32) + 0.5) / size, Vec2::splat(0.5))
 }
 
-/// Finds what the pixels of `tile` show; None if `cancel` was set in the meantime. Borders of media are not there,
-/// masks count as whole.
+/// The texels of `tile`; None if `cancel` was set in the meantime. Borders of media are ignored, and masks count as
+/// opaque.
 pub fn render_gbuffer(scene: &RenderScene, view: &View, tile: Tile, cancel: &AtomicBool) -> Option<TileGBuffer> {
     let sharp = view.camera.sharp();
     let size = Vec2::new(view.width as f32, view.height as f32);
@@ -102,7 +102,7 @@ pub fn render_gbuffer(scene: &RenderScene, view: &View, tile: Tile, cancel: &Ato
     Some(result)
 }
 
-/// What a ray meets. Where a mirror or glass leaves a choice, the likelier direction is followed.
+/// The surface along a ray. At a mirror or glass the ray follows the likelier direction.
 fn texel(scene: &RenderScene, mut ray: Ray, rays: &mut u64) -> Texel {
     let (mut way, mut throughput) = (0.0, Rgb::ONE);
     for mirrors in 0..=MOST_MIRRORS {

@@ -1,5 +1,4 @@
-//! Surfaces lit by nothing but a lamp at the camera: complete with the first sample, wherever the lights of the scene
-//! are.
+//! Surfaces lit only by a lamp at the camera: complete with the first sample, whatever the lights of the scene.
 
 use glam::Vec3;
 
@@ -10,15 +9,15 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::shading::TransportMode;
 
-/// The brightness of a surface that is seen edge on, as a share of that of one seen from the front.
+/// The brightness of a surface seen edge-on, relative to one seen from the front.
 const EDGE_ON: f32 = 0.15;
 /// The colour of all surfaces in clay.
 const CLAY: f32 = 0.55;
-/// The colour where there is nothing.
+/// The colour of the background.
 const NOTHING: f32 = 0.03;
 
-/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque; borders of media are
-/// not there.
+/// The colour of the surface that `ray` hits, or that of clay. Masks and glass count as opaque; borders of media are
+/// ignored.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSample {
     let (met, rays) = behind_borders(scene, ray, None, |_, _| {});
     let Some(Met { hit, slot, point }) = met else {

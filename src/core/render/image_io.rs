@@ -1,9 +1,9 @@
 //! Writes pictures to files: EXR (linear, with layers), Radiance HDR (linear, shared exponent), PFM (linear float32),
-//! PNG and JPEG (as a display shows them).
+//! PNG and JPEG (as displayed).
 //!
-//! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
-//! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`].
-//! What reads pictures is [`crate::texture::load_image`], and with their layers [`exr::decode_exr`].
+//! A file is complete or absent: it is written under another name in the same folder and then renamed.
+//! [`super::tonemap`] maps radiance to displays; for standard output the caller uses [`encode`]. Pictures are read by
+//! [`crate::texture::load_image`], and with their layers by [`exr::decode_exr`].
 
 mod displayed;
 pub mod exr;
@@ -49,22 +49,22 @@ pub enum FileFormat {
     Hdr,
     /// A portable float map: linear radiance in 32-bit floats.
     Pfm,
-    /// The picture as it is shown, with 8 or 16 bits per channel encoded as sRGB.
+    /// The displayed picture, with 8 or 16 bits per channel encoded as sRGB.
     Png,
-    /// The picture as it is shown, with 8 bits per channel and with loss.
+    /// The displayed picture, with 8 bits per channel and lossy compression.
     Jpeg,
 }
 
-/// The details of files that the name of the file does not tell.
+/// The options of files beyond the format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileOptions {
-    /// How PNG and JPEG show the radiance.
+    /// The map from radiance to PNG and JPEG.
     pub display: Display,
     /// Whether the colours of EXR files are stored with 16 bits, see [`LayeredImage::store_colors_as_half`].
     pub exr_half: bool,
-    /// What EXR and PFM files hold in place of the colours.
+    /// The colours that EXR and PFM files hold.
     pub stored: StoredColors,
-    /// How EXR files are made smaller.
+    /// The compression of EXR files.
     pub exr_compression: ExrCompression,
     /// Whether PNG files have 16 bits for each channel, in place of 8.
     pub png_16_bits: bool,
@@ -95,7 +95,7 @@ impl From<&Display> for FileOptions {
 }
 
 impl FileFormat {
-    /// Whether files of this format hold the picture as a display shows it, in place of radiance.
+    /// Whether files of this format hold the displayed picture in place of radiance.
     pub fn is_displayed(self) -> bool {
         matches!(self, Self::Png | Self::Jpeg)
     }
@@ -140,21 +140,20 @@ pub enum ImageIoError {
     WrongSize { width: u32, height: u32, pixels: usize },
 }
 
-/// Writes in the format that the extension names. `display` is used for PNG and JPEG only: the others hold the radiance
-/// itself.
+/// Writes in the format of the extension. `display` is for PNG and JPEG only: other formats hold the radiance itself.
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
     write(path, &bytes)
 }
 
-/// Writes in the format that the extension names, see [`encode_layered`].
+/// Writes in the format of the extension, see [`encode_layered`].
 pub fn write_layered(path: &Path, image: &LayeredImage, options: &FileOptions) -> Result<(), ImageIoError> {
     let bytes = encode_layered(image, FileFormat::from_path(path)?, options)?;
     write(path, &bytes)
 }
 
 /// Writes the picture as EXR to a new file in the system's folder for temporary files and returns the file's name: for
-/// a picture whose own place cannot be written.
+/// a picture that cannot be written to its own path.
 pub fn write_to_temporary_folder(image: &LayeredImage) -> Result<PathBuf, ImageIoError> {
     let bytes = exr::encode_exr(image, ExrCompression::default())?;
     let folder = std::env::temp_dir();
@@ -174,8 +173,7 @@ pub fn write_to_temporary_folder(image: &LayeredImage) -> Result<PathBuf, ImageI
     Ok(path)
 }
 
-/// Writes bytes that are for the display already, three a pixel, as PNG or JPEG. An error for the name of another
-/// format.
+/// Writes displayed colours, three bytes per pixel, as PNG or JPEG. An error for the extension of another format.
 pub fn write_displayed(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
     let bytes = match FileFormat::from_path(path)? {
         FileFormat::Png => displayed::png_of_bytes(size, rgb)?,
@@ -185,7 +183,7 @@ pub fn write_displayed(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), Im
     write(path, &bytes)
 }
 
-/// The bytes of a file.
+/// The content of a file.
 pub fn encode(image: &ImageRgb, format: FileFormat, display: &Display) -> Result<Vec<u8>, ImageIoError> {
     let (width, height) = (image.width, image.height);
     if !image.is_whole() {
@@ -198,8 +196,8 @@ pub fn encode(image: &ImageRgb, format: FileFormat, display: &Display) -> Result
     }
 }
 
-/// The bytes of a file of a layered picture. EXR holds all of it; PNG its colours and its opacity, the others its
-/// colours.
+/// The content of a file of a layered picture. EXR holds all layers; PNG holds its colours and its opacity, other
+/// formats its colours.
 pub fn encode_layered(
     image: &LayeredImage,
     format: FileFormat,
@@ -223,7 +221,7 @@ pub fn encode_layered(
     encode_colors(&colors, image.alpha().as_deref(), format, options)
 }
 
-/// The bytes of a file of a format other than EXR. The picture is whole.
+/// The content of a file of a format other than EXR. The picture must be complete.
 fn encode_colors(
     image: &ImageRgb,
     alpha: Option<&[f32]>,
@@ -265,8 +263,8 @@ fn encode_pfm(image: &ImageRgb, stored: StoredColors) -> Vec<u8> {
 }
 
 /// The nearest colour that RGBE stores: the encoder truncates mantissas, which would darken the picture by half a unit
-/// of eight bits. What is not above 0, or is no number, becomes 0, and what is beyond the exponents of the format
-/// becomes the largest colour, or black.
+/// of eight bits. Negative and NaN components become 0, and values beyond the exponents of the format become the
+/// largest colour, or black.
 fn nearest_in_rgbe(color: Rgb) -> Rgb {
     const LARGEST: f32 = 1e38;
     /// Below it the format stores black (Ward, "Real pixels", in Graphics Gems II).

@@ -1,15 +1,15 @@
-//! What the integrator `auto` can be, and what it is for the gains that a pilot has found.
+//! The methods that `auto` chooses from, and the choice by the gains that a pilot has estimated.
 
 use crate::render::view::{Integrator, PathSettings};
 
 /// The gain from which on bidirectional path tracing is chosen.
 pub(super) const WORTHWHILE: f64 = 1.5;
 /// The gain from which on guided paths are chosen. The pilot compares single samples. Samples of pictures are well
-/// spread, which lowers the variance of guided paths further than that of others, so that pictures gain more than the
-/// pilot tells.
+/// distributed, which lowers the variance of guided paths further than that of others, so that pictures gain more than
+/// the pilot predicts.
 const WORTHWHILE_OF_GUIDE: f64 = 1.15;
 
-/// What `auto` can be.
+/// The methods that `auto` chooses from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Path tracing.
@@ -23,12 +23,12 @@ pub enum Method {
 /// The choice for a scene and a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// The method that pays for the scene.
+    /// The most efficient method for the scene.
     pub method: Method,
-    /// By how much bidirectional path tracing is better: the variance of path tracing over its variance, for the same
-    /// cost. None if there was no pilot.
+    /// The gain of bidirectional path tracing: the variance of path tracing over its variance, at equal cost. None
+    /// without a pilot.
     pub gain: Option<f32>,
-    /// The same of guided paths. None if they were not tried.
+    /// The gain of guided paths. None if they were not tried.
     pub gain_of_guide: Option<f32>,
     /// The share of the light that path tracing never finds, from 0 to 1.
     pub missed: f32,
@@ -43,7 +43,7 @@ impl Choice {
         missed: 0.0,
     };
 
-    /// The same choice, but that paths are guided in any case if that `is_asked` for.
+    /// The same choice, except that paths are always guided if guiding `is_asked` for.
     pub fn or_guided(self, is_asked: bool) -> Self {
         match (is_asked, self.method) {
             (true, Method::Path) => Self {
@@ -54,8 +54,8 @@ impl Choice {
         }
     }
 
-    /// The name of what was chosen: that of the integrator in files, or `guided path`. `has_media`: whether there are
-    /// media, which only path tracing knows.
+    /// The name of the method: that of the integrator in files, or `guided path`. `has_media` says whether there are
+    /// media, which only path tracing supports.
     pub fn name(&self, has_media: bool) -> &'static str {
         match (self.method, has_media) {
             (Method::Bidirectional, _) => "bdpt",
@@ -74,7 +74,7 @@ impl Choice {
     }
 }
 
-/// The method for these gains over path tracing, of bidirectional path tracing and of guided paths if these were tried.
+/// The method for these gains over path tracing, of bidirectional path tracing and, if tried, of guided paths.
 pub(super) fn method(gain: f64, gain_of_guide: Option<f64>) -> Method {
     match gain_of_guide {
         Some(guided) if guided >= WORTHWHILE_OF_GUIDE && (guided > gain || gain < WORTHWHILE) => Method::GuidedPath,

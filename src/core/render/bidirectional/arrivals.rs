@@ -1,5 +1,5 @@
-//! The photons that a guide is learnt from: all vertices of paths from the lights but the first, which light comes to
-//! straight from a lamp.
+//! The photons that a guide is learnt from: all vertices of light paths but the first, whose light comes straight from
+//! a lamp.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +18,7 @@ use crate::sampling::{Sampler, SequenceKind};
 /// The seed of these paths: a guide does not depend on the seed of the picture.
 const SEED: u32 = 0x5eed_901d;
 
-/// Traces paths from the lights with these numbers.
+/// Traces light paths with these numbers.
 pub(in crate::render) fn arrivals(scene: &RenderScene, view: &View, numbers: Range<u32>) -> Photons {
     let techniques = Techniques {
         splats: false,

@@ -1,4 +1,4 @@
-//! The ways of joining a path from the camera with one from a light.
+//! The techniques that join a camera path with a light path.
 
 use glam::Vec3;
 
@@ -21,24 +21,24 @@ use crate::render::splats::Splat;
 use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
 use crate::shading::TransportMode;
 
-/// The relative difference up to which two distances from the camera are of the same place.
+/// The relative difference up to which two distances from the camera belong to the same point.
 const SAME_PLACE: f32 = 1e-4;
 
-/// An emitter that the path from the camera has come upon.
+/// An emitter that the camera path has hit.
 struct Seen {
     light: LightId,
     radiance: Rgb,
-    /// The density of its place from the camera, in the measure of the emission's start.
+    /// The density of its point from the camera, in the measure of the emission's start.
     pdf: f32,
-    /// The same of sampling the lights from the vertex before.
+    /// The density of light sampling from the previous vertex, in the same measure.
     pdf_of_light: f32,
     emission: EmissionPdf,
-    /// The density of the vertex before it for light that comes from there.
+    /// The density of the previous vertex for light that comes from the emitter.
     pdf_before: f32,
 }
 
 impl<'a> Sample<'a, '_> {
-    /// Joins the vertices of a path from a light with the lens (t = 1).
+    /// Joins the vertices of a light path with the lens (t = 1).
     pub(super) fn join_lens(&mut self, path: Option<&LightPath>, vertices: &[Vertex<'a>], splats: &mut Vec<Splat>) {
         let Some(path) = path else { return };
         let longest = self.settings.longest_path();
@@ -83,7 +83,7 @@ impl<'a> Sample<'a, '_> {
         }
     }
 
-    /// The share of light from a vertex that reaches the lens along a camera ray, against which it goes.
+    /// The share of light from a vertex that reaches the lens against the direction of a camera ray.
     fn seen_share(&mut self, vertex: &Vertex, ray: Ray, distance: f32) -> Rgb {
         let mut ray = self.view.sight.narrow(&self.scene.geometry, ray);
         if !(ray.t_min..=ray.t_max).contains(&distance) {
@@ -91,7 +91,7 @@ impl<'a> Sample<'a, '_> {
         }
         if self.settings.hide_emitters {
             let (beyond, _) = self.first_seen(ray);
-            // The vertex is on a lamp that the camera looks through.
+            // The vertex is on a lamp that is invisible to the camera.
             if vertex.slot.light.is_some() && beyond.record.passed >= distance * (1.0 - SAME_PLACE) {
                 return Rgb::ZERO;
             }
@@ -107,7 +107,7 @@ impl<'a> Sample<'a, '_> {
         transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays)
     }
 
-    /// Traces the path from the camera and joins each of its vertices with the light's path.
+    /// Traces the camera path and joins each of its vertices with the light path.
     pub(super) fn trace_camera(
         &mut self,
         ray: Ray,
@@ -137,8 +137,7 @@ impl<'a> Sample<'a, '_> {
         }
     }
 
-    /// What the camera sees along a ray of its, behind lamps that it does not see: the state of a path there, and the
-    /// hit.
+    /// The first hit of a camera ray behind lamps that are invisible to the camera, and the path's state there.
     fn first_seen(&mut self, ray: Ray) -> (PathState, Option<Hit>) {
         let mut path = PathState::new(ray, self.camera_sampler, None);
         path.rays += 1;
@@ -148,7 +147,7 @@ impl<'a> Sample<'a, '_> {
         (path, hit)
     }
 
-    /// Takes the path from the camera to its next vertex and on. Returns why it has ended, if it has.
+    /// Extends the camera path by a vertex. Returns why it has ended, if it has.
     fn extend_camera(
         &mut self,
         walk: &mut Walk,
@@ -202,7 +201,7 @@ impl<'a> Sample<'a, '_> {
         let Some(sample) = sample else {
             return Some(PathEnd::Absorbed);
         };
-        // Light tracing only follows what the camera sees directly.
+        // Light tracing follows camera paths only to directly visible surfaces.
         if !self.camera_paths && sample.lobe != Lobe::Null {
             return Some(PathEnd::DepthLimit);
         }
@@ -237,7 +236,7 @@ impl<'a> Sample<'a, '_> {
         None
     }
 
-    /// Adds the emission of the surface at `vertex`, to which the walk has come (s = 0).
+    /// Adds the emission of the surface at `vertex`, which the walk has hit (s = 0).
     fn meet_emitter(
         &mut self,
         walk: &Walk,
@@ -270,7 +269,7 @@ impl<'a> Sample<'a, '_> {
         self.add_seen(walk, &seen, camera, observer);
     }
 
-    /// Adds what lights at infinity send along the walk's ray, which has left the scene (s = 0).
+    /// Adds the light from infinity along the walk's ray, which has left the scene (s = 0).
     fn escape(&mut self, walk: &Walk, camera: &[Vertex<'a>], observer: &mut impl PathObserver) {
         if self.settings.max_depth == 0 || self.settings.hide_emitters && walk.is_straight {
             return;
@@ -303,7 +302,7 @@ impl<'a> Sample<'a, '_> {
             _ => 0.0,
         };
         let others = match walk.before {
-            // What the camera sees directly is found in no other way.
+            // Directly visible light is found by no other technique.
             None => 0.0,
             Some(_) if !self.camera_paths => f32::INFINITY,
             Some(before) => {
@@ -338,7 +337,7 @@ impl<'a> Sample<'a, '_> {
         });
     }
 
-    /// Samples a light from a vertex of the camera's path (s = 1).
+    /// Samples a light from a vertex of the camera path (s = 1).
     fn sample_light(&mut self, camera: &[Vertex<'a>], number: usize, observer: &mut impl PathObserver) {
         let vertex = &camera[number];
         let (depth, sampler) = (vertex.segments, self.camera_sampler);
@@ -386,7 +385,7 @@ impl<'a> Sample<'a, '_> {
         });
     }
 
-    /// The ways of finding a light that was sampled from a vertex of the camera's path, but this one.
+    /// The squared ratios of all other techniques that find a light sampled from a vertex of the camera path.
     fn others_than_sampling(
         &self,
         camera: &[Vertex<'a>],
@@ -408,15 +407,15 @@ impl<'a> Sample<'a, '_> {
         by_bsdf(start, light, bsdf_pdf) + self.ways.with_fewer_of_camera(camera, number, ratio, false, next)
     }
 
-    /// The density of the vertex before a vertex of the camera's path, for light that comes to it from `wi`.
+    /// The density of the vertex before a vertex of the camera path, for light that comes to the latter from `wi`.
     pub(super) fn next_of_camera(&self, camera: &[Vertex<'a>], number: usize, wi: Vec3) -> Option<f32> {
         let vertex = &camera[number];
         let before = &camera[vertex.before?];
         Some(before.area_pdf(vertex.scattering.reverse_pdf(wi), vertex.point.position))
     }
 
-    /// Joins a vertex of the camera's path with one of the light's (s > 1, t > 1). It is chosen at random: all of them
-    /// would cost as many times more as there are, and be less noisy by less than that.
+    /// Joins a vertex of the camera path with one of the light path (s > 1, t > 1), chosen at random: joining all of
+    /// them would multiply the cost by their number, and reduce noise by less than that.
     fn join_one(
         &mut self,
         path: &LightPath,
@@ -427,7 +426,7 @@ impl<'a> Sample<'a, '_> {
     ) {
         let longest = self.settings.longest_path();
         let vertex = &camera[number];
-        // Later vertices of the light's path have more segments.
+        // Later vertices of the light path have more segments.
         let count = light.partition_point(|other| vertex.segments + other.segments < longest);
         let u = self.camera_sampler.at_1d(LightDraw::Partner.at(vertex.segments));
         let last = (u * count as f32) as usize;
@@ -443,7 +442,7 @@ impl<'a> Sample<'a, '_> {
             return;
         }
         let other_value = other.scattering.eval_adjoint(-wi, other.point.geometric_normal);
-        // `eval_adjoint` has the cosine at the vertex of the light's path, `eval_and_pdf` that at the camera's.
+        // `eval_adjoint` has the cosine at the light path's vertex, `eval_and_pdf` that at the camera path's.
         let carried = vertex.throughput * value * path.emitted.power * other.throughput * other_value / squared;
         if carried == Rgb::ZERO {
             return;
@@ -482,7 +481,7 @@ impl<'a> Sample<'a, '_> {
     }
 }
 
-/// The squared ratio of coming upon a light to sampling it, which has found it with this density.
+/// The squared ratio of hitting a light by the BSDF to sampling it, which has found it with this density.
 fn by_bsdf(start: &Start, light: &LightSample, bsdf_pdf: f32) -> f32 {
     match start.is_delta() {
         true => 0.0,

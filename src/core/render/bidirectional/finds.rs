@@ -1,4 +1,4 @@
-//! What path tracing would make of the paths that bidirectional path tracing finds.
+//! The densities with which path tracing would find the paths of bidirectional path tracing.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -10,30 +10,30 @@ use super::weights::Ways;
 use crate::color::{Rgb, luminance};
 use crate::render::guide::Field;
 
-/// A path with light, and what path tracing would make of it.
+/// A path with light, and its contribution in path tracing.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::render) struct Find {
-    /// The pixel that it brings light to; None for the sample's own.
+    /// The pixel that receives the light; None for the sample's own.
     pub pixel: Option<UVec2>,
-    /// The luminance that it has brought.
+    /// The luminance that the path has added.
     pub light: f32,
-    /// The luminance of the path by path tracing, whenever that finds it: its contribution over the density with which
-    /// its ways find it. Infinite if it never does.
+    /// The luminance of the path whenever path tracing finds it: its contribution over the density of path tracing's
+    /// techniques. Infinite if they never find it.
     ///
-    /// The mean of `light * in_one` is the second moment that such paths have there, so that what path tracing finds
-    /// once in a million samples need not be waited for.
+    /// The mean of `light * in_one` is the second moment of such paths in path tracing, known without waiting for light
+    /// that path tracing finds once in a million samples.
     pub in_one: f32,
-    /// The same for guided paths. It is that of others where nothing guides them.
+    /// The same luminance for guided paths; equal to `in_one` without a guide.
     pub in_guided: f32,
 }
 
-/// What paths from the camera may be guided by.
+/// The guide of camera paths, if there is one.
 #[derive(Clone, Copy)]
 pub(super) struct Guidance<'a>(Option<&'a Field>);
 
 impl Sample<'_, '_> {
-    /// Notes a path with light, if it is asked for. `whole` is its light without a weight, and `of_paths` the sum of
-    /// the squared densities of path tracing's ways relative to that by which it was found.
+    /// Records a path with light, if finds are recorded. `whole` is its unweighted light, and `of_paths` the sum of the
+    /// squared densities of path tracing's techniques relative to that by which it was found.
     pub(super) fn note(&mut self, pixel: Option<UVec2>, light: Rgb, whole: Rgb, of_paths: impl Fn(Guidance) -> f32) {
         let Some(finds) = &mut self.finds else { return };
         let light = luminance(light);
@@ -51,9 +51,9 @@ impl Sample<'_, '_> {
 }
 
 impl Guidance<'_> {
-    /// The density with which paths leave a vertex in direction `wi` over that without a guide. Below a coat it is an
-    /// estimate, as if all of the model had the density of the cosine: the direction that the path has come from is
-    /// not known here.
+    /// The density with which guided paths leave a vertex in direction `wi`, over that without a guide. Below a coat it
+    /// is an estimate, as if the whole model had the density of the cosine: the direction to the previous vertex is not
+    /// known here.
     pub fn ratio(&self, vertex: &Vertex, wi: Vec3) -> f32 {
         let of_guide = || {
             let (lobe, normal) = vertex.scattering.diffuse_lobe()?;
@@ -66,7 +66,7 @@ impl Guidance<'_> {
         }
     }
 
-    /// The ratios of all vertices before a vertex of the camera's path, multiplied.
+    /// The product of the ratios of all vertices before a vertex of the camera path.
     pub fn along(&self, camera: &[Vertex], mut number: usize) -> f32 {
         let mut product = 1.0;
         while let Some(before) = camera[number].before.filter(|_| self.0.is_some()) {
@@ -76,9 +76,9 @@ impl Guidance<'_> {
         product
     }
 
-    /// The sum of the squared densities of path tracing's ways, relative to that which joins the vertex number `last`
-    /// of a path from a light with the camera's. From there it has the density `pdf` per area, and `next` is the
-    /// density per solid angle with which a path from the camera would leave it against the light.
+    /// The sum of the squared densities of path tracing's techniques, relative to joining the vertex `last` of a light
+    /// path with the camera path. From the camera that vertex has the density `pdf` per area, and `next` is the density
+    /// per solid angle with which a camera path would continue from it towards the light.
     pub fn of_joined(&self, path: &LightPath, light: &[Vertex], last: usize, pdf: f32, next: f32) -> f32 {
         let factor = |vertex: &Vertex, next: Option<&Vertex>| {
             let wi = next.map_or(-path.emitted.dir, |next| between(vertex, next));

@@ -1,4 +1,4 @@
-//! Merging paths from the camera with the photons near their vertices.
+//! Merging camera paths with the photons near their vertices.
 
 use super::Sample;
 use super::subpath::Vertex;
@@ -7,15 +7,15 @@ use crate::color::Rgb;
 use crate::render::observer::{Joined, PathObserver};
 use crate::render::photon_map::Photon;
 
-/// The share of the merging radius up to which photons may be off the plane of the surface, squared. Those beyond
-/// belong to another surface.
+/// The squared distance of photons from the plane of the surface, relative to the squared merging radius, up to which
+/// they are merged. Photons beyond belong to another surface.
 const OFF_PLANE_SQUARED: f32 = 0.1;
-/// The least cosine of a photon's direction with the normal: below, a photon stands for more area than light comes
-/// from.
+/// The least cosine of a photon's direction with the normal. Below it a photon would represent more area than its light
+/// comes from.
 const LEAST_COSINE: f32 = 1e-3;
 
 impl Sample<'_, '_> {
-    /// Adds the light of the photons near a vertex of the camera's path.
+    /// Adds the light of the photons near a vertex of the camera path.
     pub(super) fn merge(&mut self, camera: &[Vertex], number: usize, observer: &mut impl PathObserver) {
         let (Some(photons), Some(merging)) = (self.photons, self.ways.merging) else {
             return;
@@ -43,7 +43,7 @@ impl Sample<'_, '_> {
             let next = self.next_of_camera(camera, number, photon.wi);
             let others = photon.fewer.sum(pdf) / (expected * expected)
                 + self.ways.with_fewer_of_camera(camera, number, ratio, false, next);
-            // Photons tell how much power comes to an area, whose cosine `value` has as well.
+            // Photons measure power per area, whose cosine is in `value` as well.
             let weight = weight(others);
             let contribution = vertex.throughput * value * photon.power * (weight / (cosine * expected));
             sum += contribution;

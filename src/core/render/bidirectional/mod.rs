@@ -1,23 +1,22 @@
-//! Bidirectional path tracing: a path from the camera and a path from a light, joined in all ways under one multiple
-//! importance sampling (Veach 1997, chapter 10; PBR 4th ed., section 16.1). And light tracing, which keeps only the
-//! paths that lead from a light to the camera.
+//! Bidirectional path tracing: a camera path and a light path, joined by all techniques under one multiple importance
+//! sampling (Veach 1997, chapter 10; PBR 4th ed., section 16.1). And light tracing, which keeps only the paths that
+//! lead from a light to the camera.
 //!
-//! A path of k vertices can be found with `s` vertices by the path from the light and `t` by that from the camera, s +
-//! t = k:
+//! A path of k vertices can be found with `s` vertices by the light path and `t` by the camera path, s + t = k:
 //!
-//! - s = 0: the path from the camera comes upon the emitter.
-//! - s = 1: a light is sampled from the camera's path, as path tracing does.
+//! - s = 0: the camera path hits the emitter.
+//! - s = 1: a light is sampled from the camera path, as in path tracing.
 //! - s > 1, t > 1: both paths are joined by a shadow ray.
-//! - t = 1: the path from the light is joined with the lens. What it brings may fall on any pixel ([`super::splats`]).
+//! - t = 1: the light path is joined with the lens. Its light may fall on any pixel ([`super::splats`]).
 //!
-//! Left out are s = t = 1, because what the camera sees directly is found without noise, and t = 0, because cameras are
-//! not hit. Each way has the weight of the power heuristic (`weights.rs`), so that a path counts once in all.
+//! Excluded are s = t = 1, because directly visible light is found without noise, and t = 0, because cameras cannot be
+//! hit. Each technique has the weight of the power heuristic (`weights.rs`), so that a path counts once in total.
 //!
-//! Vertex connection and merging adds one more for each vertex that both paths come near, if a delta lobe has sent the
-//! light there ([`merge`], [`photons`]): the only ways to find light that goes through glass to a diffuse surface and
-//! is seen through glass. Merged light is blurred a little, by less and less.
+//! Vertex connection and merging adds a technique for each vertex that both paths come near, if a delta lobe has sent
+//! the light there ([`merge`], [`photons`]): the only techniques that find light which reaches a diffuse surface
+//! through glass and is seen through glass. Merged light is slightly blurred, and less so in each round.
 //!
-//! Media are not traced by it.
+//! Media are not supported.
 
 mod arrivals;
 mod connect;
@@ -49,21 +48,21 @@ use crate::color::Rgb;
 use crate::light::emission::Reach;
 use crate::sampling::Sampler;
 
-/// The ways of joining paths that are used.
+/// The techniques in use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Techniques {
     /// Whether paths from lights are joined with the lens.
     pub splats: bool,
-    /// Whether anything else is found but what the camera sees directly.
+    /// Whether camera paths continue beyond directly visible surfaces.
     pub camera_paths: bool,
     /// Whether paths from the camera are merged with photons.
     pub merging: Option<PhotonSettings>,
 }
 
 impl Techniques {
-    /// The settings of paths, and the ways, by which a view finds light; None if it has no paths from lights.
+    /// The path settings and the techniques of a view; None if it traces no light paths.
     pub fn of(view: &View) -> Option<(PathSettings, Self)> {
-        // Splats are of no group and of no layer.
+        // Splats belong to no light group and no layer.
         let splats = !view.film_layers().parts_light();
         let (settings, splats, camera_paths, merging) = match view.integrator {
             _ if view.shown != Shown::Radiance => return None,
@@ -83,30 +82,30 @@ impl Techniques {
     }
 }
 
-/// Traces the samples of a tile, and keeps the memory for them.
+/// Traces the samples of a tile, and reuses memory between them.
 pub(super) struct Tracer<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     settings: PathSettings,
     techniques: Techniques,
-    /// The photons of all rounds that have some of the samples.
+    /// The photons of all rounds that contain some of the samples.
     rounds: Vec<(u32, Merging, Arc<PhotonMap>)>,
-    /// The start of the last sample's path from a light.
+    /// The start of the last sample's light path.
     start: Option<Vec3>,
     light: Vec<Vertex<'a>>,
     camera: Vec<Vertex<'a>>,
     splats: TileSplats,
-    /// What samples find, if it is asked for.
+    /// The finds of samples, if they are recorded.
     finds: Option<Vec<Find>>,
-    /// The guide whose paths the finds tell of.
+    /// The guide by which finds are evaluated.
     field: Option<Arc<Field>>,
 }
 
-/// The pixel whose random numbers paths from the lights have: one that no film has.
+/// The pixel whose random numbers light paths use: no film has it.
 const LIGHT_PIXEL: u32 = u32::MAX;
 
 impl<'a> Tracer<'a> {
-    /// Begins, with the photons for the samples of these indices. None if cancelled.
+    /// A tracer with the photons for the samples of these indices. None if cancelled.
     pub fn new(
         scene: &'a RenderScene,
         view: &'a View,
@@ -120,7 +119,7 @@ impl<'a> Tracer<'a> {
             view,
             settings,
             techniques: Techniques {
-                // Only delta lobes make photons.
+                // Photons require delta lobes.
                 merging: techniques.merging.filter(|_| scene.materials.has_delta_lobe()),
                 ..techniques
             },
@@ -143,7 +142,7 @@ impl<'a> Tracer<'a> {
         Some(tracer)
     }
 
-    /// Traces a sample of a pixel, and keeps the light that it brings to others. Returns it with what its light counts.
+    /// Traces a sample of a pixel, and collects its splats on other pixels. Returns it with the weight of its light.
     pub fn sample(&mut self, pixel: UVec2, index: u32, observer: &mut impl PathObserver) -> (PathSample, f32) {
         let camera = self.view.camera_sample(pixel, index);
         let round = self.rounds.iter().find(|round| round.0 == index);
@@ -193,7 +192,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The last sample's path from a light: its start and its vertices. Empty if nothing was emitted.
+    /// The last sample's light path: its start and its vertices. Empty if the light emitted nothing.
     pub fn light_path(&self) -> impl Iterator<Item = Vec3> {
         let vertices = self.light.iter().map(|vertex| vertex.point.position);
         self.start.into_iter().chain(vertices)
@@ -204,19 +203,19 @@ impl<'a> Tracer<'a> {
         std::mem::take(&mut self.splats)
     }
 
-    /// Has the next samples note what they find, and what paths guided by `field` would make of it.
+    /// Records the finds of the next samples, with their contributions to paths guided by `field`.
     pub fn note_finds(&mut self, field: Option<Arc<Field>>) {
         self.finds = Some(Vec::new());
         self.field = field;
     }
 
-    /// What was found since the last call.
+    /// The finds since the last call.
     pub fn take_finds(&mut self) -> Vec<Find> {
         self.finds.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// The random numbers of the path from a light. All paths of a picture have points of one sequence, so that
-    /// together they cover the lights evenly.
+    /// The random numbers of the light path. All light paths of a picture have points of one sequence, so that together
+    /// they cover the lights evenly.
     fn light_sampler(&self, pixel: UVec2, index: u32) -> Sampler {
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
         let number = u64::from(index) * pixels + u64::from(pixel.y) * u64::from(self.view.width) + u64::from(pixel.x);
@@ -225,7 +224,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// A sample under way.
+/// The state of a sample.
 struct Sample<'a, 'b> {
     scene: &'a RenderScene,
     view: &'b View,
@@ -244,9 +243,9 @@ struct Sample<'a, 'b> {
 }
 
 impl<'a> Sample<'a, '_> {
-    /// Traces a path from a light. None where nothing is emitted.
+    /// Traces a light path. None where the light emits nothing.
     fn trace_light(&mut self, vertices: &mut Vec<Vertex<'a>>) -> Option<LightPath> {
-        // Without splats and a second vertex of the camera's path nothing is joined.
+        // Without splats and a second vertex of the camera path nothing is joined.
         let longest = self.settings.longest_path();
         if longest < 2 {
             return None;
@@ -271,8 +270,7 @@ impl<'a> Sample<'a, '_> {
     }
 }
 
-/// Puts the light of a place of the film, in pixels, into one of the pixels whose filter has a part in it, chosen by
-/// `u`.
+/// Splats the light at a point of the film, in pixels, onto one of the pixels whose filter covers it, chosen by `u`.
 fn splat(view: &View, film: glam::Vec2, radiance: Rgb, u: f32) -> Option<Splat> {
     let (pixel, weight) = view.filter.choose_pixel(film, u)?;
     let size = glam::IVec2::new(view.width as i32, view.height as i32);

@@ -1,4 +1,4 @@
-//! The photons of a round: the vertices of paths from the lights to which a delta lobe has sent light.
+//! The photons of a round: the vertices of light paths to which a delta lobe has sent light.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -13,15 +13,15 @@ use crate::render::photon_rounds::{PATHS_OF_BLOCK, RoundId};
 use crate::render::view::{PhotonSettings, View};
 use crate::sampling::Sampler;
 
-/// The exponent of the round's number in the squared radius: photons are merged in areas that shrink so slowly that
-/// both the blur and the noise of the mean of all rounds vanish (Georgiev et al. 2012, section 5.3; alpha is 3/4).
+/// The exponent of the round's number in the squared radius: merging areas shrink so slowly that both the blur and the
+/// noise of the mean of all rounds vanish (Georgiev et al. 2012, section 5.3; alpha is 3/4).
 const SHRINKING: f32 = -0.25;
-/// The largest radius of merging, as a share of the scene's.
+/// The largest merging radius, relative to the scene's radius.
 const LARGEST_RADIUS: f32 = 0.01;
-/// The fewest and the most paths of a round, where they are not told.
+/// The fewest and the most light paths of a round by default.
 const PATHS: [u32; 2] = [1 << 12, 1 << 16];
 
-/// The paths from the lights of a round.
+/// The number of light paths of a round.
 pub(in crate::render) fn photon_paths(view: &View, settings: PhotonSettings) -> u32 {
     let pixels = view.width.saturating_mul(view.height);
     settings.paths.unwrap_or((pixels / 4).clamp(PATHS[0], PATHS[1]))
@@ -70,7 +70,7 @@ impl<'a> Tracer<'a> {
         let camera = &self.view.camera;
         let pixels = self.view.width as f32 * self.view.height as f32;
         let eye = camera.eye();
-        // At distance 1, in the middle of the picture.
+        // At distance 1, at the centre of the picture.
         let middle = camera.ray(Vec2::splat(0.5), Vec2::splat(0.5));
         let area_of_pixel = 1.0 / (camera.ray_density(middle.dir, 1.0) * pixels);
         let shrunk = (number as f32 + 1.0).powf(SHRINKING);
@@ -85,7 +85,7 @@ impl<'a> Tracer<'a> {
         let mut photons = Vec::new();
         let mut vertices: Vec<Vertex<'a>> = Vec::new();
         for number in numbers {
-            // Other numbers than those of the paths that are joined.
+            // These numbers differ from those of the light paths that are joined.
             let pixel = UVec2::new(LIGHT_PIXEL - 1, LIGHT_PIXEL - (number >> 32) as u32);
             let sampler = Sampler::new(self.view.sequence, pixel, number as u32, self.view.seed);
             let mut sample = self.begin(ways, sampler, sampler);

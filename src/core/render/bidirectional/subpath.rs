@@ -1,4 +1,4 @@
-//! The walk of a path from the camera or from a light, vertex by vertex.
+//! The walk of a camera path or a light path, vertex by vertex.
 
 use glam::Vec3;
 
@@ -21,53 +21,52 @@ pub(super) struct Vertex<'a> {
     pub point: SurfacePoint,
     pub slot: SurfaceSlot,
     pub hit: Hit,
-    /// Seen from where the path came from.
+    /// The scattering as seen from the previous vertex.
     pub scattering: Scattering<'a>,
-    /// What arrives along the path, over the densities so far.
+    /// The throughput of the path up to here: values over densities.
     pub throughput: Rgb,
-    /// The number of the vertex before; None for the first. A surface through which the path has passed straight on is
-    /// not before the next one.
+    /// The index of the previous vertex; None for the first. Surfaces through which the path has passed straight do not
+    /// count.
     pub before: Option<usize>,
     /// The density of the vertex.
     pub pdf: f32,
-    /// The density that it would have from the other end of the path, by way of the vertex behind it.
+    /// The density that it would have from the other end of the path, by way of the next vertex.
     pub pdf_reverse: f32,
-    /// The density by which sampling a light from here finds the start of the path. Only the first vertex of a path
-    /// from a light has it.
+    /// The density by which light sampling from here finds the start of the path. Only for the first vertex of a light
+    /// path.
     pub pdf_of_start: f32,
     /// Whether a delta lobe has sent the path on.
     pub is_delta: bool,
-    /// Whether anything but delta lobes is there, so that it can be joined with others.
+    /// Whether it has more than delta lobes, so that it can be joined with others.
     pub is_smooth: bool,
-    /// The segments of the path up to here.
+    /// The number of segments of the path up to here.
     pub segments: u32,
 }
 
-/// The start of a path from a light.
+/// The start of a light path.
 pub(super) struct LightPath {
     pub emitted: EmittedRay,
-    /// The density that the start would have from the camera, by way of the first vertex, in the measure of the
-    /// emission's.
+    /// The density of the start from the camera, by way of the first vertex, in the measure of the emission's start.
     pub pdf_reverse: f32,
 }
 
-/// A path on its way to the next vertex.
+/// A path between two vertices.
 pub(super) struct Walk {
     pub ray: Ray,
     pub throughput: Rgb,
     pub eta_squared: f32,
-    /// The density of the ray's direction, from the vertex before.
+    /// The density of the ray's direction at the previous vertex.
     pub pdf: Measure,
     pub before: Option<usize>,
     pub segments: u32,
-    /// Whether the camera's ray has met nothing but surfaces that let it pass.
+    /// Whether the camera ray has only met surfaces that let it pass straight.
     pub is_straight: bool,
 }
 
-/// The density of a ray, in the measure of where it comes from.
+/// The density of a ray, in the measure of its origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Measure {
-    /// Per solid angle, from a place.
+    /// Per solid angle, from this point.
     SolidAngle(f32, Vec3),
     /// Per area perpendicular to it, at any distance.
     Perpendicular(f32),
@@ -76,7 +75,7 @@ pub(super) enum Measure {
 }
 
 impl Vertex<'_> {
-    /// The place from which lights are sampled.
+    /// The reference point for light sampling.
     pub fn reference(&self) -> LightReference {
         LightReference {
             position: self.point.position,
@@ -106,7 +105,7 @@ impl Vertex<'_> {
 }
 
 impl LightPath {
-    /// The density of the start for a path that comes to it from `reference` with this density per solid angle.
+    /// The density of the start for a path that hits it from `reference` with this density per solid angle.
     pub fn start_density(&self, reference: Vec3, pdf_solid_angle: f32) -> f32 {
         self.emitted.start.density(reference, pdf_solid_angle)
     }
@@ -174,7 +173,7 @@ impl<'a> Sample<'a, '_> {
         vertex
     }
 
-    /// Takes a path from a light to its next vertex and, unless it ends there, on. False if it has ended.
+    /// Extends a light path by a vertex and, unless it ends there, samples its next direction. False if it has ended.
     pub(super) fn extend_light(
         &mut self,
         walk: &mut Walk,
@@ -231,7 +230,7 @@ impl<'a> Sample<'a, '_> {
     }
 }
 
-/// The density per solid angle with which a path that comes from `wi` would be sent back to the vertex before.
+/// The density per solid angle with which a path that comes from `wi` would return to the previous vertex.
 pub(super) fn reverse_pdf(vertices: &[Vertex], number: usize, wi: Vec3, lobe: Lobe) -> f32 {
     match lobe {
         Lobe::Smooth => vertices[number].scattering.reverse_pdf(wi),
@@ -240,7 +239,7 @@ pub(super) fn reverse_pdf(vertices: &[Vertex], number: usize, wi: Vec3, lobe: Lo
 }
 
 impl Walk {
-    /// Turns the walk from the vertex with this number to `wi`.
+    /// Continues the walk from the vertex with this number in direction `wi`.
     pub fn go_on(&mut self, vertices: &mut [Vertex], number: usize, wi: Vec3, lobe: Lobe, pdf: f32) {
         let vertex = &mut vertices[number];
         self.segments = vertex.segments;

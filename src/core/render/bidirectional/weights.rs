@@ -1,50 +1,49 @@
-//! The weights of multiple importance sampling for a path that can be found in many ways (Veach 1997, section 10.2.1):
-//! how likely each other way is, relative to that by which the path was found. From one way to the next, one vertex
-//! changes from the path of the light to that of the camera or back, and the ratio with it; those whose joining
-//! vertices only have delta lobes are impossible.
+//! The weights of multiple importance sampling for a path that several techniques can find (Veach 1997, section
+//! 10.2.1): the density of each other technique relative to that which has found the path. From one technique to the
+//! next, one vertex changes between light path and camera path, which changes the ratio; techniques whose joining
+//! vertices have only delta lobes are impossible.
 
 use super::subpath::{LightPath, Vertex};
 use crate::render::photon_map::{FewerOfLight, MergeArea};
 
-/// The weight of the power heuristic, from the sum of the squared ratios of all other ways.
+/// The weight of the power heuristic, from the sum of the squared ratios of all other techniques.
 pub(super) fn weight(others: f32) -> f32 {
-    // An overflow means that another way is far better. Along a surface, ratios may be no numbers.
+    // An overflow means that another technique is far better. Along a surface, ratios may be NaN.
     if others.is_nan() { 0.0 } else { 1.0 / (1.0 + others) }
 }
 
-/// Merging: the way of finding a path whose vertex `v` is found from both sides, where the place found from the light
-/// counts if it is near the other one (Georgiev et al., "Light Transport Simulation with Vertex Connection and
-/// Merging", ACM TOG 31(6), 2012). It has the density of the way in which `v` is found from the camera and joined with
-/// the vertex before, times the probability that a path from the light comes near `v`.
+/// Merging: the technique that finds a path from both sides up to its vertex `v`, where the light path's vertex counts
+/// if it is near `v` (Georgiev et al., "Light Transport Simulation with Vertex Connection and Merging", ACM TOG 31(6),
+/// 2012). Its density is that of finding `v` from the camera and joining it with the previous vertex, times the
+/// probability that a light path comes near `v`.
 ///
-/// Only what a delta lobe has sent to `v` is merged: anything else can be joined without bias.
+/// Only light that a delta lobe has sent to `v` is merged: other vertices can be joined without bias.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Merging {
     pub area: MergeArea,
-    /// The paths from the lights whose photons are at hand.
+    /// The number of light paths whose photons are merged.
     pub paths: f32,
 }
 
 impl Merging {
-    /// The number of paths from the lights that are expected near a vertex, over their density per area there. Square
-    /// metres.
+    /// The number of light paths that are expected near a vertex, over their density per area there. Square metres.
     pub fn expected(&self, vertex: &Vertex) -> f32 {
         self.paths * std::f32::consts::PI * self.area.radius_squared(vertex.point.position)
     }
 }
 
-/// The ways by which a picture finds its paths, besides coming upon lights and sampling them.
+/// The techniques of a picture, besides hitting lights and sampling them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
-    /// Paths from lights are joined with the lens.
+    /// Whether light paths are joined with the lens.
     pub to_lens: bool,
-    /// Paths from lights are joined with paths from the camera.
+    /// Whether light paths are joined with camera paths.
     pub joins: bool,
     pub merging: Option<Merging>,
 }
 
 impl Ways {
-    /// The ways of path tracing.
+    /// The techniques of path tracing.
     pub const OF_PATHS: Self = Self {
         to_lens: false,
         joins: false,
@@ -56,8 +55,8 @@ impl Ways {
         if self.joins && is_possible { square(ratio) } else { 0.0 }
     }
 
-    /// The squared ratio of merging at a vertex, if it is possible. `ratio` is that of the way in which the vertex has
-    /// changed from its own side, where it has its density, to the other.
+    /// The squared ratio of merging at a vertex, if it is possible. `ratio` is that of the technique in which the
+    /// vertex has changed sides, from the side where it has its density to the other.
     fn merged(&self, ratio: f32, vertex: &Vertex, is_possible: bool) -> f32 {
         match &self.merging {
             Some(merging) if is_possible => square(ratio * vertex.pdf * merging.expected(vertex)),
@@ -65,9 +64,9 @@ impl Ways {
         }
     }
 
-    /// The ways with fewer vertices from the light than the one at hand, which joins the vertex number `last` of a path
-    /// from the light. From the other side that has the density `pdf` per area. Relative to merging there, they are
-    /// those for a `pdf` of 1, over [`Merging::expected`]; `is_merged` leaves it out.
+    /// The techniques with fewer vertices from the light than the current one, which joins the vertex `last` of a light
+    /// path. From the camera that vertex has the density `pdf` per area. Relative to merging there, they are those for
+    /// a `pdf` of 1, over [`Merging::expected`]; `is_merged` omits it.
     pub fn with_fewer_of_light(
         &self,
         path: &LightPath,
@@ -79,8 +78,8 @@ impl Ways {
         self.with_fewer_of_light_times(path, vertices, last, pdf, is_merged, |_, _| 1.0)
     }
 
-    /// [`Self::with_fewer_of_light`] where paths from the camera have `factor` times the density with which they leave
-    /// a vertex of the light's for the one that was before it, or for the start of the light.
+    /// [`Self::with_fewer_of_light`] where camera paths leave each vertex of the light path towards the previous one,
+    /// or towards the light's start, with `factor` times the density.
     pub fn with_fewer_of_light_times(
         &self,
         path: &LightPath,
@@ -91,8 +90,8 @@ impl Ways {
         factor: impl Fn(&Vertex, Option<&Vertex>) -> f32,
     ) -> FewerOfLight {
         let mut number = last;
-        // The ratio of the way in which the vertex has changed sides, but for the factor of the density `next` behind
-        // the last vertex.
+        // The ratio of the technique in which the vertex has changed sides, without the factor of the density `next`
+        // behind the last vertex.
         let mut ratio = pdf / vertices[number].pdf;
         let (mut fixed, mut of_next) = (0.0, 0.0);
         let mut is_delta = false;
@@ -126,10 +125,10 @@ impl Ways {
         }
     }
 
-    /// The ways with fewer vertices from the camera, down to one if the lens is joined. `ratio` is that of the way in
-    /// which the vertex `last` has changed sides; `is_delta` says whether it cannot be joined, and `next` is the
-    /// density of the vertex before it, if it is not the one that the vertex behind it knows. No delta lobe has
-    /// sent light to the vertex `last`, or what it has sent is merged.
+    /// The techniques with fewer vertices from the camera, down to one if the lens is joined. `ratio` is that of the
+    /// technique in which the vertex `last` has changed sides; `is_delta` says whether it cannot be joined, and `next`
+    /// is the density of the previous vertex, if it differs from the one stored there. No delta lobe has sent light to
+    /// the vertex `last`, or that light is merged.
     pub fn with_fewer_of_camera(
         &self,
         vertices: &[Vertex],

@@ -1,29 +1,29 @@
-//! The camera as light sees it: which of its rays goes to a place, and how densely its rays lie there (Veach 1997,
-//! section 8.3.2.4; PBR 4th ed., section 16.1).
+//! The camera as a sensor for light paths: which of its rays hits a point, and the density of its rays there (Veach
+//! 1997, section 8.3.2.4; PBR 4th ed., section 16.1).
 
 use glam::{Vec2, Vec3};
 
 use super::{Camera, Projection};
 use crate::math::Ray;
 
-/// The camera ray to a place.
+/// The camera ray to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayTo {
     /// The ray as [`Camera::ray`] gives it.
     pub ray: Ray,
-    /// The distance of the place along it.
+    /// The distance of the point along it.
     pub distance: f32,
-    /// The film coordinates; outside of [0, 1] beside the picture.
+    /// The film coordinates; outside of [0, 1] if the point is outside of the picture.
     pub film: Vec2,
-    /// The density of [`Camera::ray_density`] at the place. As no part of the film counts more than another, it is
-    /// also what a watt of light that goes from there along the ray, per steradian and per area, contributes to
-    /// the picture's mean radiance.
+    /// The density of [`Camera::ray_density`] at the point. As all parts of the film have equal weight, it is also the
+    /// contribution to the picture's mean radiance of a watt of light that leaves the point along the ray, per
+    /// steradian and per area.
     pub density: f32,
 }
 
 impl Camera {
-    /// The ray to a place, from a point of the lens; None for places that are not before the camera. `u_lens` in [0,
-    /// 1)^2.
+    /// The ray to a point, from a point of the lens; None for points that are not in front of the camera. `u_lens` in
+    /// [0, 1)^2.
     pub fn ray_to(&self, place: Vec3, u_lens: Vec2) -> Option<RayTo> {
         let local = self.world_from_camera.inverse().transform_point3(place);
         if local.z <= 0.0 {
@@ -57,7 +57,7 @@ impl Camera {
         })
     }
 
-    /// The middle of the lens; None for parallel rays.
+    /// The centre of the lens; None for parallel rays.
     pub fn eye(&self) -> Option<Vec3> {
         match self.projection {
             Projection::Orthographic => None,
@@ -66,7 +66,7 @@ impl Camera {
     }
 
     /// The density, per area perpendicular to a ray along `dir`, of the camera's rays from one point of its lens at
-    /// this distance: their integral over the picture is 1.
+    /// this distance. Its integral over the picture is 1.
     pub fn ray_density(&self, dir: Vec3, distance: f32) -> f32 {
         let area = (self.diagonal.x * self.diagonal.y).abs();
         match self.projection {

@@ -1,5 +1,5 @@
-//! A readable picture of few samples: the preview without its noise, enlarged along the edges of the G-buffer (joint
-//! bilateral upsampling: Kopf et al., SIGGRAPH 2007).
+//! A readable picture from few samples: the denoised preview, enlarged along the edges of the G-buffer (joint bilateral
+//! upsampling: Kopf et al., SIGGRAPH 2007).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,13 +12,13 @@ use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise
 use crate::render::film::Film;
 use crate::render::gbuffer::Texel;
 
-/// The edge of a block of the coarse picture in pixels: that of the previews, for a whole number of them fits a tile.
+/// The edge in pixels of a coarse block, as of the previews: a whole number of them fits a tile.
 const STEP: u32 = 4;
-/// Blocks count for a pixel as this power of the cosine between the normals.
+/// The power of the cosine between the normals by which blocks are weighted for a pixel.
 const NORMALS: i32 = 8;
-/// The relative difference of distances at which a block counts for less than half.
+/// The relative difference of distances at which the weight of a block is below one half.
 const DISTANCES: f32 = 0.05;
-/// What blocks count that show something else.
+/// The weight of blocks that show another surface.
 const LEAST: f32 = 1e-4;
 
 /// Colours and features of the blocks of a picture, and the G-buffer of its pixels.
@@ -34,8 +34,7 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// The picture as the film has it in the middle of each block, with what each pixel shows. None while there are
-    /// blocks without a preview.
+    /// The film's picture at the centre of each block, with the texel of each pixel. None if a block has no preview.
     pub(super) fn of(film: &Film, texel: impl Fn(u32, u32) -> Option<Texel>) -> Option<Self> {
         let size = UVec2::new(film.width(), film.height());
         let blocks = UVec2::new(size.x.div_ceil(STEP), size.y.div_ceil(STEP));
@@ -60,7 +59,7 @@ impl Coarse {
         Some(coarse)
     }
 
-    /// The pixel in the middle of a block.
+    /// The pixel at the centre of a block.
     fn middle_of(&self, x: u32, y: u32) -> [u32; 2] {
         [
             (STEP * x + STEP / 2).min(self.size.x - 1),
@@ -98,14 +97,14 @@ impl Coarse {
         }
     }
 
-    /// The light of the blocks around a pixel, of which those count that show the same surface.
+    /// The light of the blocks around a pixel, weighted by their similarity to its surface.
     fn light_of(&self, light: &[Rgb], x: u32, y: u32) -> Rgb {
         let texel = &self.texels[place_of(self.size, x, y)];
         let last = self.blocks.as_ivec2() - 1;
-        // The middle of the block to the left and above.
+        // The block to the left and above, by the centres.
         let corner = |at: u32| (at as i32 - (STEP / 2) as i32).div_euclid(STEP as i32);
         let (mut sum, mut weights) = (Rgb::ZERO, 0.0);
-        // Far ones count little, and are there for pixels that none of the nearest has anything in common with.
+        // Distant blocks have little weight, and serve pixels whose nearest blocks all show other surfaces.
         for step_y in -1..=2 {
             let row = (corner(y) + step_y).clamp(0, last.y) as u32;
             for step_x in -1..=2 {
@@ -123,7 +122,7 @@ impl Coarse {
     }
 }
 
-/// How far two pixels show one surface, in (0, 1].
+/// How likely two pixels show the same surface, in (0, 1].
 fn likeness(a: &Texel, b: &Texel) -> f32 {
     if a.is_specular != b.is_specular || a.is_surface() != b.is_surface() {
         return LEAST;

@@ -1,4 +1,4 @@
-//! The picture that is carried over.
+//! The earlier picture that is carried over.
 
 use glam::{UVec2, Vec2};
 
@@ -6,15 +6,15 @@ use super::{CarriedTile, Light, tile_and_place};
 use crate::render::camera::Camera;
 use crate::render::gbuffer::{Texel, middle_ray};
 
-/// A picture as it was shown, with what tells where its light belongs.
+/// An earlier picture as it was shown, with the G-buffer that locates its light.
 #[derive(Debug)]
 pub struct Earlier {
-    /// The camera, with everything in focus.
+    /// The camera as a pinhole.
     pub(super) camera: Camera,
-    /// Pixels.
+    /// The size in pixels.
     pub(super) size: UVec2,
     tiles: Vec<CarriedTile>,
-    /// How far the rays of neighbouring pixels are apart at their origins, and how much they part on the way.
+    /// The distance between the rays of neighbouring pixels at their origins, and its growth per unit of distance.
     spacing: [f32; 2],
 }
 
@@ -34,20 +34,20 @@ impl Earlier {
         }
     }
 
-    /// What a pixel shows, and its light.
+    /// The texel of a pixel, and its light.
     pub(super) fn at(&self, pixel: UVec2) -> (&Texel, &Light) {
         let (tile, place) = tile_and_place(self.size, pixel);
         let tile = &self.tiles[tile];
         (&tile.texels[place], &tile.shown[place])
     }
 
-    /// The pixel around a place of the film; the nearest one for places outside.
+    /// The pixel that contains a point of the film; the nearest one for points outside.
     pub(super) fn pixel_at(&self, film: Vec2) -> UVec2 {
         let pixel = (film * self.size.as_vec2()).clamp(Vec2::ZERO, self.size.as_vec2() - 1.0);
         pixel.as_uvec2()
     }
 
-    /// The distance between what neighbouring pixels show of a surface at this distance that is seen from the front.
+    /// The distance between the surface points of neighbouring pixels, on a surface at `distance` seen head-on.
     pub(super) fn spacing(&self, distance: f32) -> f32 {
         self.spacing[0] + self.spacing[1] * distance
     }

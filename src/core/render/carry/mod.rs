@@ -1,12 +1,11 @@
-//! What an earlier picture still tells about a new one: light that is shown in place of noise until the new picture has
-//! samples of its own. It is only ever shown, and never a part of the film.
+//! Reuse of an earlier picture's light, which is shown in place of noise until the new picture has samples of its own.
+//! It is for display only, and never a part of the film.
 //!
-//! Each pixel of the new picture is found in the earlier one by the place that its [G-buffer](super::gbuffer) tells
+//! Each pixel of the new picture is located in the earlier one by the surface point of its [G-buffer](super::gbuffer)
 //! (`reproject.rs`; Nehab et al., Accelerating Real-Time Shading with Reverse Reprojection Caching, Graphics Hardware
-//! 2007). What is kept there is the light divided by the albedo, so that a surface may have another colour now. What
-//! the new samples tell of larger blocks corrects it, and where they contradict it is given up (`trust.rs`). New and
-//! old light are then blended by what both are worth in samples, and the old light goes altogether once the new samples
-//! are worth far more.
+//! 2007). The stored light is divided by the albedo, so that a surface may have another colour now. The new samples of
+//! larger blocks correct it, and where they contradict it it is dropped (`trust.rs`). New and old light are then
+//! blended by their worth in samples, and the old light vanishes once the new samples are worth far more.
 
 mod coarse;
 mod earlier;
@@ -33,37 +32,36 @@ use super::gbuffer::Texel;
 use super::tile::{TILE, Tile};
 use crate::color::{Rgb, luminance};
 
-/// Is added to albedos before light is divided by them.
+/// The value added to albedos before light is divided by them.
 const LEAST_ALBEDO: f32 = 0.02;
-/// The samples that one sample of a denoised picture is worth, by what `edit --measure-settling` has measured in rooms.
+/// The worth of a sample of a denoised picture in samples, as `edit --measure-settling` has measured in rooms.
 pub const WORTH_OF_DENOISED: f32 = 64.0;
-/// The samples that the variance of a sample is known from, where light is carried over.
+/// The number of samples by which the variance of carried light counts as known.
 const KNOWN_VARIANCE: f32 = 16.0;
-/// The least relative standard deviation that is believed of guided paths.
+/// The least relative standard deviation assumed for guided paths.
 const DEVIATION_OF_GUIDED: f32 = 3.0;
-/// Where earlier light covers so much of the picture, previews are not filtered.
+/// Previews are not filtered if earlier light covers this share of the picture.
 const NEARLY_ALL: f32 = 0.9995;
-/// New light that is brighter than carried light by more than this factor is shown darker, as long as it is worth less.
+/// The factor over carried light to which new light is darkened, while it is worth less.
 const OUTLIER: f32 = 3.0;
-/// The share of the tiles that are few.
+/// The largest share of the tiles that counts as few.
 const FEW: f32 = 0.25;
-/// The most samples that earlier light is worth.
+/// The largest worth of earlier light in samples.
 const MOST_WORTH: f32 = 512.0;
 
-/// Light of a pixel, and how far it can be relied on.
+/// The light of a pixel, and its reliability.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Light {
     /// The radiance divided by the albedo.
     light: Rgb,
-    /// The number of samples of a pixel that have about the same error; 0 for a guess that anything else is better
-    /// than.
+    /// The number of samples of a pixel with about the same error; 0 for a guess that is worse than any other light.
     worth: f32,
     /// The variance of the luminance of a single sample.
     variance: f32,
 }
 
 impl Light {
-    /// The same with what is radiance divided by the albedo of a surface, and worth no more than any light is.
+    /// The light, given as radiance, divided by the albedo of a surface, with its worth clamped.
     fn on(self, texel: &Texel) -> Self {
         Self {
             light: self.light / divisor(texel),
@@ -73,13 +71,13 @@ impl Light {
     }
 }
 
-/// What pixels are blended with, beside the light of their tiles.
+/// The data for blending pixels, beside the light of their tiles.
 #[derive(Debug)]
 pub struct Blender {
     size: UVec2,
     reprojection: Option<Arc<Reprojection>>,
     trust: Trust,
-    /// The share of its worth that all light keeps.
+    /// The share of the worth of all carried light that is left.
     kept: f32,
 }
 
@@ -88,13 +86,13 @@ pub struct Blender {
 pub struct Carried {
     camera: Camera,
     blender: Blender,
-    /// The tiles whose G-buffer is there, row by row.
+    /// The tiles whose G-buffer has arrived, row by row.
     tiles: Vec<Option<CarriedTile>>,
-    /// The number of those for which it is not.
+    /// The number of tiles whose G-buffer is missing.
     missing: usize,
     /// The pixels that were found in the earlier picture.
     found: usize,
-    /// Whether the [`Coarse`] picture was asked for, or is not needed.
+    /// Whether the [`Coarse`] picture was requested, or is not needed.
     has_coarse: bool,
 }
 
@@ -111,7 +109,7 @@ impl Carried {
     /// The memory for a pixel in bytes.
     pub const BYTES_OF_PIXEL: u64 = (size_of::<Texel>() + 2 * size_of::<Light>()) as u64;
 
-    /// Begins a picture of this size in pixels. Until a tile is [added](Self::add), the places of its pixels in the
+    /// Begins a picture of this size in pixels. Until a tile is [added](Self::add), the positions of its pixels in the
     /// earlier picture are guessed.
     pub fn begin(earlier: Option<Arc<Earlier>>, camera: &Camera, size: UVec2) -> Self {
         let camera = camera.sharp();
@@ -131,8 +129,8 @@ impl Carried {
         }
     }
 
-    /// The picture as it was painted, to be carried over to the next one. It is still the one before while this one has
-    /// hardly begun, and none if it ended without a G-buffer.
+    /// The picture as painted, to be carried over to the next one. It is still the previous picture if this one has
+    /// hardly begun, and None if it ended without a G-buffer.
     pub fn into_earlier(self) -> Option<Arc<Earlier>> {
         let before = self.earlier().filter(|_| self.blender.kept > 0.0);
         let tiles: Option<Vec<CarriedTile>> = self.tiles.into_iter().collect();
@@ -140,44 +138,43 @@ impl Carried {
         own.or(before)
     }
 
-    /// The picture before this one.
+    /// The previous picture.
     pub fn earlier(&self) -> Option<Arc<Earlier>> {
         Some(self.blender.reprojection.as_ref()?.earlier())
     }
 
-    /// Says that paths are guided: few samples, and those that have taught a guide, do not tell how rare bright ones
-    /// are.
+    /// Expects guided paths: a few samples, and those that have taught a guide, do not show how rare bright ones are.
     pub fn expect_guided_paths(&mut self) {
         self.blender.trust.least_deviation = DEVIATION_OF_GUIDED;
     }
 
-    /// The share of the picture for which there is light of an earlier one, as far as that is known.
+    /// The share of the picture for which there is earlier light, as far as known.
     pub fn coverage(&self) -> f32 {
         self.found as f32 / self.blender.size.element_product().max(1) as f32
     }
 
-    /// Whether a film has as many pixels.
+    /// Whether a film has the same size.
     pub fn is_of_size(&self, film: &Film) -> bool {
         self.blender.size == UVec2::new(film.width(), film.height())
     }
 
-    /// Whether it is a picture of this size by this camera, but for what is in focus.
+    /// Whether the picture has this size and camera, except for the focus.
     pub fn has_view(&self, camera: &Camera, size: UVec2) -> bool {
         self.blender.size == size && self.camera == camera.sharp()
     }
 
-    /// The way from the earlier picture; None if there is none.
+    /// The reprojection from the earlier picture; None if there is none.
     pub fn reprojection(&self) -> Option<&Arc<Reprojection>> {
         self.blender.reprojection.as_ref()
     }
 
-    /// Says how much of the new picture is made: 0 at the beginning, 1 at its last sample. What is carried over goes in
-    /// the second half, so that the finished picture has nothing of it.
+    /// Sets the progress of the new picture: 0 at the beginning, 1 at its last sample. Carried light fades out in the
+    /// second half, so that the finished picture has none.
     pub fn set_progress(&mut self, progress: f32) {
         self.blender.kept = (2.0 - 2.0 * progress).clamp(0.0, 1.0);
     }
 
-    /// Replaces the guess for a tile. Returns which one it was.
+    /// Replaces the guess for a tile, and returns the tile.
     pub fn add(&mut self, tile: CarriedTile) -> Tile {
         let place = tile.tile;
         self.found += tile.found();
@@ -186,8 +183,7 @@ impl Carried {
         place
     }
 
-    /// Compares tiles with the samples that the film has there now. Tiles that have only a preview take up what that
-    /// tells.
+    /// Compares tiles with the film's current samples. Tiles that have only a preview take in its light.
     pub fn learn(&mut self, tiles: &[Tile], film: &Film) {
         for &tile in tiles {
             if let Some(own) = &mut self.tiles[self.blender.tile_index(tile)]
@@ -206,13 +202,13 @@ impl Carried {
         }
     }
 
-    /// Compares all that is carried over with a denoised picture of the film.
+    /// Compares all carried light with a denoised picture of the film.
     pub fn learn_clean(&mut self, film: &Film, clean: Clean) {
         let old = carried_at(self.blender.size, &self.tiles);
         self.blender.trust.learn_clean(film, clean, old);
     }
 
-    /// The tiles of which much is shown that is hardly known, if they are few. None until the G-buffer is there.
+    /// The tiles that mostly show unreliable light, if they are few. None until the G-buffer is complete.
     pub fn hardly_known(&self) -> HashSet<Tile> {
         if self.missing > 0 {
             return HashSet::new();
@@ -223,13 +219,13 @@ impl Carried {
         if are_few { tiles } else { HashSet::new() }
     }
 
-    /// What tiles are painted with, and the rows of tiles. Tiles that are not there yet are None.
+    /// The blending data, and the rows of tiles. Tiles that have not arrived are None.
     pub fn rows(&mut self) -> (&Blender, std::slice::ChunksMut<'_, Option<CarriedTile>>) {
         let columns = self.blender.size.x.div_ceil(TILE) as usize;
         (&self.blender, self.tiles.chunks_mut(columns))
     }
 
-    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over.
+    /// Takes in the light of a [`Coarse`] picture of the same film, where no better light is carried over.
     pub fn add_coarse(&mut self, light: &[Rgb]) {
         let size = self.blender.size;
         self.tiles
@@ -238,8 +234,8 @@ impl Carried {
             .for_each(|tile| tile.add_coarse(size, light));
     }
 
-    /// The coarse picture that previews of all tiles make, once they and the G-buffer are there and before there are
-    /// samples everywhere; None before and afterwards.
+    /// The coarse picture from the previews of all tiles, once they and the G-buffer are complete and before all pixels
+    /// have samples; None otherwise.
     pub fn coarse(&mut self, film: &Film) -> Option<Coarse> {
         if self.has_coarse || self.missing > 0 {
             return None;
@@ -260,9 +256,9 @@ impl Blender {
         tile_and_place(self.size, UVec2::new(tile.x, tile.y)).0
     }
 
-    /// Blends a row of pixels of a tile with what is carried over, and notes in `own` what is shown then. `row` is what
-    /// the film has, or the denoised picture of so many samples. Returns whether anything of the row is still
-    /// carried over.
+    /// Blends a row of pixels of a tile with carried light, and stores the displayed light in `own`. `row` is the
+    /// film's, or a denoised picture's with its number of samples. Returns whether any carried light is left in the
+    /// row.
     pub fn blend_row(
         &self,
         mut own: Option<&mut CarriedTile>,
@@ -284,7 +280,7 @@ impl Blender {
             };
             let samples = moments.samples as f32;
             let worth = denoised.map_or(samples, |samples| WORTH_OF_DENOISED * samples as f32);
-            // Previews are taken up tile by tile.
+            // Previews are taken in tile by tile.
             let new = pixel.filter(|_| worth > 0.0).map(|radiance| (radiance, worth));
             let is_over = self.kept <= 0.0 || own.as_ref().is_some_and(|own| own.is_own);
             let old = if is_over { Light::default() } else { old };
@@ -300,7 +296,7 @@ impl Blender {
                 let shown = Light {
                     light,
                     worth: carried + new.map_or(0.0, |(_, worth)| worth),
-                    // Few samples do not tell how rare bright ones are.
+                    // Few samples do not show how rare bright ones are.
                     variance: match carried > 0.0 {
                         true => pooled(old.variance, moments.variance, samples),
                         false => moments.variance,
@@ -312,8 +308,8 @@ impl Blender {
         is_carried
     }
 
-    /// The radiance of a pixel and the worth of what is carried over in it. `old` is carried over and worth so many
-    /// samples, `new` is what the film tells, with its worth. None if nothing is known.
+    /// The radiance of a pixel and the worth of the carried light in it. `old` is the carried light with its `worth` in
+    /// samples, `new` is the film's, with its worth. None if neither is known.
     fn blend(&self, old: Rgb, worth: f32, standing: &Standing, new: Option<(Rgb, f32)>) -> Option<(Rgb, f32)> {
         let Some((new, samples)) = new else {
             return (old != Rgb::ZERO || worth > 0.0).then_some((old, worth.max(f32::MIN_POSITIVE)));
@@ -322,7 +318,7 @@ impl Blender {
         if worth <= 0.0 {
             return Some((new, 0.0));
         }
-        // A few bright samples would stand out of what has no noise.
+        // A few bright samples would stand out against noise-free light.
         let most = OUTLIER * (1.0 + samples / worth) * luminance(old).max(f32::MIN_POSITIVE);
         let own = luminance(new);
         let new = if own > most { new * (most / own) } else { new };
@@ -330,8 +326,8 @@ impl Blender {
     }
 }
 
-/// The radiance that is carried over to a pixel of these tiles, and the variance of the luminance of a sample there;
-/// None where there is none.
+/// The carried radiance of a pixel of these tiles, and the variance of a sample's luminance there; None where no light
+/// is carried over.
 fn carried_at(size: UVec2, tiles: &[Option<CarriedTile>]) -> impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync {
     move |x, y| {
         let (tile, place) = tile_and_place(size, UVec2::new(x, y));
@@ -339,7 +335,7 @@ fn carried_at(size: UVec2, tiles: &[Option<CarriedTile>]) -> impl Fn(u32, u32) -
     }
 }
 
-/// Earlier light of this worth beside so many new samples: it goes when they are worth three times as much.
+/// The worth of earlier light beside new samples: it reaches 0 when they are worth three times as much.
 fn faded(worth: f32, samples: f32) -> f32 {
     if worth <= 0.0 {
         return 0.0;
@@ -347,7 +343,7 @@ fn faded(worth: f32, samples: f32) -> f32 {
     worth * (1.5 - 0.5 * samples / worth).clamp(0.0, 1.0)
 }
 
-/// Light is radiance divided by this.
+/// The divisor that turns radiance into light.
 fn divisor(texel: &Texel) -> Rgb {
     texel.albedo() + LEAST_ALBEDO
 }
@@ -356,7 +352,7 @@ fn place_of(size: UVec2, x: u32, y: u32) -> usize {
     (y * size.x + x) as usize
 }
 
-/// The index of the tile of a pixel in a picture of this size, and the place of the pixel in the tile.
+/// The index of a pixel's tile in a picture of this size, and the index of the pixel in the tile.
 fn tile_and_place(size: UVec2, pixel: UVec2) -> (usize, usize) {
     let (tile, within) = (pixel / TILE, pixel % TILE);
     let width = TILE.min(size.x - tile.x * TILE);
@@ -371,7 +367,7 @@ fn pixels_of(tile: Tile) -> impl Iterator<Item = (u32, u32)> {
     (tile.y..tile.y + tile.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// The middle of a pixel in film coordinates, (0, 0) at the top left and (1, 1) at the bottom right.
+/// The centre of a pixel in film coordinates, (0, 0) at the top left and (1, 1) at the bottom right.
 fn middle(size: UVec2, x: u32, y: u32) -> Vec2 {
     (Vec2::new(x as f32, y as f32) + 0.5) / size.as_vec2()
 }

@@ -1,4 +1,4 @@
-//! Where the pixels of a new picture were in an earlier one.
+//! The positions of a new picture's pixels in an earlier one.
 
 use std::sync::Arc;
 
@@ -10,45 +10,44 @@ use crate::math::Ray;
 use crate::render::camera::Camera;
 use crate::render::gbuffer::{Texel, middle_ray};
 
-/// The edge of the blocks whose place is guessed as a whole, in pixels.
+/// The edge in pixels of the blocks whose displacement is guessed as a whole.
 const GUESSED: u32 = 8;
-/// The rounds after which a guess is as good as it gets.
+/// The number of iterations after which a guess no longer improves.
 const ROUNDS: u32 = 4;
-/// The share of its worth that light keeps for a guessed pixel.
+/// The share of its worth that light keeps at a guessed pixel.
 const GUESS: f32 = 0.25;
-/// The share of its worth that light keeps when it is interpolated between pixels, and what it is worth at most then,
-/// because that blurs it.
+/// The share of its worth that light keeps when it is interpolated between pixels, and its largest worth then, because
+/// interpolation blurs it.
 const MOVED: f32 = 0.9;
 const MOST_MOVED: f32 = 256.0;
-/// What it is worth at most where pixels around it show something else, and with it a part of their light.
+/// The largest worth where pixels around it show another surface, and thus a part of its light.
 const EDGE: f32 = 32.0;
-/// What light in mirrors and glass is worth at most when the camera has moved: only what plane ones show has moved as
-/// if it were where it seems to be.
+/// The largest worth of light in mirrors and glass when the camera has moved: only in plane ones does the reflection
+/// move as if it were at its apparent position.
 const SPECULAR: f32 = 64.0;
-/// How many times as far off things in mirrors and glass may be.
+/// The factor on the tolerance of distances for surfaces seen in mirrors and glass.
 const SPECULAR_SLACK: f32 = 4.0;
-/// The least cosine between the normals of two views of one place.
+/// The least cosine between the normals of a point in two views.
 const SAME_NORMAL: f32 = 0.9;
-/// Distances to the same place differ by no more than this share, beside what follows from the size of pixels.
+/// The largest relative difference of distances to the same point, beyond that due to the size of pixels.
 const SAME_DISTANCE: f32 = 0.004;
-/// The least share of the four pixels around a place that has to show it.
+/// The least share of the four pixels around a point that has to show its surface.
 const LEAST_SHARE: f32 = 0.05;
 
-/// The way from an earlier picture to a new one.
+/// The map from a new picture's pixels to an earlier picture.
 #[derive(Debug)]
 pub struct Reprojection {
     earlier: Arc<Earlier>,
     camera: Camera,
     size: UVec2,
-    /// Whether the camera is that of the earlier picture.
+    /// Whether the camera has not moved since the earlier picture.
     is_still: bool,
-    /// How far blocks of pixels were from their places on the film, row by row, by a guess; empty if the camera is
-    /// still.
+    /// The guessed displacement on the film of each block of pixels, row by row; empty if the camera has not moved.
     ways: Vec<Vec2>,
 }
 
 impl Reprojection {
-    /// From an earlier picture to one of this size in pixels by `camera`, which has everything in focus.
+    /// The reprojection from an earlier picture to one of this size in pixels by `camera`, which must be a pinhole.
     pub(super) fn new(earlier: Arc<Earlier>, camera: Camera, size: UVec2) -> Self {
         let mut reprojection = Self {
             is_still: earlier.camera == camera,
@@ -74,12 +73,12 @@ impl Reprojection {
         self.earlier.clone()
     }
 
-    /// Whether each pixel was at the same place in the earlier picture.
+    /// Whether each pixel has the same position in the earlier picture.
     fn is_identity(&self) -> bool {
         self.is_still && self.size == self.earlier.size
     }
 
-    /// What a pixel shows and its light, as far as it can be told without tracing rays.
+    /// The texel and the light of a pixel, as far as they can be guessed without tracing rays.
     pub(super) fn guess(&self, x: u32, y: u32) -> (Texel, Light) {
         if self.is_identity() {
             let (&texel, &light) = self.earlier.at(UVec2::new(x, y));
@@ -99,8 +98,8 @@ impl Reprojection {
         (texel, Light { worth, ..light })
     }
 
-    /// How far a pixel was from its place on the film: what the earlier picture shows there is seen from the new place,
-    /// as often as it takes to agree.
+    /// The displacement of a pixel on the film: the earlier picture's surface there is projected to the new view,
+    /// repeatedly until it agrees.
     fn guessed_way(&self, x: u32, y: u32) -> Vec2 {
         let ray = middle_ray(&self.camera, self.size.as_vec2(), x, y);
         let own = middle(self.size, x, y);
@@ -125,7 +124,7 @@ impl Reprojection {
         ray.origin + ray.dir * distance
     }
 
-    /// The film coordinates in the earlier picture of what lies at this distance along a ray, and its distance there.
+    /// The film coordinates in the earlier picture of the point at this distance along a ray, and its distance there.
     /// None behind the camera.
     fn seen_before(&self, ray: &Ray, distance: f32) -> Option<(Vec2, f32)> {
         match distance.is_finite() {
@@ -177,18 +176,18 @@ impl Reprojection {
         light
     }
 
-    /// The light between the four pixels around a place of the film, of which those count that show the same; no light
-    /// far outside of it.
+    /// The light interpolated between the four pixels around a point of the film, over those that show the same
+    /// surface; no light far outside of the film.
     pub(super) fn between(&self, film: Vec2, is_same: impl Fn(&Texel) -> bool) -> Light {
         let size = self.earlier.size.as_ivec2();
         let place = film * self.earlier.size.as_vec2() - 0.5;
-        // Numbers that are none, too.
+        // NaN fails as well.
         if !(place.cmpge(Vec2::NEG_ONE).all() && place.cmple(self.earlier.size.as_vec2()).all()) {
             return Light::default();
         }
         let corner = place.floor();
         let share = place - corner;
-        // A pixel in the very middle is itself.
+        // A point at the very centre of a pixel gets that pixel's light unchanged.
         let is_whole = share.cmplt(Vec2::splat(1e-3)).all() || share.cmpgt(Vec2::splat(1.0 - 1e-3)).all();
         let (mut sum, mut weights) = (Light::default(), 0.0);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

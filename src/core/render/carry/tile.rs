@@ -8,33 +8,33 @@ use crate::render::film::Film;
 use crate::render::gbuffer::{Texel, TileGBuffer};
 use crate::render::tile::Tile;
 
-/// The samples that the mean light of a tile's preview is worth.
+/// The worth in samples of the mean light of a tile's preview.
 const WORTH_OF_MEAN: f32 = 2.0;
-/// The samples that a filtered preview is worth.
+/// The worth in samples of a filtered preview.
 const WORTH_OF_COARSE: f32 = 16.0;
-/// What light is worth at most beside pixels for which none was found.
+/// The largest worth of light next to pixels for which no light was found.
 const WORTH_OF_RIM: f32 = 4.0;
-/// Light of no more worth counts as not found: a filtered preview is better.
+/// Light of at most this worth counts as not found: a filtered preview is better.
 const LEAST_FOUND: f32 = 3.0;
-/// The share of a tile's pixels that makes much of it.
+/// The share of a tile's pixels that counts as much of it.
 const MUCH: f32 = 0.1;
 
-/// A tile of a picture: what its pixels show, the light that is carried over to them, and the light that they were
-/// painted with, row by row.
+/// A tile of a picture: the texels of its pixels, the light carried over to them, and the light they were painted with,
+/// row by row.
 #[derive(Debug)]
 pub struct CarriedTile {
     pub(super) tile: Tile,
     pub(super) texels: Vec<Texel>,
     pub(super) light: Vec<Light>,
     pub(super) shown: Vec<Light>,
-    /// Whether it shows nothing but the film.
+    /// Whether it shows the film alone.
     pub(super) is_own: bool,
-    /// Whether much of what it shows is hardly known.
+    /// Whether much of the light that it shows is unreliable.
     pub(super) is_hardly_known: bool,
 }
 
 impl CarriedTile {
-    /// Finds the pixels of a G-buffer in an earlier picture, if there is one.
+    /// Locates the pixels of a G-buffer in an earlier picture, if there is one.
     pub fn find(reprojection: Option<&Reprojection>, gbuffer: TileGBuffer) -> Self {
         let pixels = pixels_of(gbuffer.tile).zip(&gbuffer.texels);
         let light: Vec<Light> = match reprojection {
@@ -56,25 +56,25 @@ impl CarriedTile {
         own
     }
 
-    /// Notes how far what it shows is known.
+    /// Judges how reliable the displayed light is.
     pub fn judge(&mut self) {
         let unknown = self.shown.iter().filter(|shown| shown.worth <= LEAST_FOUND).count();
         self.is_hardly_known = unknown as f32 >= MUCH * self.shown.len() as f32;
     }
 
-    /// Says that all of it has samples and was painted without anything that is carried over: from now on it shows the
-    /// film alone.
+    /// Marks that the whole tile has samples and was painted without carried light: from now on it shows the film
+    /// alone.
     pub fn end(&mut self) {
         self.is_own = true;
     }
 
-    /// The number of pixels for which there is light.
+    /// The number of pixels with reliable light.
     pub(super) fn found(&self) -> usize {
         self.light.iter().filter(|light| light.worth > LEAST_FOUND).count()
     }
 
-    /// Where nothing is carried over, shows the surfaces in the mean light of the tile's preview, for all normals near
-    /// the same axis together. Single samples of a preview would only be noise.
+    /// Where no light is carried over, takes the mean light of the tile's preview, over all surfaces whose normals are
+    /// near the same axis. Single samples of a preview would only be noise.
     pub(super) fn take_preview(&mut self, film: &Film) {
         let Some(preview) = film.preview_of(self.tile) else {
             return;
@@ -82,7 +82,7 @@ impl CarriedTile {
         let mut means = [(Rgb::ZERO, 0.0); DIRECTIONS];
         let columns = self.tile.width.div_ceil(preview.step);
         for (block, pixel) in (0..).zip(&preview.blocks) {
-            // The block is what its middle shows.
+            // A block shows the surface at its centre.
             let middle = preview.step * UVec2::new(block % columns, block / columns) + preview.step / 2;
             let middle = middle.min(UVec2::new(self.tile.width, self.tile.height) - 1);
             let mean = &mut means[direction_of(&self.texels[(middle.y * self.tile.width + middle.x) as usize])];
@@ -101,8 +101,8 @@ impl CarriedTile {
         }
     }
 
-    /// Takes up what a [`Coarse`] picture of the same film tells, where nothing better is carried over. `light` is the
-    /// whole picture.
+    /// Takes in the light of a [`Coarse`] picture of the same film, where no better light is carried over. `light` is
+    /// the whole picture's.
     pub(super) fn add_coarse(&mut self, size: UVec2, light: &[Rgb]) {
         self.is_own = false;
         for ((x, y), own) in pixels_of(self.tile).zip(&mut self.light) {
@@ -116,16 +116,15 @@ impl CarriedTile {
         }
     }
 
-    /// The radiance that is carried over to a pixel, and the variance of the luminance of a sample there; None where
-    /// there is none.
+    /// The carried radiance of a pixel, and the variance of a sample's luminance there; None without carried light.
     pub(super) fn carried(&self, place: usize) -> Option<(Rgb, f32)> {
         let Light { light, worth, variance } = self.light[place];
         (worth > 0.0).then(|| (light * divisor(&self.texels[place]), variance))
     }
 }
 
-/// The light of the rows of a tile with less worth beside pixels for which none was found: a part of these pixels may
-/// have shown the thing that is gone.
+/// The light of a tile with its worth reduced next to pixels for which none was found: a part of these pixels may have
+/// shown the surface that is gone.
 fn without_rims(mut light: Vec<Light>, width: usize) -> Vec<Light> {
     let is_lost: Vec<bool> = light.iter().map(|light| light.worth <= 0.0).collect();
     let rows = is_lost.len() / width;
@@ -140,7 +139,7 @@ fn without_rims(mut light: Vec<Light>, width: usize) -> Vec<Light> {
     light
 }
 
-/// The groups of directions that surfaces face: both ways along each axis, and nowhere.
+/// The groups of surface directions: both ways along each axis, and no direction.
 const DIRECTIONS: usize = 7;
 
 fn direction_of(texel: &Texel) -> usize {

@@ -1,10 +1,10 @@
-//! What new samples tell of earlier light: by which factors it has changed, and where it is nothing to rely on.
+//! Comparison of earlier light with new samples: the factors by which it has changed, and where it is unreliable.
 //!
 //! The means over blocks of four sizes are compared: of the whole picture, of tiles, and of parts of tiles. A
-//! difference counts as far as it exceeds what noise would bring about (Efron and Morris, Stein's Estimation Rule and
-//! its Competitors, Journal of the American Statistical Association 68, 1973). What the larger blocks tell
-//! is taken into account before the smaller ones are asked, so that a lamp that was dimmed changes everything soon, and
-//! a shadow that moved changes its surroundings.
+//! difference counts as far as it exceeds the expected noise (Efron and Morris, Stein's Estimation Rule and its
+//! Competitors, Journal of the American Statistical Association 68, 1973). Corrections by larger blocks are applied
+//! before smaller ones are compared, so that a dimmed lamp changes the whole picture soon, and a moved shadow its
+//! surroundings.
 
 use std::ops::Range;
 
@@ -18,13 +18,13 @@ use crate::render::tile::{TILE, Tile};
 
 /// The edge of the smallest blocks in pixels.
 const BLOCK: u32 = 8;
-/// So many tiles are compared by several threads.
+/// From this number of tiles on, several threads compare them.
 const MANY: usize = 64;
 /// The blocks along the edge of a tile.
 const BLOCKS: usize = (TILE / BLOCK) as usize;
-/// Squared differences count as far as they exceed this many times what noise brings about.
+/// Squared differences count as far as they exceed this multiple of the expected noise.
 const SIGNIFICANT: f32 = 9.0;
-/// The least variance of a sample that is believed.
+/// The least variance assumed for a sample.
 const LEAST_VARIANCE: f32 = 1e-9;
 /// The relative standard deviation of a denoised picture of one sample is at most this, as `edit --measure-settling`
 /// has measured it in rooms.
@@ -33,14 +33,14 @@ const DEVIATION_OF_DENOISED: f32 = 0.1;
 const MEDIAN_OF_SQUARES: f32 = 0.455;
 /// Blocks darker than this are compared as if they had this luminance.
 const DARKEST: f32 = 1e-6;
-/// The samples of a block from which as much is known of its variance as from one of a pixel.
+/// The samples per pixel of a block that determine its variance as well as one sample of a pixel does its own.
 const SAMPLES_IN_ONE: f32 = 8.0;
-/// The least samples by which a single pixel is judged.
+/// The fewest samples by which a single pixel is judged.
 const LEAST_SAMPLES: u32 = 4;
 /// The largest factor by which light is corrected.
 const MOST_CORRECTION: f32 = 16.0;
-/// What is left of the trust in a block that has certainly changed, by the size of the block: the picture, tiles, and
-/// halves and quarters of their edge.
+/// The remaining trust in a block that has certainly changed, by the size of the block: the picture, tiles, and halves
+/// and quarters of their edge.
 const LEFT: [f32; 4] = [1.0, 0.7, 0.3, 0.02];
 
 /// Sums over the pixels of a block that have both lights.
@@ -49,9 +49,9 @@ struct Sums {
     pixels: f32,
     new: Rgb,
     old: Rgb,
-    /// The variances of the new pixels' luminances by their own samples.
+    /// The variances of the new pixels' luminances, estimated from their own samples.
     own_variances: f32,
-    /// The variances of the new pixels' luminances that are expected of the earlier picture.
+    /// The variances of the new pixels' luminances, as expected from the earlier picture.
     variances: f32,
     samples: f32,
 }
@@ -66,8 +66,7 @@ impl Sums {
         self.samples += other.samples;
     }
 
-    /// The factors on the earlier light and the share of the trust in it, after this block is taken into account as
-    /// well.
+    /// The factors on the earlier light and the share of the trust in it, refined by this block.
     fn refine(&self, before: (Rgb, f32), left: f32, least_deviation: f32) -> (Rgb, f32) {
         if self.pixels < 1.0 {
             return before;
@@ -79,7 +78,7 @@ impl Sums {
         let [own, expected] = [self.own_variances, self.variances].map(|variances| variances * scale * scale);
         let brightness = luminance(old).max(luminance(new));
         let least = (least_deviation * brightness).powi(2) / self.samples;
-        // All pixels of the block tell of one variance, but rare bright samples are not in all of them.
+        // All pixels of the block share one variance, but rare bright samples are not in all of them.
         let noise = pooled(expected, own, self.samples / SAMPLES_IN_ONE).max(least);
         let share = 1.0 - SIGNIFICANT * noise / (difference * difference).max(f32::MIN_POSITIVE);
         if share.is_nan() || share <= 0.0 {
@@ -93,19 +92,19 @@ impl Sums {
     }
 }
 
-/// A variance by what the earlier picture says, and by so many new samples of a pixel.
+/// A variance combined from the earlier picture's and that of new samples of a pixel.
 pub(super) fn pooled(before: f32, own: f32, samples: f32) -> f32 {
     (KNOWN_VARIANCE * before + samples * own) / (KNOWN_VARIANCE + samples)
 }
 
-/// What is known of the earlier light of a block.
+/// The reliability of the earlier light of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standing {
     /// The factors on the light.
     pub correction: Rgb,
-    /// The share of its worth that it keeps.
+    /// The share of its worth that the light keeps.
     pub share: f32,
-    /// One over the worth of light that is as far from the truth as this may be.
+    /// One over the worth of light that is as wrong as this light may be.
     pub doubt: f32,
 }
 
@@ -119,16 +118,16 @@ impl Standing {
         }
     }
 
-    /// The worth of light that was worth so many samples.
+    /// The remaining worth of light that was worth `before` samples.
     pub fn worth(&self, before: f32) -> f32 {
         let kept = before * self.share;
         kept / (1.0 + kept * self.doubt)
     }
 }
 
-/// What the samples of a pixel alone tell of its earlier radiance, as [`Standing::doubt`]. `variance` is that of a
-/// sample's luminance by the earlier picture. At lamps that are seen, and in mirrors, pixels change that their blocks
-/// say nothing of.
+/// The doubt, as [`Standing::doubt`], in a pixel's earlier radiance from its own samples alone. `variance` is that of a
+/// sample's luminance by the earlier picture. At visible lamps, and in mirrors, single pixels change without their
+/// blocks.
 pub(super) fn doubt_of_pixel(new: &Moments, old: Rgb, variance: f32) -> f32 {
     if new.samples < LEAST_SAMPLES {
         return 0.0;
@@ -140,7 +139,7 @@ pub(super) fn doubt_of_pixel(new: &Moments, old: Rgb, variance: f32) -> f32 {
     beyond_noise.max(0.0) / variance.max(LEAST_VARIANCE)
 }
 
-/// What new samples tell of earlier light.
+/// The reliability of earlier light, block by block.
 #[derive(Debug)]
 pub(super) struct Trust {
     /// The blocks in a row of the picture, and the rows.
@@ -148,7 +147,7 @@ pub(super) struct Trust {
     blocks: Vec<Standing>,
     tiles_in_row: u32,
     tiles: Vec<Sums>,
-    /// The least relative standard deviation of a sample that is believed.
+    /// The least relative standard deviation assumed for a sample.
     pub least_deviation: f32,
 }
 
@@ -172,7 +171,7 @@ impl Trust {
         }
     }
 
-    /// Compares tiles with the samples that the film has of them.
+    /// Compares tiles with the film's samples.
     pub fn learn(&mut self, tiles: &[&CarriedTile], film: &Film) {
         if tiles.is_empty() {
             return;
@@ -212,9 +211,9 @@ impl Trust {
         }
     }
 
-    /// Compares all blocks with a denoised picture of these pixels of the film: what differs by more than its noise is
-    /// no better than that many samples. Most blocks have not changed as a rule, so that the median of the
-    /// differences tells how much of them is noise.
+    /// Compares all blocks with a denoised picture of these pixels of the film: light that differs by more than its
+    /// noise is worth no more than that many samples. Most blocks are usually unchanged, so that the median of the
+    /// differences estimates their noise.
     pub fn learn_clean(&mut self, film: &Film, clean: Clean, old: impl Fn(u32, u32) -> Option<(Rgb, f32)> + Sync) {
         let samples = clean.samples.max(1) as f32;
         let worth = WORTH_OF_DENOISED * samples;
@@ -249,7 +248,7 @@ impl Trust {
         }
     }
 
-    /// What is known of the pixels of a row of a tile.
+    /// The reliability for the pixels of a row of a tile.
     pub fn row(&self, tile: Tile, y: u32) -> TrustRow {
         let last = self.size - 1;
         let place = ((y as f32 + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, last.y as f32);
@@ -269,14 +268,14 @@ impl Trust {
     }
 }
 
-/// What is known of a row of pixels: of the blocks of a tile and of one on either side.
+/// The reliability along a row of pixels: of the blocks of a tile and of one on either side.
 pub(super) struct TrustRow {
     first: i32,
     blocks: [Standing; BLOCKS + 2],
 }
 
 impl TrustRow {
-    /// What is known between the middles of the blocks beside a pixel of the row.
+    /// The reliability at a pixel of the row, interpolated between the centres of its blocks.
     pub fn at(&self, x: u32) -> Standing {
         let place = (x as f32 + 0.5) / BLOCK as f32 - 0.5 - self.first as f32;
         let left = place as usize;
@@ -284,8 +283,8 @@ impl TrustRow {
     }
 }
 
-/// The means over a block of the difference of luminance between a denoised picture and earlier light, of the variance
-/// of a sample, and of the luminance of the denoised picture. None where there is no earlier light.
+/// The means over a block of the luminance difference between a denoised picture and earlier light, of the variance of
+/// a sample, and of the luminance of the denoised picture. None without earlier light.
 fn compare_clean(
     block: Tile,
     correction: Rgb,
@@ -337,7 +336,7 @@ fn sums_of(own: &CarriedTile, film: &Film) -> TileSums {
     sums
 }
 
-/// The sums of some rows and columns of blocks together.
+/// The sum of a range of rows and columns of blocks.
 fn part_of(sums: &TileSums, rows: Range<usize>, columns: Range<usize>) -> Sums {
     let mut whole = Sums::default();
     for row in &sums[rows] {

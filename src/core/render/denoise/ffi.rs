@@ -1,7 +1,7 @@
-//! The foreign calls into Open Image Denoise, behind types that cannot be used wrongly from safe code.
+//! The foreign calls into Open Image Denoise, behind types that are safe to use.
 //!
-//! The crate's own wrapper is passed by on purpose: it copies the images, cannot prefilter, cancel or limit its
-//! threads, and its `clean_aux` sets a parameter that the library does not know.
+//! The crate's own wrapper is avoided on purpose: it copies the images, cannot prefilter, cancel or limit its threads,
+//! and its `clean_aux` sets a parameter that the library does not know.
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
@@ -57,7 +57,7 @@ impl Device {
             return Err(DenoiseError::NoDevice(message));
         }
         let device = Self { handle, _running };
-        // 0 means all cores to the library.
+        // For the library 0 means all cores.
         let threads = threads.map_or(0, |count| i32::try_from(count.max(1)).unwrap_or(i32::MAX));
         // SAFETY: the handle is alive until `device` is dropped; the names end in a zero byte.
         unsafe {
@@ -71,14 +71,14 @@ impl Device {
         }
     }
 
-    /// The noise-free version of an image that is to guide the filter of the colour.
+    /// The denoised version of an image that guides the filter of the colour.
     pub fn filter_auxiliary(&self, job: &Job, slot: Auxiliary, image: &[Vec3]) -> Result<Vec<Vec3>, DenoiseError> {
         let filter = Filter::new(self)?;
         filter.set_input(job, slot.slot(), image)?;
         filter.execute(job)
     }
 
-    /// Filters the colour. `clean` says that albedo and normals hold no noise.
+    /// Filters the colour. `clean` says that albedo and normals are noise-free.
     pub fn filter_color(
         &self,
         job: &Job,
@@ -107,7 +107,7 @@ impl Device {
         filter.execute(job)
     }
 
-    /// The error of the calls so far in this thread, if any.
+    /// Returns the error of this thread's calls so far, if any.
     fn check(&self) -> Result<(), DenoiseError> {
         match last_error(self.handle) {
             (sys::OIDNError_OIDN_ERROR_NONE, _) => Ok(()),
@@ -124,7 +124,7 @@ impl Drop for Device {
     }
 }
 
-/// Fetches and clears the error. The null device has the error of a device that could not be made.
+/// Fetches and clears the error. For a null device it is the error of creating a device.
 fn last_error(device: sys::OIDNDevice) -> (sys::OIDNError, String) {
     let mut message = ptr::null();
     // SAFETY: `device` is null, which is allowed here, or alive; `message` is written before it is read.
@@ -137,15 +137,15 @@ fn last_error(device: sys::OIDNDevice) -> (sys::OIDNError, String) {
     (code, text)
 }
 
-/// The pixels are handed over in place: three floats, nothing between them.
+/// Pixels are passed in place: three floats without padding.
 const _: () = assert!(size_of::<Vec3>() == 12);
 
 /// A ray tracing filter. The device and the images that it reads stay borrowed for as long as it lives.
 struct Filter<'a> {
     handle: sys::OIDNFilter,
     device: &'a Device,
-    /// Makes `'a` invariant: else a filter could pass for one of a shorter lifetime, take an image that lives no
-    /// longer, and run after it is gone.
+    /// Makes `'a` invariant: otherwise a filter could be coerced to a shorter lifetime, take an image of that lifetime,
+    /// and run after it is gone.
     images: PhantomData<Cell<&'a [Vec3]>>,
 }
 

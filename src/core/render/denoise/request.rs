@@ -5,14 +5,14 @@ use thiserror::Error;
 
 use crate::color::Rgb;
 
-/// Time against quality. On a CPU the last two cost about the same.
+/// The trade of quality for time. On a CPU the last two cost about the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DenoiseQuality {
-    /// The quality for the picture in motion.
+    /// The quality for a moving picture.
     Fast,
     /// Between the speed of `Fast` and the quality of `High`.
     Balanced,
-    /// The best that the library has.
+    /// The best quality of the library.
     #[default]
     High,
 }
@@ -24,17 +24,17 @@ pub struct DenoiseInput<'a> {
     pub width: u32,
     /// The number of rows.
     pub height: u32,
-    /// Linear radiance, before exposure and tone mapping. Broken numbers are replaced before the filter sees them.
+    /// Linear radiance, before exposure and tone mapping. NaN and infinite values are replaced before filtering.
     pub color: &'a [Rgb],
     /// The colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not
     /// followed.
     pub albedo: Option<&'a [Rgb]>,
     /// The normal of the same surface in world space, of any length up to 1. It needs `albedo`.
     pub normal: Option<&'a [Vec3]>,
-    /// Whether to denoise `albedo` and `normal` on their own first. Edges are better wherever they are noisy, at up to
+    /// Whether to denoise `albedo` and `normal` on their own first. Edges are better wherever these are noisy, at up to
     /// three times the time.
     pub prefilter: bool,
-    /// Selects the filter of the library.
+    /// The library's quality setting.
     pub quality: DenoiseQuality,
     /// The number of threads; `None` is one for each core.
     pub threads: Option<usize>,
@@ -73,7 +73,7 @@ impl DenoiseInput<'_> {
 pub enum DenoiseError {
     #[error("this program was built without the denoiser (cargo feature `denoise`)")]
     NotBuilt,
-    /// The flag was seen. Not a fault.
+    /// The flag was set, which is not a fault.
     #[error("denoising was cancelled")]
     Cancelled,
     #[error("{what} has {len} pixels, the picture {width} x {height}")]

@@ -1,5 +1,5 @@
-//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is whole.
-//! Reading adds both.
+//! Chunks in the film: a chunk is summed up from zero beside the film's sums, and added to them when it is complete.
+//! Readers add both.
 
 use std::borrow::Cow;
 
@@ -8,12 +8,12 @@ use crate::render::layers::{LayerSums, Matte};
 use crate::render::passes::chunk_of;
 use crate::render::tile::{PixelSum, TILE, Tile, TileSamples};
 
-/// Whether the samples reach the end of the chunk that they begin in.
+/// Whether the samples reach the end of the chunk in which they begin.
 pub(super) fn is_whole(samples: &TileSamples) -> bool {
     samples.samples.end >= chunk_of(samples.samples.start).end
 }
 
-/// A copy without splats, which the film keeps for itself.
+/// A copy without splats, for the film's chunks.
 pub(super) fn without_splats(samples: &TileSamples) -> TileSamples {
     TileSamples {
         splats: Default::default(),
@@ -22,19 +22,19 @@ pub(super) fn without_splats(samples: &TileSamples) -> TileSamples {
 }
 
 impl Film {
-    /// Has the film keep its chunks from now on: the samples of a share, which begin where another share ends.
+    /// Keeps the chunks from now on: the samples of a share, which start where another share ends.
     pub fn keep_chunks(&mut self) {
         self.chunks = Some(vec![Vec::new(); self.previews.len()]);
     }
 
-    /// The chunks of a tile of a share, in the order of their samples. The last one may not be whole.
+    /// The chunks of a tile of a share, in the order of their samples. The last one may be incomplete.
     pub fn chunks_of(&self, tile: Tile) -> impl Iterator<Item = &TileSamples> {
         let place = self.tile_index(tile.x, tile.y);
         let kept = self.chunks.iter().flat_map(move |chunks| &chunks[place]);
         kept.chain(self.begun[place].as_deref())
     }
 
-    /// Goes on with a chunk, or adds it.
+    /// Keeps an incomplete chunk, or adds a complete one to the sums.
     pub(super) fn add_if_whole(&mut self, place: usize, chunk: Box<TileSamples>) {
         match is_whole(&chunk) {
             true => self.add_chunk(&chunk),
@@ -67,15 +67,15 @@ impl Film {
         }
     }
 
-    /// The chunk of a pixel that is not whole, the place of the pixel in it, and whether the film's sums have samples
-    /// before it.
+    /// The incomplete chunk of a pixel, the index of the pixel in it, and whether the film's sums have samples before
+    /// it.
     pub(super) fn begun_at(&self, x: u32, y: u32) -> Option<(&TileSamples, usize, bool)> {
         let chunk = self.begun[self.tile_index(x, y)].as_deref()?;
         let place = (y - chunk.tile.y) * chunk.tile.width + (x - chunk.tile.x);
         Some((chunk, place as usize, self.samples(x, y) > chunk.count(x, y)))
     }
 
-    /// The sum over all samples of a pixel that has some.
+    /// The sum over all samples of a pixel, which must have some.
     pub(super) fn sum(&self, x: u32, y: u32) -> PixelSum {
         let mut sum = self.sums[self.index(x, y)];
         if let Some((chunk, place, has_more)) = self.begun_at(x, y) {
@@ -87,7 +87,7 @@ impl Film {
         sum
     }
 
-    /// The sums of the layers over all samples of a pixel that has some.
+    /// The sums of the layers over all samples of a pixel, which must have some.
     pub(super) fn layer_values(&self, x: u32, y: u32) -> Cow<'_, [f32]> {
         let values = self.layers.values_of(self.kept, self.index(x, y));
         match self.begun_at(x, y) {
@@ -102,7 +102,7 @@ impl Film {
         }
     }
 
-    /// A cryptomatte over all samples of a pixel that has some.
+    /// A cryptomatte over all samples of a pixel, which must have some.
     pub(super) fn matte_sum(&self, x: u32, y: u32, place: usize) -> Matte {
         let count = self.kept.matte_count();
         let of = |layers: &LayerSums, pixel: usize| layers.mattes[pixel * count + place];

@@ -1,4 +1,4 @@
-//! What a film knows of the errors of its pixels, see [`crate::render::noise::mean_error`].
+//! The film's error estimates for its pixels, see [`crate::render::noise::mean_error`].
 
 use glam::UVec2;
 
@@ -10,8 +10,8 @@ use crate::render::noise::{DARK, around, likely_luminance};
 use crate::render::tile::{PixelSum, TILE, Tile};
 
 impl Film {
-    /// Notes the means of the blocks of a tile whose number of samples has become a power of two, and compares them
-    /// with those of half as many.
+    /// Stores the means of the blocks of a tile whose number of samples has become a power of two, and compares them
+    /// with those at half as many.
     pub(super) fn compare_halves(&mut self, tile: Tile) {
         let place = self.tile_index(tile.x, tile.y);
         let mut are_new = false;
@@ -32,7 +32,7 @@ impl Film {
         }
     }
 
-    /// Finds out how efficient the samples of a tile are, by its blocks' errors.
+    /// Estimates the sampling efficiency of a tile from its blocks' errors.
     pub(super) fn find_efficiency(&mut self, tile: usize) {
         self.efficiencies[tile] = Efficiency::of(self.block_errors_of(tile));
     }
@@ -44,7 +44,7 @@ impl Film {
         sum / (part.width * part.height) as f32
     }
 
-    /// Notes the means of a block, whose number of samples has become a power of two. `average` is the brightness of
+    /// Stores the means of a block, whose number of samples has become a power of two. `average` is the brightness of
     /// its patch.
     fn compare_halves_of(&mut self, block: Tile, place: usize, average: f32) {
         let count = self.counts[self.index(block.x, block.y)];
@@ -86,24 +86,24 @@ impl Film {
         errors.first_chunk().expect("there are errors of all tiles")
     }
 
-    /// How the samples of each block of a tile differ.
+    /// The error estimates of each block of a tile.
     pub(in crate::render) fn block_errors(&self, tile: Tile) -> &PerBlock<BlockError> {
         self.block_errors_of(self.tile_index(tile.x, tile.y))
     }
 
-    /// The mean luminances that were noted of a pixel at the last power of two of samples, and of half as many.
+    /// The stored mean luminances of a pixel at the last power of two of samples, and at half as many.
     pub(in crate::render) fn halves(&self, x: u32, y: u32) -> [f32; 2] {
         self.noted[self.index(x, y)]
     }
 
-    /// The mean number of rays of a pixel's samples, at least that from the camera.
+    /// The mean number of rays of a pixel's samples, at least the camera ray.
     pub(in crate::render) fn rays_of_sample(&self, x: u32, y: u32) -> f32 {
         let place = self.index(x, y);
         (self.sums[place].rays / self.counts[place].max(1) as f32).max(1.0)
     }
 
-    /// The mean luminance and the estimated square of its standard error of the pixels of a tile that have two samples
-    /// or more.
+    /// The mean luminance and the estimated square of its standard error, for the pixels of a tile with two samples or
+    /// more.
     pub(in crate::render) fn mean_errors(&self, tile: Tile) -> impl Iterator<Item = (f32, f32)> {
         let mut efficiencies = [0.0; BLOCKS];
         for (place, block) in blocks_of(tile) {
@@ -123,14 +123,14 @@ impl Film {
             })
     }
 
-    /// The variance of the mean luminance of a pixel's own samples, over the mean squared deviation of these.
+    /// The variance of the mean luminance of a pixel's own samples, over the samples' mean squared deviation.
     fn efficiency(&self, x: u32, y: u32) -> f32 {
         let (tile, block) = (self.tile_index(x, y), block_of(x, y));
         let level = self.errors[tile * BLOCKS + block].level;
         self.efficiencies[tile].at(block, level, self.counts[self.index(x, y)])
     }
 
-    /// The estimated variance of the light of splats in the pixels that [`Self::mean_errors`] has.
+    /// The estimated variance of the light of splats in the pixels of [`Self::mean_errors`].
     pub(in crate::render) fn splat_variances(&self, tile: Tile) -> impl Iterator<Item = f32> {
         (tile.y..tile.y + tile.height)
             .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| self.index(x, y)))
@@ -145,8 +145,8 @@ impl Film {
         [own, self.splatted(place)].map(luminance)
     }
 
-    /// The luminance that a pixel is likely to have by what is known of it, its mean luminance with the estimated
-    /// square of its standard error, and by the pixels around it in its tile, as [`likely_luminance`].
+    /// The likely luminance of a pixel, from its mean luminance with the estimated square of its standard error in
+    /// `known`, and from the pixels around it in its tile, as [`likely_luminance`].
     pub(in crate::render) fn likely_luminance(&self, pixel: UVec2, known: (f32, f32)) -> f32 {
         let tile = pixel / TILE * TILE;
         let size = (UVec2::new(self.width, self.height) - tile).min(UVec2::splat(TILE));
@@ -160,8 +160,8 @@ impl Film {
         likely_luminance(known, around(place.x, place.y, size.x, size.y).filter_map(of_pixel))
     }
 
-    /// The estimated standard error of a pixel's luminance; None below two samples. How it is estimated:
-    /// `render/noise/mean_error.rs`, and `render/noise/replicas.rs` where there are replicas.
+    /// The estimated standard error of a pixel's luminance; None below two samples. The estimate is that of
+    /// `render/noise/mean_error.rs`, corrected by `render/noise/replicas.rs` where there are replicas.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let place = self.index(x, y);
         let own = self.own_variance(x, y)? * self.correction.unwrap_or(1.0);
@@ -177,8 +177,8 @@ impl Film {
         Some(squared_deviation(&self.sum(x, y), count) * self.efficiency(x, y))
     }
 
-    /// Says how many times what is estimated from a pixel's own samples their squared error is. Returns whether that is
-    /// new.
+    /// Sets the ratio of the true squared errors to those estimated from the pixels' own samples. Returns whether it
+    /// has changed.
     pub fn correct_errors(&mut self, correction: f32) -> bool {
         self.correction.replace(correction) != Some(correction)
     }

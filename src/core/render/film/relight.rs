@@ -1,5 +1,5 @@
-//! The light of lamps that have changed since it was sampled. Light is linear, and the film keeps the light of each
-//! group of lamps apart.
+//! Scales the light of lamps that have changed since it was sampled. Light transport is linear, and the film stores the
+//! light of each group of lamps separately.
 
 use glam::UVec2;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use crate::render::tile::{PixelSum, TILE, tiles};
 /// The pixels of a tile in the film.
 const PIXELS: usize = (TILE * TILE) as usize;
 
-/// The light of a layer that is not in the film any more: that of a lamp that does not shine for a while.
+/// The light of a layer removed from the film: that of a lamp which is off for a while.
 #[derive(Clone, Debug)]
 pub struct SetAside {
     /// The mean of each pixel's samples, and the variance of the luminance of one of them, by index of the film.
@@ -22,18 +22,18 @@ pub struct SetAside {
     pub samples: u32,
 }
 
-/// Where the light of a layer is.
+/// The source of a layer's light.
 #[derive(Clone, Copy, Debug)]
 pub enum LightFrom<'a> {
-    /// In a layer of the film as it is; in layer 0 is all light if the film keeps no groups.
+    /// A layer of the film as it is; layer 0 is all light if the film keeps no groups.
     Layer(usize),
-    /// Beside the film, from which it was taken with [`Film::set_aside`].
+    /// A copy made with [`Film::set_aside`].
     Aside(&'a SetAside),
-    /// There is none.
+    /// No light.
     Nowhere,
 }
 
-/// The light of a layer: where it is now, and the factor by which it is multiplied.
+/// The light of a new layer: its source, and the factor on it.
 pub type NewLayer<'a> = (LightFrom<'a>, Rgb);
 
 impl SetAside {
@@ -42,16 +42,15 @@ impl SetAside {
 }
 
 impl Film {
-    /// Whether [`Self::relight`] can be used: every pixel has samples, and there is no light besides what they have
-    /// found.
+    /// Whether [`Self::relight`] can be used: every pixel has samples, and there is no light besides theirs.
     pub fn can_be_relit(&self) -> bool {
         let other = Layers::of(&[Layer::Direct, Layer::Indirect, Layer::Emitted]);
         let has_begun = self.previews.iter().all(Option::is_none);
         has_begun && !self.has_splats() && !self.kept.layers.has_any_of(other) && self.chunks.is_none()
     }
 
-    /// A copy of the light of a layer, or of all light if the film keeps no groups. It is of so many samples for each
-    /// pixel.
+    /// A copy of the light of a layer, or of all light if the film keeps no groups. It is the mean of `samples` for
+    /// each pixel.
     pub fn set_aside(&self, layer: usize, samples: u32) -> SetAside {
         let mut pixels = vec![(Rgb::ZERO, 0.0); self.sums.len()];
         let tiles = pixels.par_chunks_mut(PIXELS).zip(tiles(self.width, self.height));
@@ -66,7 +65,7 @@ impl Film {
                         _ => Rgb::from_slice(&self.layer_values(x, y)[3 * layer..]) / moments.samples as f32,
                     };
                     let variance = moments.variance * share_of(light, moments.radiance);
-                    // The film counts light that had come back with the error of fewer samples than it has.
+                    // The film will weight the returning light with its error at fewer samples than the film has.
                     let own = samples as f32 / moments.samples.max(1) as f32;
                     pixels[(y % TILE * TILE + x % TILE) as usize] = (light, variance * own);
                 }
@@ -75,10 +74,10 @@ impl Film {
         SetAside { pixels, samples }
     }
 
-    /// Makes these the layers of light, as if all had been sampled so: `groups` layers, or all light together if that
-    /// is 0 and `new` has one. What the film had of other layers is gone. The variance of samples, from which noise
-    /// is estimated, is not known by layer: each is taken to have as much of it as of the light. What comes back
-    /// counts with the errors of the samples that it has.
+    /// Replaces the layers of light, as if all had been sampled so: `groups` layers, or all light together if that is 0
+    /// and `new` has one. Other layers of the film are dropped. The variance of samples, from which noise is estimated,
+    /// is not known by layer: each layer is assumed to have the same share of it as of the light. Light from a copy has
+    /// the error of the samples in that copy.
     pub fn relight(&mut self, groups: usize, new: &[NewLayer]) {
         let before = std::mem::replace(&mut self.kept.groups, groups);
         let kept = self.kept;
@@ -97,7 +96,7 @@ impl Film {
         let tiles = sums.zip(values).zip(&mut self.begun).zip(counts).enumerate();
         let is_back = new.iter().any(|(from, _)| matches!(from, LightFrom::Aside(_)));
         if is_back {
-            // Halves of the samples say nothing of light that is in none of them.
+            // Halves of the samples do not contain the light of copies.
             self.errors.fill(BlockError::default());
             self.efficiencies.fill(Efficiency::default());
         }
@@ -153,7 +152,7 @@ fn regroup(pixels: &mut [PixelSum], layers: &mut LayerSums, before: usize, kept:
     }
 }
 
-/// The light of each group of a pixel among the values of pixels.
+/// The light of each group of a pixel, as a part of the values of all pixels.
 fn groups_of(values: &mut [f32], pixel: usize, kept: FilmLayers) -> &mut [f32] {
     let start = pixel * kept.values();
     values.get_mut(start..start + 3 * kept.groups).unwrap_or_default()
@@ -165,8 +164,8 @@ fn share_of(layer: Rgb, all: Rgb) -> f32 {
     if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Multiplies the light of each group of a pixel, and adds what has been set aside. `index` is that of the film.
-/// `counts` are the samples of the sum, and all of the pixel, which may have a begun chunk as well.
+/// Multiplies the light of each group of a pixel, and adds the light of copies. `index` is that of the film. `counts`
+/// are the samples of the sum, and all of the pixel, which may have an incomplete chunk as well.
 fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index: usize, counts: [u32; 2]) {
     let [count, all] = counts.map(|count| count as f32);
     let before = sum.radiance;
@@ -183,7 +182,7 @@ fn relight_pixel(sum: &mut PixelSum, groups: &mut [f32], new: &[NewLayer], index
             }
             LightFrom::Aside(aside) => {
                 let (mean, of_sample) = aside.pixels[index];
-                // Its mean is as far off as that of the samples that it has.
+                // The error of the copy's mean is that of its own samples.
                 variance += count * of_sample * rise * all / aside.samples.max(1) as f32;
                 mean * count
             }

@@ -14,7 +14,7 @@ use crate::render::splats::SplatSum;
 use crate::render::tile::{PixelSum, Tile, TileSamples};
 
 impl Film {
-    /// Writes what the film has of a tile: of a share its chunks alone. Splats are apart ([`Self::write_splats`]).
+    /// Writes the film's data of a tile; only the chunks for a share. Splats are written by [`Self::write_splats`].
     pub fn write_tile(&self, tile: Tile, to: &mut Writer) {
         to.u32(u32::from(self.chunks.is_none()));
         if self.chunks.is_none() {
@@ -56,13 +56,13 @@ impl Film {
         }
     }
 
-    /// Takes up what [`Self::write_tile`] has written: sums in place of those of the tile, and chunks after the samples
-    /// that the tile has. Returns the number of samples after which the tile has all of them, if there are any.
+    /// Reads the data that [`Self::write_tile`] has written: sums replace those of the tile, and chunks follow the
+    /// samples of the tile. Returns the number of samples at the end of the tile's data, if there are any.
     pub fn read_tile(&mut self, tile: Tile, from: &mut Reader) -> Result<Option<u32>, Damaged> {
         let mut end = None;
         let pixels = (tile.width * tile.height) as usize;
         if from.flag()? {
-            // A share has no sums: what comes before its samples is in others.
+            // A share has no sums: earlier samples are in other shares.
             if self.chunks.is_some() {
                 return Err(Damaged);
             }
@@ -95,14 +95,14 @@ impl Film {
                 0 => None,
                 _ => Some(read_chunk(tile, pixels, self.kept, from)?),
             };
-            // The counts have the samples of the chunk that is not whole, which are added below.
+            // The counts include the samples of the incomplete chunk, which are added below.
             let length = chunk.as_ref().map_or(0, |chunk| chunk.samples.len() as u32);
             for index in self.places_of(tile).collect::<Vec<_>>() {
                 let count = self.counts[index].checked_sub(length).ok_or(Damaged)?;
                 self.counts[index] = count;
                 let total = |matte: &Matte| matte.entries().map(|entry| u64::from(entry.samples)).sum::<u64>();
                 let mut totals = self.mattes_of(&self.layers, index).iter().map(total);
-                // Where there are no other samples, old values may stand, which are not read.
+                // Without further samples, old values may remain, which are never read.
                 if count > 0 && totals.any(|total| total > u64::from(count)) {
                     return Err(Damaged);
                 }
@@ -143,7 +143,7 @@ impl Film {
         }
     }
 
-    /// Adds what [`Self::write_splats`] has written to the splats of the film.
+    /// Adds the data that [`Self::write_splats`] has written to the film's splats.
     pub fn read_splats(&mut self, from: &mut Reader) -> Result<(), Damaged> {
         let paths = from.u64()?;
         self.splats.paths = self.splats.paths.checked_add(paths).ok_or(Damaged)?;
@@ -218,7 +218,7 @@ fn write_sum(sum: &PixelSum, to: &mut Writer) {
     to.f32(sum.rays);
 }
 
-/// Reads the sums of a pixel. As samples that are not finite count as black, sums are finite.
+/// Reads the sums of a pixel. They are finite, because samples that are not finite count as black.
 fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
     let mut values = [0.0; 10];
     from.finites(&mut values)?;
@@ -232,7 +232,7 @@ fn read_sum(from: &mut Reader) -> Result<PixelSum, Damaged> {
     })
 }
 
-/// Reads a number made of squares of light, which may be beyond all numbers, but is one.
+/// Reads a number made of squares of light, which may be infinite, but not NaN.
 fn read_estimate(from: &mut Reader) -> Result<f32, Damaged> {
     from.f32()
         .and_then(|number| if number.is_nan() { Err(Damaged) } else { Ok(number) })
@@ -268,7 +268,7 @@ fn write_layers(values: &[f32], mattes: &[Matte], to: &mut Writer) {
     }
 }
 
-/// Reads the ids in a pixel, which have at most so many samples together.
+/// Reads the ids in a pixel, which together have at most `samples_left` samples.
 fn read_matte(mut samples_left: u32, from: &mut Reader) -> Result<Matte, Damaged> {
     let mut matte = Matte::default();
     for _ in 0..from.u32()? {

@@ -1,8 +1,8 @@
-//! The bins of a histogram over directions, about the axis that is nearest to a surface's normal.
+//! The bins of a histogram over directions, about the axis nearest to a surface's normal.
 //!
 //! A direction is projected to the octahedron; each half of that, above and below the axis' plane, is a square of bins
-//! whose sides are parallel to those of the half, so that no bin is above and below. Bins are not of one size, which
-//! the densities know.
+//! whose sides are parallel to the square's, so that no bin is on both sides. Bins differ in solid angle, which their
+//! densities account for.
 
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ pub(in crate::render) const SIDE: usize = 8;
 /// The bins of both halves.
 pub(in crate::render) const BINS: usize = 2 * SIDE * SIDE;
 
-/// The axis of a direction's largest component, and whether it points along it: 2 axis, or 2 axis + 1 against it.
+/// The axis of a direction's largest component: 2 axis if it points along the axis, or 2 axis + 1 if against it.
 pub(super) fn axis_of(normal: Vec3) -> usize {
     let size = normal.abs();
     let axis = match () {
@@ -55,7 +55,7 @@ impl BinLanes {
         word(2, self.is_y) + word(4, !(self.is_x | self.is_y)) + word(1, negative)
     }
 
-    /// Directions in the frames of the axes.
+    /// Transforms directions to the frames of the axes.
     #[inline(always)]
     fn to_axis(self, d: Vec3Lanes) -> Vec3Lanes {
         let pick = |x: Lanes, y: Lanes, z: Lanes| self.is_x.select(x, self.is_y.select(y, z));
@@ -66,7 +66,7 @@ impl BinLanes {
         )
     }
 
-    /// Directions from the frames of the axes, in world space.
+    /// Transforms directions from the frames of the axes to world space.
     #[inline(always)]
     fn to_world(self, d: Vec3Lanes) -> Vec3Lanes {
         let pick = |x: Lanes, y: Lanes, z: Lanes| self.is_x.select(x, self.is_y.select(y, z));
@@ -74,7 +74,7 @@ impl BinLanes {
         Vec3Lanes::of(pick(z, d.y, d.x), pick(d.x, z, d.y), pick(d.y, d.x, z))
     }
 
-    /// The bins of directions, and the densities per solid angle of one that are chosen within their bins.
+    /// The bins of directions, and the density per solid angle of a uniform point within each bin.
     #[inline(always)]
     pub fn find(&self, dir: Vec3Lanes) -> (WordLanes, Lanes) {
         let d = self.to_axis(dir);
@@ -96,7 +96,7 @@ impl BinLanes {
         (bytemuck::cast(bin.fast_trunc_int()), density)
     }
 
-    /// Directions at the places `x` and `y` of bins, in world space.
+    /// Directions at the positions `x` and `y` within bins, in world space.
     #[inline(always)]
     pub fn direction(&self, bin: Lanes, x: Lanes, y: Lanes) -> Vec3Lanes {
         let half = Lanes::splat((SIDE * SIDE) as f32);
@@ -123,7 +123,7 @@ pub(super) fn bin_of(axis: usize, dir: Vec3) -> usize {
     (bin.as_array()[0] as usize).min(BINS - 1)
 }
 
-/// The share of each bin in the density of the cosine with the axis.
+/// The share of each bin in a density that follows the cosine with the axis.
 pub(super) fn cosine_shares() -> [f32; BINS] {
     const PLACES: usize = 16;
     let mut shares = [0.0; BINS];

@@ -2,7 +2,7 @@
 
 use super::bins::BINS;
 
-/// The units that a cell's bins share: each has a whole number of them, so that a number from 0 to 1 leads to its bin
+/// The units that a cell's bins share: each has a whole number of units, so that a number from 0 to 1 leads to its bin
 /// without a search.
 pub(in crate::render) const UNITS: usize = 255;
 
@@ -13,12 +13,12 @@ pub(in crate::render) struct Cell {
     bin_of_unit: [u8; 256],
     /// The first unit of each bin, times 256, and their number.
     units_of_bin: [u16; BINS],
-    /// The part of the directions of a diffuse lobe that is from here, from 0 to 1.
+    /// The part of a diffuse lobe's directions that is sampled from the histogram, from 0 to 1.
     part: f32,
 }
 
 impl Cell {
-    /// A cell whose bins have these shares, which are 1 in all.
+    /// A cell whose bins have these shares, which sum up to 1.
     pub fn new(shares: &[f32; BINS], part: f32) -> Self {
         let mut counts = shares.map(|share| (share * UNITS as f32) as usize);
         let mut left = UNITS.saturating_sub(counts.iter().sum());
@@ -48,7 +48,7 @@ impl Cell {
         cell
     }
 
-    /// The part of the directions of a diffuse lobe that is from here, from 0 to 1.
+    /// The part of a diffuse lobe's directions that is sampled from the histogram, from 0 to 1.
     #[inline(always)]
     pub fn part(&self) -> f32 {
         self.part

@@ -1,7 +1,7 @@
-//! The guide of a scene: a histogram over directions for each piece of a grid and each of six orientations of surfaces.
+//! The guide of a scene: a histogram over directions for each voxel of a grid and each of six orientations of surfaces.
 //!
-//! Where few photons fall, a larger piece of space has one for all. Where a histogram is nearly that of the cosine
-//! there is none, so that paths there go as without a guide.
+//! Where few photons fall, a larger voxel has one histogram for all. A histogram that is nearly that of the cosine is
+//! omitted, so that paths there are not guided.
 
 use glam::{UVec3, Vec3};
 
@@ -10,41 +10,41 @@ use super::cell::{Cell, UNITS};
 use super::{MOST_OF_PATH, PATHS};
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
-/// Light that has come to a surface from another one.
+/// A photon: light that has reached a surface from another one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::render) struct PhotonArrival {
     pub position: Vec3,
-    /// The shading normal on the side that the light has come to.
+    /// The shading normal on the side that the light has reached.
     pub normal: Vec3,
-    /// Unit vector to where it came from.
+    /// Unit vector to the photon's origin.
     pub wi: Vec3,
-    /// In relation to other photons.
+    /// The power relative to other photons.
     pub power: f32,
 }
 
-/// The most pieces along a side of the grid.
+/// The most voxels along a side of the grid.
 const RESOLUTION: f32 = 32.0;
-/// The photons that a piece has to have for a histogram of its own.
+/// The photons that a voxel needs for a histogram of its own.
 const LEAST_PHOTONS: u32 = 128;
-/// What the piece around a piece says of it counts as so many photons.
+/// The weight of the histogram of the next larger voxel, in photons.
 const PRIOR: f32 = 64.0;
-/// The parts of the directions of a diffuse lobe that may be from a histogram. A smaller one gains less where the
+/// The parts of a diffuse lobe's directions that may be sampled from a histogram. A smaller part gains less where the
 /// histogram is right, a larger one loses more where it is wrong.
 const PARTS: [f32; 2] = [0.5, 0.75];
-/// The larger part has to lessen the second moment of light by this factor more than the smaller one.
+/// The factor by which the larger part must reduce the second moment of light more than the smaller one.
 const DECISIVE: f32 = 1.15;
-/// A histogram is of use if it lessens the second moment of light by this factor: the variance has other parts, and a
+/// The least factor by which a histogram must reduce the second moment of light: the variance has other parts, and a
 /// guided step takes longer.
 const WORTHWHILE: f32 = 1.5;
-/// Photons of one path are neighbours in their list: so many are in the same half.
+/// Photons of one path are adjacent in the list: runs of this length are in the same half.
 const RUN: usize = 64;
 
-/// The most photons that are learnt from.
+/// The most photons for learning.
 pub(super) const MOST_PHOTONS: usize = PATHS as usize * MOST_OF_PATH;
-/// The pieces of the finest level, with their orientations.
+/// The voxels of the finest level, times the orientations.
 const MOST_PLACES: usize = (RESOLUTION * RESOLUTION * RESOLUTION) as usize * ORIENTATIONS as usize;
-/// The most histograms. A level has at most one for each of its pieces and orientations, and one for so many photons,
-/// of the finest level; the levels above have an eighth of the pieces of the one below.
+/// The most histograms. A level has at most one for each of its voxels and orientations, and at the finest level one
+/// for each [`LEAST_PHOTONS`]; each level has an eighth of the voxels of the next finer one.
 const MOST_CELLS: usize = {
     let (mut cells, mut left) = (1 + MOST_PHOTONS / LEAST_PHOTONS as usize, MOST_PLACES / 8);
     while left > 0 {
@@ -61,22 +61,22 @@ const _: () = assert!(MOST_PLACES * size_of::<u32>() + MOST_CELLS * size_of::<Ce
 const ORIENTATIONS: u32 = 6;
 const NONE: u32 = u32::MAX;
 
-/// A guide that is ready to be used.
+/// A guide, ready for use.
 #[derive(Debug)]
 pub(in crate::render) struct Field {
     origin: Vec3,
-    /// Pieces for a unit of length.
+    /// Voxels per unit of length.
     scale: f32,
     size: UVec3,
-    /// For each piece and orientation the number of the histogram; 0 for none, which is that of the cosine.
+    /// The index of the histogram for each voxel and orientation; 0 for none, where the cosine is used.
     index: Box<[u32]>,
     cells: Box<[Cell]>,
 }
 
-/// The sums of a level of pieces, of which each is twice as long as those of the level below.
+/// The sums of a level of voxels, which are twice as large as those of the next finer level.
 struct Level {
     size: UVec3,
-    /// For each piece and orientation the number of its sums; [`NONE`] where there are no photons.
+    /// The index of the sums for each voxel and orientation; [`NONE`] where there are no photons.
     cell_of: Vec<u32>,
     /// The sums of each half of the photons.
     sums: [Vec<[f32; BINS]>; 2],
@@ -137,7 +137,7 @@ impl Level {
 }
 
 impl Field {
-    /// The guide that photons tell of; None without enough of them.
+    /// Learns a guide from photons; None if they are too few.
     pub fn learn(arrivals: &[PhotonArrival]) -> Option<Self> {
         let (low, high) = bounds(arrivals)?;
         let extent = (high - low).max(Vec3::splat(1e-20));
@@ -175,7 +175,7 @@ impl Field {
                 cells.len() as u32 - 1
             })
         };
-        // The smallest piece around each place that has enough photons.
+        // The smallest voxel around each voxel that has enough photons.
         let found = |piece: UVec3, orientation: u32| {
             levels.iter().enumerate().find_map(|(number, level)| {
                 let cell = level.cell_of[level.place(piece >> number as u32, orientation)];
@@ -193,7 +193,7 @@ impl Field {
             scale,
             size,
             index,
-            // A vector would keep up to as much again for more of them.
+            // A vector could hold up to twice the memory.
             cells: cells.into_boxed_slice(),
         })
     }
@@ -203,7 +203,7 @@ impl Field {
         size_of_val(&*self.index) + size_of_val(&*self.cells)
     }
 
-    /// The numbers of the pieces with their orientations.
+    /// The indices of the voxels with their orientations.
     #[inline(always)]
     pub fn places(&self, position: Vec3Lanes, axes: &BinLanes) -> WordLanes {
         let along = |x: Lanes, origin: f32, size: u32| {
@@ -221,14 +221,14 @@ impl Field {
         piece * WordLanes::splat(ORIENTATIONS) + axes.axes()
     }
 
-    /// The number of the histogram of a place; 0 for none.
+    /// The index of the histogram of a voxel and orientation; 0 for none.
     #[inline(always)]
     pub fn cell_at(&self, place: u32) -> u32 {
         self.index.get(place as usize).copied().unwrap_or(0)
     }
 
-    /// The density per solid angle of a direction from the histogram of a place, and the part of a diffuse lobe that is
-    /// from there, from 0 to 1; None where there is none.
+    /// The density per solid angle of a direction in the histogram at a point, and the part of a diffuse lobe that is
+    /// sampled from it, from 0 to 1; None without a histogram.
     pub fn density(&self, position: Vec3, normal: Vec3, wi: Vec3) -> Option<(f32, f32)> {
         let axes = BinLanes::of(Vec3Lanes::splat(normal));
         let place = self.places(Vec3Lanes::splat(position), &axes).as_array()[0];
@@ -247,7 +247,7 @@ impl Field {
     }
 }
 
-/// The shares of the bins in each level's histograms, with what the level above says where they know little.
+/// The shares of the bins in each level's histograms, blended with the next coarser level where photons are few.
 fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
     let mut shares: Vec<Vec<[f32; BINS]>> = vec![Vec::new(); levels.len()];
     for (number, level) in levels.iter().enumerate().rev() {
@@ -272,18 +272,18 @@ fn shares_of(levels: &[Level], cosine: &[f32; BINS]) -> Vec<Vec<[f32; BINS]>> {
     shares
 }
 
-/// The part of the directions that are to be from a histogram whose bins have these shares; None where it is of no use.
-/// (Müller, "Practical Path Guiding in Production", SIGGRAPH 2019 courses, learns the same while the picture is
-/// rendered.)
+/// The part of the directions to be sampled from a histogram whose bins have these shares; None if the histogram is of
+/// no use. (Müller, "Practical Path Guiding in Production", SIGGRAPH 2019 courses, learns this part while the picture
+/// is rendered.)
 fn part_of(shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> Option<f32> {
     let [small, large] = PARTS.map(|part| gain(part, shares, halves, cosine));
     (small >= WORTHWHILE).then_some(PARTS[usize::from(large >= DECISIVE * small)])
 }
 
-/// By how much less the second moment of light is if this part of the directions has these shares. The product of two
-/// independent halves is without the noise of either, which would look like light from few directions.
+/// The factor by which sampling this part of the directions by these shares reduces the second moment of light. The
+/// product of two independent halves avoids the bias of squared noise, which would look like light from few directions.
 fn gain(part: f32, shares: &[f32; BINS], halves: [&[f32; BINS]; 2], cosine: &[f32; BINS]) -> f32 {
-    // In doubles, because the square of a power may be out of the range of floats in a scene of millimetres.
+    // In doubles, because the square of a power may exceed the range of floats in a scene of millimetres.
     let moment = |guided: f32| -> f64 {
         let of_bin = |bin: usize| {
             let density = guided * shares[bin] + (1.0 - guided) * cosine[bin];

@@ -1,10 +1,10 @@
-//! Path guiding: directions that paths take because light comes from there, and not by the bsdf alone (Jensen,
-//! "Importance Driven Path Tracing Using the Photon Map", 1995).
+//! Path guiding: paths sample directions from which light comes, not by the BSDF alone (Jensen, "Importance Driven Path
+//! Tracing Using the Photon Map", 1995).
 //!
-//! The guide is learnt from photons: paths from the lights, with random numbers of their own. What they tell of a place
-//! is what comes to it from other surfaces; light that comes straight from a lamp is found by sampling lamps. The
-//! density of photons is that of light times cosine, which is what a diffuse surface needs. They are no samples of the
-//! picture, so that it stays without bias, and they know nothing of the camera, so that a guide belongs to the scene.
+//! The guide is learnt from photons of light paths with their own random numbers. At each point they measure the light
+//! from other surfaces; light straight from a lamp is found by light sampling. The density of photons is that of light
+//! times cosine, as a diffuse surface needs it. They are not samples of the picture, which stays unbiased, and they do
+//! not depend on the camera, so that a guide belongs to the scene.
 
 mod bins;
 mod cell;
@@ -17,7 +17,7 @@ pub(super) use self::field::{Field, PhotonArrival};
 pub use self::store::Guide;
 pub(super) use self::store::{PhotonPaths, Photons};
 
-/// The paths from the lights that a guide is learnt from: some 0.2 seconds of one thread.
+/// The light paths from which a guide is learnt: some 0.2 seconds of one thread.
 const PATHS: u32 = 1 << 16;
-/// What is kept of a path at most: paths may be far longer where the roulette begins late.
+/// The most photons kept per path: paths may be far longer where the roulette begins late.
 pub(super) const MOST_OF_PATH: usize = 64;

@@ -13,9 +13,9 @@ use crate::render::together::Together;
 /// The paths of a block.
 const PATHS_OF_BLOCK: u32 = 1024;
 
-/// A request for guided paths, with the guide that was learnt last. Clones share it.
+/// A request for guided paths, with the last learnt guide. Clones share it.
 ///
-/// It is a store and no part of what a picture depends on, so that any two are equal.
+/// It is a cache on which no picture depends, so that any two are equal.
 #[derive(Clone, Default)]
 pub struct Guide(Arc<Store>);
 
@@ -23,26 +23,26 @@ pub struct Guide(Arc<Store>);
 struct Store {
     last: Mutex<Option<Arc<Learnt>>>,
     learnings: AtomicU32,
-    /// The rays that were traced for it and not taken yet.
+    /// The rays that were traced for learning and not yet taken.
     rays: AtomicU64,
-    /// The rays that were traced for it by the pilot of the integrator `auto`.
+    /// The rays that the pilot of the integrator `auto` traced for learning.
     rays_of_pilot: AtomicU64,
 }
 
-/// What some paths from the lights have brought.
+/// The photons of some light paths.
 pub(in crate::render) struct Photons {
     pub arrivals: Vec<PhotonArrival>,
     pub rays: u64,
 }
 
-/// What a guide depends on besides the scene.
+/// The settings that a guide depends on besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::render) struct PhotonPaths {
     pub longest_path: u32,
     pub rr_depth: u32,
 }
 
-/// A guide, with all that it depends on.
+/// A guide, with all its inputs.
 struct Learnt {
     scene: RenderScene,
     paths: PhotonPaths,
@@ -50,8 +50,8 @@ struct Learnt {
 }
 
 impl Guide {
-    /// The guide of a scene, or None where there is nothing to be guided by. None at all if cancelled. `trace` traces
-    /// the paths from the lights with these numbers.
+    /// The guide of a scene, with an inner None if there is no light to guide paths; None if cancelled. `trace` traces
+    /// the light paths with these numbers.
     pub(in crate::render) fn field(
         &self,
         scene: &RenderScene,
@@ -70,34 +70,34 @@ impl Guide {
         learnt.field.get(trace, learn, cancel)
     }
 
-    /// How often something was learnt, for a scene and paths unlike those before.
+    /// How often a guide was learnt, for a scene and settings unlike the last ones.
     pub fn learnings(&self) -> u32 {
         self.0.learnings.load(Ordering::Relaxed)
     }
 
-    /// The rays that were traced to learn, since the last call.
+    /// The rays traced for learning since the last call.
     pub fn take_rays(&self) -> u64 {
         self.0.rays.swap(0, Ordering::Relaxed)
     }
 
-    /// Counts the rays that were not taken yet as those of a pilot, so that no picture counts them.
+    /// Counts the rays that were not yet taken as a pilot's, so that no picture counts them.
     pub(in crate::render) fn leave_rays_to_pilot(&self) {
         self.0.rays_of_pilot.fetch_add(self.take_rays(), Ordering::Relaxed);
     }
 
-    /// The rays that pilots have traced to learn.
+    /// The rays that pilots have traced for learning.
     pub fn rays_of_pilot(&self) -> u64 {
         self.0.rays_of_pilot.load(Ordering::Relaxed)
     }
 
-    /// The memory of what was learnt last, in bytes; 0 where there is nothing to be guided by.
+    /// The memory of the last learnt guide, in bytes; 0 if there is none.
     pub fn bytes(&self) -> u64 {
         let last = self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
         let field = last.as_ref().and_then(|learnt| learnt.field.known()).flatten();
         field.map_or(0, |field| field.bytes() as u64)
     }
 
-    /// Whether both share what they learn.
+    /// Whether both share their guide.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

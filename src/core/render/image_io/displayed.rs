@@ -1,4 +1,4 @@
-//! PNG and JPEG files, which hold a picture as a display shows it.
+//! PNG and JPEG files, which hold displayed pictures.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
@@ -16,8 +16,7 @@ pub(super) fn encode_png(
     let mut bytes = Vec::new();
     let png = PngEncoder::new(&mut bytes);
     let (width, height) = (image.width, image.height);
-    // The colours of PNG files are those of the thing itself, not of the light that comes from it (PNG specification,
-    // section 6.2).
+    // The colours of PNG files are not premultiplied by alpha (PNG specification, section 6.2).
     let straight = |i: usize| match alpha {
         Some(alpha) if alpha[i] > 0.0 && alpha[i] < 1.0 => image.pixels[i] / alpha[i],
         _ => image.pixels[i],
@@ -36,7 +35,7 @@ pub(super) fn encode_png(
             Some(_) => ExtendedColorType::Rgba16,
             None => ExtendedColorType::Rgb16,
         };
-        // The encoder brings the bytes of each sample into the order of the file.
+        // The encoder converts the byte order of samples to that of the file.
         png.write_image(bytemuck::cast_slice(&samples), width, height, color_type)?;
         return Ok(bytes);
     }
@@ -57,14 +56,14 @@ pub(super) fn encode_jpeg(image: &ImageRgb, options: &FileOptions) -> Result<Vec
     jpeg_of_bytes([image.width, image.height], &rgb, options.jpeg_quality)
 }
 
-/// Three bytes a pixel as PNG.
+/// PNG from three bytes per pixel.
 pub(super) fn png_of_bytes([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, ImageIoError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(rgb, width, height, ExtendedColorType::Rgb8)?;
     Ok(bytes)
 }
 
-/// Three bytes a pixel as JPEG.
+/// JPEG from three bytes per pixel.
 pub(super) fn jpeg_of_bytes([width, height]: [u32; 2], rgb: &[u8], quality: u8) -> Result<Vec<u8>, ImageIoError> {
     let mut bytes = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100));

@@ -1,7 +1,7 @@
 //! Layered pictures to OpenEXR files and back: one part, all channels in it, each with its own precision.
 //!
-//! The crate `exr` encodes and decodes. Files that other programs wrote in several parts are read as well; the names of
-//! the parts then stand before those of the channels.
+//! The crate `exr` encodes and decodes. Files of other programs with several parts are read as well; the names of the
+//! parts then precede those of the channels.
 
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -21,7 +21,7 @@ use super::{ExrCompression, ImageIoError, write};
 use crate::render::layered_image::{Attribute, Channel, LayeredImage, Samples, full_name, is_cryptomatte, split_name};
 use crate::texture::{ImageFileError, read_exr_parts, reserve_exr};
 
-/// The method by which the crate makes files smaller.
+/// The crate's compression method.
 fn method_of(compression: ExrCompression) -> Compression {
     match compression {
         ExrCompression::None => Compression::Uncompressed,
@@ -32,7 +32,7 @@ fn method_of(compression: ExrCompression) -> Compression {
         ExrCompression::Pxr24 => Compression::PXR24,
         ExrCompression::B44 => Compression::B44,
         ExrCompression::B44a => Compression::B44A,
-        // The level that OpenEXR itself begins with.
+        // OpenEXR's own default level.
         ExrCompression::Dwaa => Compression::DWAA(Some(45.0)),
         ExrCompression::Dwab => Compression::DWAB(Some(45.0)),
     }
@@ -43,9 +43,9 @@ pub fn write_exr(path: &Path, image: &LayeredImage, compression: ExrCompression)
     write(path, &encode_exr(image, compression)?)
 }
 
-/// The bytes of an EXR file. The same picture gives the same bytes. An error if the picture has no channels or pixels,
-/// a channel has not one sample for each pixel, a name cannot be written or occurs twice, or the compression would
-/// damage a cryptomatte or a layer of data.
+/// The content of an EXR file. The same picture gives the same bytes. An error if the picture has no channels or
+/// pixels, a channel's number of samples differs from the number of pixels, a name is invalid or occurs twice, or the
+/// compression would damage a cryptomatte or a layer of data.
 pub fn encode_exr(image: &LayeredImage, compression: ExrCompression) -> Result<Vec<u8>, ImageIoError> {
     check(image, compression)?;
     let width = image.width as usize;
@@ -123,7 +123,7 @@ fn check(image: &LayeredImage, compression: ExrCompression) -> Result<(), ImageI
     }
 }
 
-/// The crate's texts are bytes; other programs take them for UTF-8.
+/// The crate's texts are bytes, which other programs read as UTF-8.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
@@ -132,7 +132,7 @@ fn string(text: &Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
-/// The attributes of the file. The crate has fields of their own for the names that OpenEXR defines.
+/// The attributes of the file. The crate has its own fields for the names that OpenEXR defines.
 fn attributes(image: &LayeredImage) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     for (name, attribute) in &image.attributes {
@@ -157,7 +157,7 @@ fn attributes(image: &LayeredImage) -> LayerAttributes {
     attributes
 }
 
-/// A channel that the crate reads row by row, so that the samples are not copied.
+/// A channel from which the crate reads row by row, so that the samples are not copied.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
     channel: &'a Channel,
@@ -201,7 +201,7 @@ impl SamplesWriter for Rows<'_> {
     }
 }
 
-/// Rounded to the nearest half; what is finite stays finite.
+/// Rounds to the nearest half; finite values stay finite.
 fn half(sample: f32) -> f16 {
     match sample.is_finite() {
         true => f16::from_f32(sample.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())),
@@ -209,9 +209,9 @@ fn half(sample: f32) -> f16 {
     }
 }
 
-/// Puts the attributes of the file's one header in the order of their names: the crate keeps some of them in a table
-/// without an order, and the same picture shall give the same bytes. The header has names and types that end in a zero,
-/// lengths of four bytes, and a zero at its end.
+/// Sorts the attributes of the file's only header by name: the crate keeps some of them in an unordered table, and the
+/// same picture shall give the same bytes. The header has names and types that end in a zero, lengths of four bytes,
+/// and a zero at its end.
 fn sort_attributes(bytes: &mut [u8]) {
     /// The magic number and the version.
     const BEGIN: usize = 8;
@@ -231,8 +231,7 @@ fn sort_attributes(bytes: &mut [u8]) {
 }
 
 /// Reads all channels, and the attributes that [`Attribute`] can hold, of an EXR file. Parts of another size than the
-/// first are left out, and so are channels whose name an earlier one has. What it needs is reserved in the memory
-/// budget.
+/// first are skipped, and so are channels with a repeated name. The needed memory is reserved in the memory budget.
 pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     const BYTES_PER_SAMPLE: u64 = 4;
     let mut memory = reserve_exr(bytes, |channels| BYTES_PER_SAMPLE * channels as u64)?;
@@ -255,7 +254,7 @@ pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
                 Some(rest) if rest.starts_with('.') => name,
                 _ => full_name(&prefix, &name),
             };
-            // The format has each name once.
+            // Names are unique in the format.
             if !names.insert(name.clone()) {
                 continue;
             }
@@ -279,7 +278,7 @@ pub fn decode_exr(bytes: &[u8]) -> Result<LayeredImage, ImageFileError> {
     Ok(image)
 }
 
-/// The attributes in the order of their names.
+/// The attributes, ordered by name.
 fn known_attributes(attributes: &LayerAttributes) -> Vec<(String, Attribute)> {
     let texts = [
         ("software", &attributes.software_name),

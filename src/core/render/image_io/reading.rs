@@ -11,11 +11,11 @@ use crate::texture::{ImageFileError, Transfer, is_exr, load_image};
 pub struct LoadedPicture {
     /// The linear colours, with the layers of an EXR file. The channel of a grey picture is `Y`.
     pub image: LayeredImage,
-    /// Whether the file holds what a display shows, in place of radiance.
+    /// Whether the file holds the displayed picture in place of radiance.
     pub is_displayed: bool,
 }
 
-/// Reads a picture in any of the formats that textures may have, and of EXR files all channels.
+/// Reads a picture in any format of textures, with all channels of EXR files.
 pub fn load_picture(bytes: &[u8]) -> Result<LoadedPicture, ImageFileError> {
     if is_exr(bytes) {
         return Ok(LoadedPicture {
