@@ -1,5 +1,4 @@
-//! The paths of a pixel with everything that was decided along them: what the renderer does there, step by step, to be
-//! drawn and read.
+//! Records the paths of a pixel with all decisions along them, step by step, to be drawn and read.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -22,16 +21,15 @@ pub struct RecordedPath {
     pub sample: u32,
     /// The first ray, in world space.
     pub camera_ray: Ray,
-    /// The surfaces on the way, the one nearest to the camera first.
+    /// The surfaces along the path, the one nearest to the camera first.
     pub vertices: Vec<RecordedVertex>,
-    /// Emitters met at infinity, in the direction of the last bounce or of the camera ray.
+    /// Emitters hit at infinity, in the direction of the last bounce or of the camera ray.
     pub escaped_to: Vec<MetEmitter>,
     /// The reason why the path ended after its last vertex.
     pub end: PathEnd,
-    /// The path from a light that its vertices were joined with, from the light on, in world space; empty where there
-    /// is none.
+    /// The light path with which its vertices were joined, from the light on, in world space; empty without one.
     pub light_path: Vec<Vec3>,
-    /// The light that the path from the light has sent to the lens.
+    /// The light that the light path has sent to the lens.
     pub splats: Vec<Splat>,
     /// The sum of the contributions to its own pixel.
     pub radiance: Rgb,
@@ -39,24 +37,24 @@ pub struct RecordedPath {
     pub filter_weight: f32,
 }
 
-/// A place on the path's way and what was done there.
+/// A vertex of the path, with the decisions made there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedVertex {
-    /// The place where the path was scattered.
+    /// The point at which the path was scattered.
     pub place: PathVertex,
     /// The surface's own light.
     pub met: Option<MetEmitter>,
-    /// The light that was sampled from here; None where none was looked for.
+    /// The light that was sampled from here; None if none was.
     pub sampled: Option<SampledLight>,
-    /// The joint with the path from the light; None where nothing has come from it.
+    /// The join with the light path; None without a contribution.
     pub joined: Option<Joined>,
     /// The continuation; None if the path ended.
     pub bounce: Option<Bounce>,
 }
 
-/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view traces no paths.
-/// Photons are left out: what is shown of [`Integrator::Merging`](super::view::Integrator::Merging) is bidirectional
-/// path tracing.
+/// The paths of samples `samples` of a pixel, exactly as in the picture; empty where the view traces no paths. Photons
+/// are ignored: for [`Integrator::Merging`](super::view::Integrator::Merging) the paths are those of bidirectional path
+/// tracing.
 pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Range<u32>) -> Vec<RecordedPath> {
     if view.path_settings(pixel).is_none() {
         return Vec::new();

@@ -1,9 +1,9 @@
-//! Estimates irradiance: the light that arrives at one side of a surface, whatever that surface is made of.
+//! Estimates irradiance: the light that arrives at one side of a surface, whatever the surface's material.
 //!
 //! A sample is a path that begins at the surface, with next event estimation and multiple importance sampling there as
-//! at every later vertex. The surface takes the place of the first one that a camera ray meets, so limits of depth
-//! count as if a camera looked at it. The integral, of radiance times cosine over the hemisphere, is that of PBR 4th
-//! ed., section 4.2.1.
+//! at every later vertex. The surface replaces the first one that a camera ray hits, so limits of depth count as if a
+//! camera looked at it. The integral, of radiance times cosine over the hemisphere, is that of PBR 4th ed., section
+//! 4.2.1.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::atomic::AtomicBool;
@@ -27,7 +27,7 @@ use crate::sampling::{Sampler, warp};
 pub struct Receiver {
     /// The point.
     pub position: Vec3,
-    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it.
+    /// Bound, per coordinate, on the distance of `position` from the surface that rays meet.
     pub error: f32,
     /// The unit normal from which the cosine is measured.
     pub normal: Vec3,
@@ -35,14 +35,14 @@ pub struct Receiver {
     pub geometric_normal: Vec3,
 }
 
-/// The light that counts at a receiver.
+/// The light that a receiver counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ReceivedLight {
-    /// Light of all ways.
+    /// All light.
     #[default]
     All,
-    /// All but the light that comes straight from points, spots and single directions, for which file formats of levels
-    /// have lights of their own.
+    /// All light except that straight from points, spots and single directions, for which file formats of levels have
+    /// their own lights.
     WithoutPunctual,
 }
 
@@ -51,13 +51,13 @@ pub enum ReceivedLight {
 pub struct IrradianceSample {
     /// The estimate, linear Rec. 709.
     pub irradiance: Rgb,
-    /// Whether the path first meets the back of a surface.
+    /// Whether the path first hits the back of a surface.
     pub meets_back: bool,
     /// Rays traced, shadow rays included.
     pub rays: u32,
 }
 
-/// A receiver as the first vertex of a path, which has the cosine in place of a bsdf.
+/// A receiver as the first vertex of a path, with a cosine in place of a BSDF.
 struct Vertex<'a> {
     receiver: &'a Receiver,
     light: ReceivedLight,
@@ -109,8 +109,8 @@ pub struct IrradianceJob {
     pub sampler: Sampler,
 }
 
-/// Traces samples of irradiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its
-/// medium. The samples are in the order of the jobs. None if `cancel` was set in the meantime.
+/// Traces samples of irradiance in the scene, with the settings and the medium of `view`; its camera is not used. The
+/// samples are in the order of the jobs. None if `cancel` was set in the meantime.
 pub fn trace_irradiance(
     scene: &RenderScene,
     view: &View,
@@ -135,7 +135,7 @@ pub fn trace_irradiance(
     Some(samples.collect())
 }
 
-/// A path that has left its receiver.
+/// The path after it has left its receiver.
 fn begin(
     scene: &RenderScene,
     view: &View,
@@ -160,7 +160,7 @@ fn begin(
     path.is_straight = false;
     path.sample_light(scene, settings, &vertex, &mut ());
     let cosine = receiver.cosine(wi);
-    // What goes below the surface brings nothing.
+    // Directions below the surface contribute nothing.
     path.throughput = if cosine > 0.0 { Rgb::splat(PI) } else { Rgb::ZERO };
     path.arrival = Arrival {
         is_sampled: true,

@@ -1,8 +1,8 @@
 //! A picture of named channels with attributes, as an OpenEXR file of one part holds it.
 //!
-//! The channels of the picture itself are named `R`, `G`, `B` and perhaps `A`. Others belong to a layer, whose name
-//! stands before the last dot (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR,
-//! "Channel names". What writes and reads the files is [`super::image_io::exr`].
+//! The channels of the picture itself are named `R`, `G`, `B` and optionally `A`. Others belong to a layer, whose name
+//! precedes the last dot (`Albedo.R`, `Normal.X`, `Depth.Z`), as in the technical introduction to OpenEXR, "Channel
+//! names". Files are written and read by [`super::image_io::exr`].
 
 use std::collections::HashSet;
 
@@ -21,12 +21,12 @@ pub struct LayeredImage {
     pub height: u32,
     /// The channels. No two have the same name.
     pub channels: Vec<Channel>,
-    /// What else is known of the picture, by name. No two have the same name.
+    /// Metadata of the picture, by name. No two have the same name.
     pub attributes: Vec<(String, Attribute)>,
-    /// Where it lies in a larger picture, if it is a part of one: the first column and row of it, and the size of the
-    /// larger one.
+    /// The position in a larger picture, if it is a part of one: its first column and row there, and the size of the
+    /// larger picture.
     pub place: Option<[u32; 4]>,
-    /// What a reader has taken from the memory budget.
+    /// The memory that a reader has reserved in the budget.
     pub(super) memory: Held,
 }
 
@@ -42,9 +42,9 @@ pub struct Channel {
 /// The samples of a channel, and how they are stored in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
-    /// Floats that are stored with 16 bits. Those beyond 65504 are stored as that, and infinite ones stay so.
+    /// Floats that are stored with 16 bits. Values beyond 65504 are clamped to it, and infinite ones stay infinite.
     Half(Vec<f32>),
-    /// Floats that are stored bit by bit.
+    /// Floats that are stored unchanged.
     Float(Vec<f32>),
     /// Whole numbers, such as identifiers.
     Uint(Vec<u32>),
@@ -64,7 +64,7 @@ impl Samples {
         self.len() == 0
     }
 
-    /// A sample as a float; whole numbers are rounded to one.
+    /// A sample as a float; whole numbers are rounded to the nearest float.
     pub fn value(&self, index: usize) -> f32 {
         match self {
             Self::Half(samples) | Self::Float(samples) => samples[index],
@@ -73,7 +73,7 @@ impl Samples {
     }
 }
 
-/// A value that belongs to a picture as a whole.
+/// A value for the whole picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
     /// Text. Programs expect ASCII; other characters are written as UTF-8.
@@ -86,7 +86,7 @@ pub enum Attribute {
     Matrix([f32; 16]),
 }
 
-/// What is stored of the colours of a picture.
+/// The stored form of a picture's colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StoredColors {
     /// Linear Rec. 709.
@@ -99,7 +99,7 @@ pub enum StoredColors {
 }
 
 impl StoredColors {
-    /// What is stored of a colour, of the luminance in all components.
+    /// The stored form of a colour; the luminance is repeated in all components.
     pub(super) fn of(self, rgb: Rgb) -> Vec3 {
         match self {
             Self::Rgb => rgb,
@@ -109,10 +109,10 @@ impl StoredColors {
     }
 }
 
-/// The last parts of the names of three channels that are one colour or vector.
+/// The last parts of the names of three channels that form a colour or vector.
 const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 
-/// The same of two channels: motion in pixels and texture coordinates.
+/// Those of two channels: motion in pixels and texture coordinates.
 const PAIRS: [[&str; 2]; 2] = [["X", "Y"], ["U", "V"]];
 
 impl LayeredImage {
@@ -130,7 +130,7 @@ impl LayeredImage {
         self.width as usize * self.height as usize
     }
 
-    /// The part of it with its first pixel at (x, y), of this size, which has to lie in it.
+    /// The part of this size with its first pixel at (x, y), which must be within the picture.
     pub fn cropped(mut self, x: u32, y: u32, width: u32, height: u32) -> Self {
         fn cut<T: Copy>(samples: &[T], row: usize, x: usize, y: usize, width: usize, height: usize) -> Vec<T> {
             let rows = samples.chunks_exact(row).skip(y).take(height);
@@ -164,7 +164,7 @@ impl LayeredImage {
         });
     }
 
-    /// Adds a channel of floats that are stored bit by bit, with one sample for each pixel.
+    /// Adds a channel of floats that are stored unchanged, with one sample for each pixel.
     pub fn add_float(&mut self, name: &str, samples: Vec<f32>) {
         self.add_channel(name, Samples::Float(samples));
     }
@@ -195,9 +195,9 @@ impl LayeredImage {
         layers.filter(|layer| known.insert(*layer)).collect()
     }
 
-    /// The channels that are the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`,
-    /// `Y`, `Z`, or `X`, `Y`, or `U`, `V`, or else the only one of the layer that is not `A` (or its `Y`). None if
-    /// the layer has no such channels.
+    /// The channels that form the value of a layer, whose name is empty for the picture itself: `R`, `G`, `B`, or `X`,
+    /// `Y`, `Z`, or `X`, `Y`, or `U`, `V`, or else the only one of the layer that is not `A` (or its `Y`). None if the
+    /// layer has no such channels.
     pub fn channels_of(&self, layer: &str) -> Option<Vec<&Channel>> {
         let of_layer: Vec<(&str, &Channel)> = self
             .channels
@@ -221,7 +221,7 @@ impl LayeredImage {
         triple.or_else(pair).or_else(|| all(&["Y"])).or_else(only)
     }
 
-    /// Channels of it as colours: one becomes grey, and the blue of two is 0.
+    /// Channels as colours: a single one becomes grey, and two have a blue of 0.
     pub fn as_colors(&self, channels: &[&Channel]) -> ImageRgb {
         let pixel = |i| match *channels {
             [grey] => Rgb::splat(grey.samples.value(i)),
@@ -253,7 +253,7 @@ impl LayeredImage {
         found.map(|(_, attribute)| attribute)
     }
 
-    /// Adds attributes, or replaces those of the same names; of several of one name the last counts.
+    /// Adds attributes, or replaces those with the same names; the last of several with one name counts.
     pub fn set_attributes(&mut self, attributes: impl DoubleEndedIterator<Item = (String, Attribute)>) {
         let mut names = HashSet::new();
         let mut new: Vec<(String, Attribute)> = attributes
@@ -271,8 +271,8 @@ impl LayeredImage {
         self.attributes.push((name.to_owned(), attribute));
     }
 
-    /// Replaces the channels `R`, `G` and `B` of the picture itself by what is stored of the colours: `Y`, or `X`, `Y`
-    /// and `Z`. A picture without these channels stays as it is.
+    /// Replaces the channels `R`, `G` and `B` of the picture itself by their stored form: `Y`, or `X`, `Y` and `Z`. A
+    /// picture without these channels is unchanged.
     pub fn convert_colors(&mut self, stored: StoredColors) {
         let is_color = |channel: &Channel| TRIPLES[0].contains(&channel.name.as_str());
         let Some(colors) = self
@@ -289,9 +289,8 @@ impl LayeredImage {
         }
     }
 
-    /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Cryptomattes (`Crypto*`), whose floats
-    /// are identifiers, and variances (`Variance*`), which are too small for 16 bits, stay as they are, and so do
-    /// vectors and depths.
+    /// Lets colours and opacities (`R`, `G`, `B`, `A`) be stored with 16 bits. Unchanged are cryptomattes (`Crypto*`),
+    /// whose floats are identifiers, variances (`Variance*`), which are too small for 16 bits, and vectors and depths.
     pub fn store_colors_as_half(&mut self) {
         for channel in &mut self.channels {
             let (layer, last) = split_name(&channel.name);

@@ -1,7 +1,7 @@
-//! Light mixing: the light of each group of lights is summed up by itself beside the picture, which is linear in all of
+//! Light mixing: the light of each group of lights is also summed up separately, since the picture is linear in all of
 //! them.
 //!
-//! The layers hold the very samples of the picture: they are as noisy as it is, and sum up to it.
+//! The layers hold the same samples as the picture: they are as noisy, and sum up to it.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
-//! The steps of [`super::path`] in participating media: how far a ray goes, and scattering on the way (PBR 4th ed.,
-//! section 14.2.3).
+//! The steps of [`super::path`] in participating media: sampling of distances, and scattering (PBR 4th ed., section
+//! 14.2.3).
 //!
-//! Multiple importance sampling compares whole ways to a light: the density of an arrival is that of the direction
-//! times the probability of passing all media up to there ([`crate::medium::Travel::passed`]). In dense fog a phase
-//! function seldom finds a lamp, and then its weight is small.
+//! Multiple importance sampling compares whole path segments to a light: the density of an arrival is that of the
+//! direction times the probability of passing all media on the segment ([`crate::medium::Travel::passed`]). In dense
+//! fog a phase function seldom finds a lamp, and then its weight is small.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -24,21 +24,21 @@ use crate::math::{Ray, Real};
 use crate::medium::{Medium, MediumId, Travel, Way};
 use crate::sampling::Sampler;
 
-/// The share of the places in media within refracting surfaces from which lights are sampled. Hardly one is found,
-/// because such surfaces let no light pass straight; but there may be a lamp within.
+/// The share of the scatterings in media within refracting surfaces from which lights are sampled. Few samples succeed,
+/// because such surfaces let no light pass straight; but there may be a lamp inside.
 pub(super) const ENCLOSED_SHARE: f32 = 0.125;
 
-/// Whether a path with this squared relative index of refraction has gone into a refracting surface and not out again.
+/// Whether a path with this squared relative index of refraction is inside a refracting surface.
 #[inline(always)]
 pub(super) fn is_enclosed<R: Real>(eta_squared: R) -> R::Mask {
-    // Indices of both ways multiply to 1, but for rounding.
+    // The indices of entering and leaving multiply to 1 up to rounding.
     R::is_above(eta_squared, 1.001)
 }
 
-/// A place in a medium where a path is scattered.
+/// A vertex in a medium, where a path is scattered.
 struct Vertex<'a> {
     medium: &'a Medium,
-    /// The direction in which the path has come.
+    /// The direction in which the path has arrived.
     dir: Vec3,
     reference: LightReference,
 }
@@ -69,19 +69,19 @@ impl Scatterer for Vertex<'_> {
     }
 }
 
-/// A way of a path through a medium, from its vertex number `depth` on.
+/// A path segment through a medium, from vertex number `depth` on.
 pub(super) struct Leg {
     pub way: Way,
     pub depth: u32,
-    /// The segments of the path that count, up to that vertex.
+    /// The counted segments of the path up to that vertex.
     pub segments: u32,
-    /// Whether it is within a refracting surface, see [`is_enclosed`].
+    /// Whether the segment is inside a refracting surface, see [`is_enclosed`].
     pub is_enclosed: bool,
     pub sampler: Sampler,
 }
 
 impl Leg {
-    /// Goes along the way as [`Medium::travel`] does.
+    /// Samples the segment as [`Medium::travel`] does.
     #[inline]
     pub fn travel(
         &self,
@@ -96,9 +96,9 @@ impl Leg {
         medium.travel(&self.way, lamp, throughput, u, &mut stream)
     }
 
-    /// A place on a light that is likely to matter along the way. Whether it does, the medium decides.
+    /// A point on a light that is likely to matter along the segment. The medium decides whether it is used.
     fn lamp_near(&self, scene: &RenderScene, settings: &PathSettings, medium: &Medium) -> Option<Vec3> {
-        // What is scattered at the last vertex is lost.
+        // Light scattered at the last vertex would be lost.
         let is_of_use = settings.strategy.samples_lights() && !self.is_enclosed && !settings.is_last(self.segments + 1);
         if !is_of_use || scene.lights.finite_bounds().is_none() {
             return None;
@@ -114,8 +114,8 @@ impl Leg {
 }
 
 impl PathState {
-    /// Takes the path through its medium up to `hit`, the end of its ray, or to the place where it is scattered before.
-    /// True if it was scattered and has its next ray.
+    /// Takes the path through its medium up to `hit`, the end of its ray, or to a scattering before that. True if it
+    /// was scattered and has its next ray.
     #[inline(never)]
     pub(super) fn travel(
         &mut self,
@@ -126,7 +126,7 @@ impl PathState {
         observer: &mut impl PathObserver,
     ) -> ControlFlow<PathEnd, bool> {
         let medium = scene.media.get(id);
-        // Emitters that the camera does not see have moved the origin of its ray.
+        // Hidden emitters have moved the origin of the camera ray.
         let passed = if self.depth == 0 { self.record.passed } else { 0.0 };
         let way = Way {
             origin: self.ray.origin - self.ray.dir * passed,
@@ -175,7 +175,7 @@ impl PathState {
         Continue(true)
     }
 
-    /// Scatters the path at a place in its medium.
+    /// Scatters the path at a point in its medium.
     fn scatter_in_medium(
         &mut self,
         scene: &RenderScene,

@@ -1,5 +1,5 @@
-//! The weights of light that can be found in two ways, by sampling the lights and by following the bsdf (multiple
-//! importance sampling: Veach 1997, chapter 9; PBR 4th ed., section 13.4.1).
+//! The weights of light that two techniques can find, light sampling and BSDF sampling (multiple importance sampling:
+//! Veach 1997, chapter 9; PBR 4th ed., section 13.4.1).
 
 use super::observer::MetEmitter;
 use super::path_state::Arrival;
@@ -10,13 +10,13 @@ use crate::math::Real;
 use crate::sampling::power_heuristic;
 
 impl Strategy {
-    /// Whether lights are sampled that following the bsdf can find as well.
+    /// Whether lights are sampled that BSDF sampling can find as well.
     pub(super) fn samples_lights(self) -> bool {
         self != Self::Bsdf
     }
 
-    /// The weight of light that was found by sampling the lights with density `light_pdf`, in a direction that the bsdf
-    /// has with density `bsdf_pdf`. Only sampling finds a light that `is_delta`.
+    /// The weight of light that was found by light sampling with density `light_pdf`, in a direction that the BSDF
+    /// samples with density `bsdf_pdf`. Only light sampling finds a light that `is_delta`.
     #[inline(always)]
     pub(super) fn light_weight<R: Real>(self, is_delta: R::Mask, light_pdf: R, bsdf_pdf: R) -> R {
         let weight = match self {
@@ -28,7 +28,7 @@ impl Strategy {
     }
 }
 
-/// The weight of an emitter that the path has come upon by following the bsdf, and its parts as in [`MetEmitter`].
+/// The weight of an emitter that the path has hit by BSDF sampling, and its parts as in [`MetEmitter`].
 pub(super) struct EmitterWeight {
     weight: f32,
     bsdf_pdf: Option<f32>,
@@ -36,8 +36,8 @@ pub(super) struct EmitterWeight {
 }
 
 impl Arrival {
-    /// The weight of an emitter that the path has come upon. `light_pdf` is the density with which sampling the lights
-    /// would have found it from a place.
+    /// The weight of an emitter that the path has hit. `light_pdf` is the density with which light sampling would have
+    /// found it from a reference point.
     #[inline(always)]
     pub fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> EmitterWeight {
         let bsdf_pdf = self.is_sampled.then_some(self.pdf);
@@ -58,7 +58,7 @@ impl Arrival {
 }
 
 impl EmitterWeight {
-    /// The emitter with this weight, where the path has come with `throughput`.
+    /// The hit emitter with this weight, where the path has arrived with `throughput`.
     #[inline(always)]
     pub fn emitter(self, light: LightId, radiance: Rgb, throughput: Rgb) -> MetEmitter {
         MetEmitter {

@@ -1,4 +1,4 @@
-//! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
+//! Renders pixels from the tables of a scene and a view, independently of entities and scene files.
 
 pub mod auto;
 mod bidirectional;

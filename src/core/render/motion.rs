@@ -1,7 +1,6 @@
-//! Motion in the picture: how far the surface that a pixel shows has moved since the frame before.
+//! Motion vectors: the displacement of the surface that a pixel shows since the previous frame.
 //!
-//! Shapes are taken to be rigid, or at least to move as their transforms do: a point of a surface stays at its place in
-//! the shape's own space.
+//! Shapes are assumed to move as their transforms do: a surface point keeps its position in the shape's own space.
 
 use std::sync::Arc;
 
@@ -11,12 +10,12 @@ use super::camera::Camera;
 use crate::accel::{Hit, Tlas};
 use crate::math::Ray;
 
-/// The shapes and the camera of the frame before. The shapes are numbered as those of the present picture.
+/// The shapes and the camera of the previous frame. The shapes are numbered as those of the current picture.
 #[derive(Clone, Debug)]
 pub struct FrameBefore {
-    /// The shapes at their places then.
+    /// The shapes in the previous frame.
     pub geometry: Arc<Tlas>,
-    /// The camera then.
+    /// The camera in the previous frame.
     pub camera: Camera,
 }
 
@@ -27,9 +26,9 @@ impl PartialEq for FrameBefore {
 }
 
 impl FrameBefore {
-    /// The way in film coordinates, to the right and down, from where the camera showed it then to where it shows it
-    /// now: the surface at `hit`, which `ray` has met in `geometry`, or the sky in the direction of the ray if
-    /// there is none. Zero for places that one of the cameras has behind it.
+    /// The displacement in film coordinates, to the right and down, from the previous frame to this one: of the surface
+    /// at `hit`, a hit of `ray` in `geometry`, or without one of the sky in the ray's direction. Zero for points behind
+    /// one of the cameras.
     pub(super) fn motion(&self, geometry: &Tlas, camera: &Camera, ray: &Ray, hit: Option<&Hit>) -> Vec2 {
         let (now, then) = match hit {
             Some(hit) => {

@@ -1,11 +1,11 @@
 //! Estimates the noise of a whole picture as one number, at which rendering may stop.
 //!
-//! Errors are relative to the luminance that a pixel is *likely* to have. Its own mean alone would hide rare bright
-//! samples, which raise the mean that their error is relative to: one sample of ten times the true luminance in sixteen
-//! pixels would count for a third of what it is. So the mean is drawn towards that of the pixels around it, by the
-//! share that its squared error has in that and the squared contrast there (empirical Bayes: Efron and Morris, Stein's
+//! Errors are relative to the *likely* luminance of a pixel. Its own mean alone would hide rare bright samples, which
+//! raise the mean that their error is relative to: one sample of ten times the true luminance in sixteen pixels would
+//! count for a third of its error. So the mean is drawn towards that of the pixels around it, by the share of its
+//! squared error in the sum of that and the squared local contrast (empirical Bayes: Efron and Morris, Stein's
 //! estimation rule and its competitors, Journal of the American Statistical Association 68, 1973). Without noise, and
-//! at edges, it stays what it is.
+//! at edges, it is unchanged.
 
 pub mod adaptive;
 pub mod blocks;
@@ -17,16 +17,16 @@ use rayon::prelude::*;
 use super::film::Film;
 use super::tile::Tile;
 
-/// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible
-/// in what is almost black.
+/// Pixels darker than this share of the picture's mean are judged as if they had that luminance, because noise is
+/// invisible in almost black areas.
 pub const DARK: f32 = 0.1;
 
-/// The luminance that a pixel is likely to have, of which the mean and the estimated square of its standard error are
-/// known, as they are of the pixels `around` it.
+/// The likely luminance of a pixel, from its own mean and the estimated square of its standard error, and from those of
+/// the pixels `around` it.
 pub(super) fn likely_luminance((own, squared_error): (f32, f32), around: impl Iterator<Item = (f32, f32)>) -> f32 {
     let (mut count, mut sum, mut squares, mut errors) = (0.0, 0.0, 0.0, 0.0);
     for (mean, squared_error) in around {
-        // From the pixel's own, so that little is rounded where all are nearly the same.
+        // Relative to the pixel's own mean, to lose few digits where all means are nearly equal.
         let beside = mean - own;
         count += 1.0;
         sum += beside;
@@ -37,7 +37,7 @@ pub(super) fn likely_luminance((own, squared_error): (f32, f32), around: impl It
         return own;
     }
     let towards = sum / count;
-    // What the means around differ by beyond their errors, and this one beyond three of its own.
+    // The squared contrast of the means around beyond their errors, or of this one beyond three of its own.
     let contrast = ((squares - sum * towards) / (count - 1.0) - errors / count)
         .max(towards * towards - 9.0 * squared_error)
         .max(0.0);
@@ -45,7 +45,7 @@ pub(super) fn likely_luminance((own, squared_error): (f32, f32), around: impl It
     if drawn.is_finite() { own + drawn } else { own }
 }
 
-/// The places of the pixels around (x, y) in a tile of this size.
+/// The positions of the pixels around (x, y) in a tile of this size.
 pub(super) fn around(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
     let near = |at: u32, size: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
     near(y, height)
@@ -53,8 +53,8 @@ pub(super) fn around(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<I
         .filter(move |&place| place != (x, y))
 }
 
-/// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a
-/// frame may.
+/// The noise of a picture, updated tile by tile as samples arrive, because reading all pixels again would take longer
+/// than a frame.
 #[derive(Clone, Debug)]
 pub struct PictureNoise {
     tiles: Vec<TileNoise>,
@@ -62,7 +62,7 @@ pub struct PictureNoise {
     correction: f32,
 }
 
-/// Sums over the pixels that have two samples or more.
+/// Sums over the pixels with two or more samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct TileNoise {
     pixels: u64,
@@ -70,11 +70,11 @@ struct TileNoise {
     light: f64,
     /// The sum of the squared standard errors relative to the luminance.
     squares: f64,
-    /// The part of it that is by splats.
+    /// The part of `squares` from splats.
     by_splats: f64,
 }
 
-/// The pixels of a tile, with the noise of which only light and number are known.
+/// The pixels of a tile, and the part of its noise that does not depend on the threshold for dark pixels.
 struct LitTile {
     tile: Tile,
     /// The mean luminances and their squared errors.
@@ -93,7 +93,7 @@ impl LitTile {
         Self { tile, pixels, noise }
     }
 
-    /// All of its noise, if pixels with less than this luminance are dark.
+    /// The complete noise, if pixels below the luminance `dark` count as dark.
     fn measured(&self, film: &Film, dark: f32) -> TileNoise {
         let (tile, pixels) = (self.tile, &self.pixels);
         let is_whole = pixels.len() == (tile.width * tile.height) as usize;
@@ -119,7 +119,7 @@ impl LitTile {
 }
 
 impl PictureNoise {
-    /// The noise of a picture of this many tiles, which have no samples yet.
+    /// The noise of a picture of this many tiles without samples.
     pub fn new(tiles: usize) -> Self {
         Self {
             tiles: vec![TileNoise::default(); tiles],
@@ -128,14 +128,14 @@ impl PictureNoise {
         }
     }
 
-    /// The noise of these tiles of a film alone: the same bits in whatever order their samples came.
+    /// The noise of these tiles of a film: the same bits in whatever order their samples came.
     pub fn of(film: &Film, tiles: &[Tile]) -> Self {
         let mut noise = Self::new(tiles.len());
         let lit: Vec<LitTile> = tiles.par_iter().map(|&tile| LitTile::of(film, tile)).collect();
         lit.iter()
             .enumerate()
             .for_each(|(index, tile)| noise.replace(index, tile.noise));
-        // What is dark is known once all have been looked at.
+        // The threshold for dark pixels is known only after a first pass over all tiles.
         if noise.whole.light > 0.0 {
             let dark = noise.dark();
             let measured = lit.par_iter().map(|tile| tile.measured(film, dark));
@@ -144,13 +144,13 @@ impl PictureNoise {
         noise
     }
 
-    /// Says how many times what is estimated from the pixels' own samples their squared errors are, see
-    /// [`crate::render::noise::replicas`]; 1 at first.
+    /// Sets the ratio of the true squared errors to those estimated from the pixels' own samples, see
+    /// [`crate::render::noise::replicas`]; 1 initially.
     pub fn correct(&mut self, correction: f32) {
         self.correction = correction;
     }
 
-    /// What [`Self::correct`] was told.
+    /// The ratio set by [`Self::correct`].
     pub fn correction(&self) -> f32 {
         self.correction
     }
@@ -163,14 +163,14 @@ impl PictureNoise {
         }
     }
 
-    /// The sum over all pixels of what is estimated from their own samples: their squared standard errors relative to
-    /// the luminance.
+    /// The sum over all pixels of the squared standard errors relative to the luminance, as estimated from their own
+    /// samples.
     pub(super) fn own_squares(&self) -> f64 {
         self.tiles.iter().map(|tile| tile.squares - tile.by_splats).sum()
     }
 
-    /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so
-    /// far decides what counts as dark.
+    /// Updates the noise from the film's current data of a tile, the one at `index` among the picture's. The current
+    /// picture decides which pixels are dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
         let lit = LitTile::of(film, tile);
         self.replace(index, lit.noise);
@@ -189,8 +189,8 @@ impl PictureNoise {
     /// luminance; 0.01 is noise of one in a hundred. It does not depend on the exposure or the unit of light, and
     /// falls with the root of the samples.
     ///
-    /// Over the pixels of the tiles at `indices` that have two samples or more; None if there are none, or where all is
-    /// black.
+    /// The mean is over the pixels of the tiles at `indices` with two or more samples; None if there are none, or all
+    /// are black.
     pub fn relative(&self, indices: impl IntoIterator<Item = usize>) -> Option<f32> {
         let (mut pixels, mut light, mut squares, mut own) = (0.0, 0.0, 0.0, 0.0);
         for tile in indices.into_iter().map(|index| &self.tiles[index]) {

@@ -1,5 +1,5 @@
-//! Observers of a path while it is traced. They change nothing, and cost nothing where they are not used, for every
-//! kind of observer has a [`trace_path`](super::path::trace_path) of its own.
+//! Observers of a path while it is traced. They cannot change the path, and unused ones cost nothing, because every
+//! kind of observer has its own [`trace_path`](super::path::trace_path).
 
 use glam::Vec3;
 
@@ -10,24 +10,24 @@ use crate::material::{Lobe, MaterialId};
 use crate::math::Ray;
 use crate::medium::MediumId;
 
-/// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter met there, a light
-/// sampled from there, and the bounce to the next; emitters at infinity after the last; then how it ended.
+/// Receives the events along a path in this order: at each vertex, the hit, the surface, an emitter hit there, a light
+/// sampled from there, and the bounce to the next; emitters at infinity after the last; then the reason for the end.
 pub trait PathObserver {
-    /// A ray of the path has met a surface at `hit`, the next vertex unless a medium scatters the path before.
+    /// A ray of the path has hit a surface, the next vertex unless a medium scatters the path before.
     fn met(&mut self, _ray: &Ray, _hit: &Hit) {}
     /// A medium has added this light to the path's radiance along its last ray.
     fn emitted(&mut self, _contribution: Rgb) {}
-    /// The path has come to its next vertex.
+    /// The path has reached its next vertex.
     fn vertex(&mut self, _vertex: &PathVertex) {}
-    /// The path has met an emitter at its last vertex or at infinity.
+    /// The path has hit an emitter at its last vertex or at infinity.
     fn emitter_met(&mut self, _met: &MetEmitter) {}
     /// A light was sampled from the last vertex.
     fn light_sampled(&mut self, _sampled: &SampledLight) {}
-    /// The last vertex was joined with a path from a light, or merged with its photon.
+    /// The last vertex was joined with a light path, or merged with its photon.
     fn joined(&mut self, _joined: &Joined) {}
-    /// The path goes on from its last vertex.
+    /// The path continues from its last vertex.
     fn bounced(&mut self, _bounce: &Bounce) {}
-    /// The path is over.
+    /// The path has ended.
     fn ended(&mut self, _end: PathEnd) {}
 }
 
@@ -72,9 +72,9 @@ impl<O: PathObserver> PathObserver for Option<O> {
 /// A vertex of the path, at which light is scattered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathVertex {
-    /// A place on a surface.
+    /// A point on a surface.
     Surface(SurfaceVertex),
-    /// A place in a medium.
+    /// A point in a medium.
     Medium(MediumVertex),
 }
 
@@ -88,16 +88,16 @@ impl PathVertex {
     }
 }
 
-/// A place in a medium that has scattered the path.
+/// A point in a medium that has scattered the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MediumVertex {
-    /// The place in world space.
+    /// The point in world space.
     pub position: Vec3,
     /// The medium.
     pub medium: MediumId,
 }
 
-/// A surface that the path has come to, world space.
+/// A surface that the path has reached, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceVertex {
     /// The point on the surface.
@@ -110,18 +110,17 @@ pub struct SurfaceVertex {
     pub material: MaterialId,
 }
 
-/// An emitter that the path came upon by itself: at its last vertex, or at infinity.
+/// An emitter that the path has hit: at its last vertex, or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetEmitter {
     /// The light.
     pub light: LightId,
-    /// The radiance as emitted to the vertex before.
+    /// The radiance emitted to the previous vertex.
     pub radiance: Rgb,
     /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular
     /// bounce.
     pub bsdf_pdf: Option<f32>,
-    /// The density with which sampling the lights would have found the emitter. None where the weight does not depend
-    /// on it.
+    /// The density with which light sampling would have found the emitter. None where the weight does not depend on it.
     pub light_pdf: Option<f32>,
     /// The weight of multiple importance sampling.
     pub weight: f32,
@@ -129,28 +128,28 @@ pub struct MetEmitter {
     pub contribution: Rgb,
 }
 
-/// A light that was looked for from the last vertex.
+/// A light that was sampled from the last vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledLight {
     /// The light that was chosen.
     pub light: LightId,
     /// The direction towards it, with radiance and density.
     pub sample: LightSample,
-    /// Density per solid angle with which the bsdf would have chosen the direction.
+    /// Density per solid angle with which the BSDF would have sampled the direction.
     pub bsdf_pdf: f32,
     /// The weight of multiple importance sampling.
     pub weight: f32,
-    /// The share of the light that reaches the vertex; zero behind something, None where it would not have been
-    /// reflected anyway.
+    /// The share of the light that reaches the vertex; zero if occluded, None if the surface would not have reflected
+    /// it anyway.
     pub arriving: Option<Rgb>,
     /// The contribution to the path's radiance.
     pub contribution: Rgb,
 }
 
-/// The light of a path from a light that has come to the last vertex.
+/// The light of a light path at the last vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joined {
-    /// The light where that path begins.
+    /// The light at which that path begins.
     pub light: LightId,
     /// The vertex of that path, in world space.
     pub position: Vec3,
@@ -165,25 +164,25 @@ pub struct Joined {
 pub struct Bounce {
     /// Unit vector, world space.
     pub wi: Vec3,
-    /// Whether the direction was drawn from a density or was the only one of its lobe.
+    /// Whether the direction was sampled by a density or is the only one of its lobe.
     pub lobe: Lobe,
     /// Density per solid angle; of delta and null lobes the probability of choosing them.
     pub pdf: f32,
-    /// Probability of not having been ended by Russian roulette here; 1 where none was played.
+    /// Probability of having survived Russian roulette here; 1 where it was not played.
     pub survival: f32,
-    /// The factor for light from there on.
+    /// The throughput after the bounce.
     pub throughput: Rgb,
 }
 
 /// The reason why a path has no further vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathEnd {
-    /// The ray met nothing.
+    /// The ray hit nothing.
     #[default]
     Escaped,
-    /// It is as long as it may be.
+    /// The path has its maximum length.
     DepthLimit,
-    /// The surface does not scatter light on.
+    /// The surface absorbed the light.
     Absorbed,
     /// Russian roulette has ended it.
     Roulette,

@@ -1,4 +1,4 @@
-//! How much medium is before the first surface: the optical depth along the camera ray.
+//! The optical depth along the camera ray up to the first surface.
 
 use super::borders::behind_borders;
 use super::path_state::PathSample;
@@ -7,10 +7,10 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::MediumId;
 
-/// The largest depth that is told apart: nothing is seen through it. It is finite, as the film's sums have to be.
+/// The largest optical depth shown, through which nothing is visible. It is finite, as the film's sums have to be.
 const DEEPEST: f32 = 1e4;
 
-/// The optical depth up to the first surface that is not merely the border of a medium, by colour. The ray begins in
+/// The optical depth up to the first surface that is not just a border of media, per channel. The ray begins in
 /// `medium`.
 pub(super) fn sample(scene: &RenderScene, ray: &Ray, medium: Option<MediumId>) -> PathSample {
     let mut depth = Rgb::ZERO;

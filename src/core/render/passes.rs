@@ -1,22 +1,22 @@
-//! The division of a pixel's samples: passes, which are rendered at once, and chunks, at whose ends a picture may be
+//! The division of a pixel's samples: passes, which are rendered in one go, and chunks, at whose ends a picture may be
 //! cut into shares.
 //!
 //! A sum of floating-point numbers depends on its grouping, and equal seeds shall give equal bits, however a picture
 //! was rendered. So the grouping is fixed. The samples of a pass are summed up from zero, the passes of a chunk are
-//! summed up from zero, and the film adds chunk after chunk. What renders the samples from the end of one chunk to the
-//! end of another needs no more than to keep the sums of its chunks, and the film adds them later as if it had rendered
-//! them itself.
+//! summed up from zero, and the film adds chunk after chunk. A program that renders the samples from the end of one
+//! chunk to the end of another only has to keep the sums of its chunks, and the film adds them later as if it had
+//! rendered them itself.
 //!
 //! Chunks are as long as an eighth of the samples before them, so that a share of a long picture has few of them. Up to
-//! 256 samples each pass is a chunk. Sums of sums also lose fewer digits than one long sum does (Higham, The accuracy
-//! of floating point summation, SIAM Journal on Scientific Computing 14(4), 1993).
+//! 256 samples each pass is a chunk. Sums of sums also lose fewer digits than one long sum (Higham, The accuracy of
+//! floating point summation, SIAM Journal on Scientific Computing 14(4), 1993).
 
 use std::iter::successors;
 use std::ops::Range;
 
 /// The longest pass, in samples per pixel.
 const LONGEST_PASS: u32 = 16;
-/// A chunk is this part of the power of two below it.
+/// The number of chunks between one power of two and the next.
 const CHUNKS_TO_DOUBLE: u32 = 8;
 
 /// The end of the pass that begins after `done` samples: passes of 1, 1, 2, 4, 8, 16, 16, ... samples.
@@ -28,7 +28,7 @@ pub fn pass_end(done: u32) -> u32 {
     }
 }
 
-/// The chunk that has sample number `sample`, counted from 0.
+/// The chunk of sample number `sample`, counted from 0.
 pub fn chunk_of(sample: u32) -> Range<u32> {
     if sample < LONGEST_PASS {
         let start = sample.checked_ilog2().map_or(0, |power| 1 << power);
@@ -39,7 +39,7 @@ pub fn chunk_of(sample: u32) -> Range<u32> {
     start..start.saturating_add(length)
 }
 
-/// The number of chunks that have some of these samples.
+/// The number of chunks that these samples touch.
 pub fn chunks_in(samples: Range<u32>) -> u64 {
     let starts = successors(Some(samples.start), |&start| Some(chunk_of(start).end));
     starts.take_while(|&start| start < samples.end).count() as u64

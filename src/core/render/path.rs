@@ -23,8 +23,8 @@ use crate::medium::MediumId;
 use crate::sampling::Sampler;
 use crate::shading::TransportMode;
 
-/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin, which is in `medium`. `observer` is
-/// called with its events and cannot change it; with `()` there is no observer.
+/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin, which is in `medium`. `observer`
+/// receives the events without an effect on them; `()` is no observer.
 pub fn trace_path(
     scene: &RenderScene,
     settings: &PathSettings,
@@ -44,34 +44,34 @@ pub fn trace_path(
     }
 }
 
-/// A surface that a path has come to.
+/// A surface that a path has reached.
 struct Vertex<'a> {
     point: &'a SurfacePoint,
     slot: SurfaceSlot,
     scattering: &'a Scattering<'a>,
-    /// Whether the surface scatters by a density, so that lights are worth sampling from it.
+    /// Whether the surface scatters by a density, so that light sampling helps.
     is_smooth: bool,
-    /// The place from which lights are sampled.
+    /// The reference point for light sampling.
     reference: LightReference,
 }
 
-/// The start of a path's way to a light.
+/// The start of a shadow ray.
 pub(super) struct Departure {
     pub origin: Vec3,
     /// The medium there.
     pub medium: Option<MediumId>,
 }
 
-/// What a path does at a vertex as far as sampled lights have to know.
+/// The scattering at a vertex, as light sampling needs it.
 pub(super) trait Scatterer {
-    /// The place from which lights are sampled.
+    /// The reference point for light sampling.
     fn reference(&self) -> &LightReference;
 
     /// The part of light from `wi` that is scattered along the path, times the cosine at surfaces; and the density per
     /// solid angle with which the path would have gone to `wi`.
     fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32);
 
-    /// Whether a light is sampled: by which number it is chosen, and the factor of what it brings. `u_choice` decides
+    /// Whether a light is sampled: the number by which it is chosen, and the factor on its light. `u_choice` decides
     /// for a path with this squared relative index of refraction.
     #[inline(always)]
     fn seeks_light(&self, u_choice: f32, _eta_squared: f32) -> Option<(f32, f32)> {
@@ -84,7 +84,7 @@ pub(super) trait Scatterer {
         true
     }
 
-    /// The start of the way to `wi` for a path in `medium`.
+    /// The start of the shadow ray to `wi` for a path in `medium`.
     fn leave(&self, wi: Vec3, medium: Option<MediumId>) -> Departure;
 }
 
@@ -109,9 +109,8 @@ impl Scatterer for Vertex<'_> {
 }
 
 impl PathState {
-    /// The first hit of a camera ray behind the emitting shapes that the camera does not see, if `hit` is what it meets
-    /// first. The ray then starts behind the last of these shapes. As in Mitsuba 3.9, they count for no depth,
-    /// whichever way they shine.
+    /// The first hit of a camera ray behind the hidden emitters, if `hit` is its first hit of all. The ray then starts
+    /// behind the last of these shapes. As in Mitsuba 3.9, they do not count as depth, whatever side they emit on.
     #[inline(always)]
     pub fn behind_hidden_emitters(
         &mut self,
@@ -144,7 +143,7 @@ impl PathState {
         hit
     }
 
-    /// Takes the path to `hit`, the nearest of its ray, and on to its next ray. False if it ends.
+    /// Takes the path to `hit`, the nearest hit of its ray, and samples its next ray. False if it ends.
     #[inline(always)]
     pub fn advance(
         &mut self,
@@ -157,7 +156,7 @@ impl PathState {
         goes_on(end, observer)
     }
 
-    /// Takes the path, which has come to `hit` already, on to its next ray. False if it ends.
+    /// Samples the next ray of the path, which has reached `hit` already. False if it ends.
     #[inline(always)]
     pub fn advance_from(
         &mut self,
@@ -244,13 +243,13 @@ impl PathState {
         Continue(())
     }
 
-    /// The segments of the path that count, up to its last vertex.
+    /// The counted segments of the path up to its last vertex.
     #[inline(always)]
     pub(super) fn segments(&self) -> u32 {
         self.depth - self.uncounted
     }
 
-    /// Leaves the scene.
+    /// Ends the path outside of the scene, and adds the light from there.
     #[inline(always)]
     pub fn escape(&mut self, scene: &RenderScene, settings: &PathSettings, observer: &mut impl PathObserver) {
         let is_hidden = settings.hide_emitters && self.is_straight;
@@ -294,7 +293,7 @@ impl PathState {
         self.depth += 1;
     }
 
-    /// Adds what the surface at `hit`, which is a part of `light`, emits towards the path.
+    /// Adds the emission of the surface at `hit`, a part of `light`, towards the path.
     #[inline(always)]
     pub fn see_light(
         &mut self,
@@ -316,7 +315,7 @@ impl PathState {
         }
     }
 
-    /// Adds the `radiance` of an emitter that the path has come upon. `light_pdf`: see [`Arrival::weigh`].
+    /// Adds the `radiance` of an emitter that the path has hit. `light_pdf` is that of [`Arrival::weigh`].
     #[inline(always)]
     fn add_emitter(
         &mut self,
@@ -392,7 +391,7 @@ impl PathState {
     }
 
     /// The share of a light's radiance that arrives at the path's vertex, and the probability with which media would
-    /// have let the path come to the light, whose throughput in that direction is `carried`.
+    /// have let the path reach the light with the throughput `carried`.
     fn trace_shadow_ray(
         &mut self,
         scene: &RenderScene,
@@ -416,7 +415,7 @@ impl PathState {
         (arriving, media.passed)
     }
 
-    /// Turns the path to where the surface has sent it on.
+    /// Sets the ray of the path to the sampled direction.
     #[inline(always)]
     fn bounce(
         &mut self,
@@ -438,7 +437,7 @@ impl PathState {
             let normal = vertex.point.geometric_normal;
             self.medium = vertex.slot.media.entered(self.medium, sample.wi, normal);
         }
-        // Shadow rays pass through null lobes as well, so the weights stay those of the vertex before.
+        // Shadow rays pass null lobes as well, so the weights are still those of the previous vertex.
         if sample.lobe != Lobe::Null {
             self.arrival = Arrival {
                 is_sampled: sample.lobe == Lobe::Smooth,
@@ -450,7 +449,7 @@ impl PathState {
         Continue(sample)
     }
 
-    /// Ends the path at random, or returns the probability with which it has gone on. `is_scattered`: see
+    /// Ends the path at random, or returns the probability of its survival. `is_scattered` is that of
     /// [`roulette::is_played`].
     #[inline(always)]
     pub(super) fn play_roulette(
@@ -471,7 +470,7 @@ impl PathState {
     }
 }
 
-/// Whether a path goes on; if not, the observer is told.
+/// Whether a path continues; if not, the observer is notified.
 fn goes_on(end: ControlFlow<PathEnd>, observer: &mut impl PathObserver) -> bool {
     if let Break(end) = end {
         observer.ended(end);

@@ -1,4 +1,4 @@
-//! The state of a path under way, declared once for the path that is traced alone and for the paths in lanes.
+//! The state of an unfinished path, declared once for paths traced one by one and for paths in lanes.
 
 use glam::Vec3;
 
@@ -14,13 +14,13 @@ use crate::sampling::Sampler;
 pub struct PathSample {
     /// The radiance along the ray, linear Rec. 709.
     pub radiance: Rgb,
-    /// The part of it that the camera sees directly, in mirrors or through glass: not scattered by a density.
+    /// The part of `radiance` that the camera sees directly, in mirrors or through glass: not scattered by a density.
     pub seen: Rgb,
     /// The colour of the first surface that is not perfectly specular, in [0, 1]; a feature for the denoiser.
     pub albedo: Rgb,
     /// The world normal of the same surface.
     pub normal: Vec3,
-    /// Distance from the camera ray's origin to the first surface; 0 where there is none.
+    /// Distance from the camera ray's origin to the first surface; 0 without one.
     pub depth: f32,
     /// The first hit; None if the camera ray hits nothing.
     pub first_hit: Option<Hit>,
@@ -29,25 +29,25 @@ pub struct PathSample {
 }
 
 per_lane! {
-    /// A path under way.
+    /// An unfinished path.
     pub(super) struct PathState in PathLanes {
         /// The ray to the next vertex.
         pub ray: Ray,
         pub throughput: Rgb,
-        /// The squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must
-        /// not see that.
+        /// The squared relative index of refraction so far: inside glass radiance is scaled by it, which roulette must
+        /// ignore.
         pub eta_squared: f32,
         /// The radiance that the path has found so far.
         pub radiance: Rgb,
         pub arrival: Arrival,
-        /// Vertices so far: surfaces met and places of scattering in media, without the hidden emitters that the camera
-        /// ray has passed.
+        /// The number of vertices so far: surfaces hit and scatterings in media, without the hidden emitters that the
+        /// camera ray has passed.
         pub depth: u32,
-        /// The vertices among them that count for no segment of the path.
+        /// The number of those vertices that do not end a counted segment.
         pub uncounted: u32,
-        /// The medium that the ray goes through.
+        /// The medium along the ray.
         pub medium: Option<MediumId>,
-        /// Whether all surfaces met so far have let the camera ray pass straight on.
+        /// Whether all surfaces hit so far have let the camera ray pass straight on.
         pub is_straight: bool,
         /// Rays traced, shadow rays included.
         pub rays: u32,
@@ -57,7 +57,7 @@ per_lane! {
 }
 
 per_lane! {
-    /// The way in which a path came to its current vertex, on which the weight of an emitter there depends.
+    /// The sampling of the direction to the current vertex, on which the weight of an emitter there depends.
     pub(super) struct Arrival in ArrivalLanes {
         /// Whether a bsdf chose the direction by a density. Otherwise the path comes from the camera or from a delta
         /// lobe, and no other technique could have found the emitter.
@@ -69,17 +69,17 @@ per_lane! {
     }
 }
 
-/// Notes along a path that are not part of the picture. Nothing in it changes where the path goes or what it brings.
+/// Notes along a path that are not part of the picture. They affect neither the path nor its radiance.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathRecord {
-    /// The albedo for the denoiser in [0, 1], and below the normal in the world.
+    /// The albedo for the denoiser in [0, 1], and (next) its normal in the world.
     pub albedo: Rgb,
     pub normal: Vec3,
     pub has_features: bool,
     /// The radiance found so far before the path was scattered by a density.
     pub seen: Rgb,
-    /// The first hit; None while the camera ray has hit nothing. Its `t` counts from the first origin of the camera
-    /// ray.
+    /// The first hit; None before the camera ray has hit a surface. Its `t` counts from the original origin of the
+    /// camera ray.
     pub first_hit: Option<Hit>,
     /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
     pub passed: f32,
@@ -118,22 +118,22 @@ impl PathState {
         }
     }
 
-    /// The result of the path, once it has ended.
+    /// The result of a finished path.
     pub fn sample(&self) -> PathSample {
         self.record.sample(self.radiance, self.rays)
     }
 }
 
 impl PathRecord {
-    /// Notes the first surface, at `hit` of a camera ray.
+    /// Records the first surface, at `hit` of a camera ray.
     pub fn meet(&mut self, hit: &Hit) {
         let mut first = *hit;
         first.t += self.passed;
         self.first_hit = Some(first);
     }
 
-    /// Whether the denoiser's features are taken at this surface, through which the path does not pass. They are those
-    /// of the first surface that scatters by a density or shines, or else of the last one.
+    /// Whether the denoiser's features are taken at this surface, which the path does not pass straight. They are those
+    /// of the first surface that scatters by a density or emits, or else of the last one.
     pub fn wants_features(&self, is_smooth: bool, is_light: bool, is_last: bool) -> bool {
         !self.has_features && (is_smooth || is_light || is_last)
     }
@@ -147,15 +147,15 @@ impl PathRecord {
         self.normal = normal;
     }
 
-    /// Takes the denoiser's features at a place in a medium, unless it has them. `throughput` has the albedo of the
-    /// medium in it; there is no normal.
+    /// Takes the denoiser's features at a scattering in a medium, unless it has them. `throughput` includes the albedo
+    /// of the medium; there is no normal.
     pub fn take_medium_features(&mut self, throughput: Rgb) {
         if !self.has_features {
             self.take_features(throughput, Rgb::ONE, Vec3::ZERO, false);
         }
     }
 
-    /// Notes `radiance` that the path has come upon, which is seen directly unless it was scattered before.
+    /// Records `radiance` of a hit emitter, which is seen directly unless the path was scattered before.
     #[inline(always)]
     pub fn come_upon(&mut self, radiance: Rgb) {
         if !self.has_features {
@@ -163,7 +163,7 @@ impl PathRecord {
         }
     }
 
-    /// Notes that the path has left the scene with this `radiance`.
+    /// Records that the path has left the scene with this `radiance`.
     pub fn escape(&mut self, radiance: Rgb) {
         if !self.has_features {
             self.albedo = radiance.clamp(Rgb::ZERO, Rgb::ONE);

@@ -1,34 +1,34 @@
-//! Photons in a balanced kd-tree (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001, chapter 6): the ends
-//! of paths from the lights, found by place.
+//! Photons in a balanced kd-tree (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001, chapter 6): vertices
+//! of light paths, searchable by position.
 
 use glam::Vec3;
 
 use crate::color::Rgb;
 use crate::light::LightId;
 
-/// Light that has come to a surface.
+/// Light that has reached a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Photon {
-    /// The light that it comes from.
+    /// The light at which its path begins.
     pub light: LightId,
-    /// World space.
+    /// The position in world space.
     pub position: Vec3,
-    /// Unit vector to where it came from.
+    /// Unit vector to the photon's origin.
     pub wi: Vec3,
-    /// Its power in W, as if it were the only one.
+    /// Its power in W, as if it were the only photon.
     pub power: Rgb,
-    /// How likely the ways of finding its path are that have fewer vertices from the light.
+    /// The densities of the techniques that find its path with fewer vertices from the light.
     pub fewer: FewerOfLight,
     /// The segments of its path.
     pub segments: u32,
 }
 
-/// The sum of the squared ratios of the ways of finding a path that have fewer vertices from the light than the one at
-/// hand. All grow with the density that the last vertex of the light's path has from the camera, and some with the
-/// density of the direction in which the camera's path goes on from there.
+/// The sum of the squared ratios of the techniques with fewer vertices from the light than the current one. All grow
+/// with the density that the last vertex of the light path has from the camera, and some with the density of the
+/// direction in which the camera path continues there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FewerOfLight {
-    /// What does not depend on the direction.
+    /// The part that does not depend on the direction.
     pub fixed: f32,
     /// The factor of the squared density of the direction.
     pub of_next: f32,
@@ -41,13 +41,13 @@ impl FewerOfLight {
     }
 }
 
-/// The area around a place in which photons count as having come to the place: the disk whose radius is a number of
-/// pixels as the camera sees them from there, whatever is in between.
+/// The area around a point in which photons count as being at the point: a disk whose radius is a number of pixels as
+/// the camera would see them there unoccluded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MergeArea {
     /// The squared radius at distance 1 from `eye`, or everywhere if there is no eye.
     pub radius_squared: f32,
-    /// The camera's place; None for parallel rays.
+    /// The camera's position; None for parallel rays.
     pub eye: Option<Vec3>,
     /// An upper bound of the squared radius.
     pub largest: f32,
@@ -63,7 +63,7 @@ impl MergeArea {
 /// The photons of one round.
 #[derive(Debug, Default)]
 pub(super) struct PhotonMap {
-    /// The tree: the middle of a range splits it, the halves on both sides of it are its children.
+    /// The tree: the centre of a range splits it, and the halves on both sides are its children.
     photons: Vec<Photon>,
     /// The axis by which each photon splits its range.
     axes: Vec<u8>,
@@ -79,15 +79,14 @@ impl PhotonMap {
         Self { photons, axes }
     }
 
-    /// Calls `visit` with each photon less than the root of `radius_squared` away from `place`, always in the same
-    /// order.
+    /// Calls `visit` with each photon closer to `place` than the root of `radius_squared`, always in the same order.
     pub fn near(&self, place: Vec3, radius_squared: f32, mut visit: impl FnMut(&Photon)) {
         let mut look = |photon: &Photon| {
             if photon.position.distance_squared(place) < radius_squared {
                 visit(photon);
             }
         };
-        // Each step halves the range, and leaves one half waiting.
+        // Each step halves the range, and leaves at most one half waiting.
         let mut waiting = arrayvec::ArrayVec::<(usize, usize), 64>::new();
         let mut range = Some((0, self.photons.len()));
         while let Some((start, end)) = range {

@@ -1,8 +1,8 @@
-//! The photons of a picture, round by round: round number n is sample number n of all pixels, which see the same
-//! photons. They are a function of the scene, the view and the number of the round alone, so that they may be traced
-//! whenever a worker needs them, and thrown away.
+//! The photons of a picture, round by round: round number n is sample number n of all pixels, which share its photons.
+//! They are a function of the scene, the view and the number of the round alone, so that they can be traced whenever a
+//! worker needs them, and dropped.
 //!
-//! A round that is not there yet is traced by all workers that wait for it, a block of its paths each.
+//! A missing round is traced by all workers that wait for it, each of which traces some blocks of its paths.
 
 use std::fmt;
 use std::sync::atomic::AtomicBool;
@@ -13,15 +13,15 @@ use super::scene::RenderScene;
 use super::together::Together;
 use crate::sampling::SequenceKind;
 
-/// The paths from the lights of a block.
+/// The number of light paths per block.
 pub(super) const PATHS_OF_BLOCK: u32 = 1024;
-/// The rounds that are kept: those of two of the longest passes, since some workers have begun the next one while
-/// others are at the last.
+/// The number of cached rounds: those of two of the longest passes, since some workers start the next pass while others
+/// finish the last.
 const KEPT: usize = 32;
 
-/// The photons that the workers of a picture share. Clones share them too.
+/// The cache of photons that the workers of a picture share. Clones share it too.
 ///
-/// It is a store and no part of what a picture depends on, so that any two are equal.
+/// Pictures do not depend on the cache, so that any two are equal.
 #[derive(Clone, Default)]
 pub struct PhotonRounds(Arc<Mutex<Vec<Arc<Round>>>>);
 
@@ -37,13 +37,13 @@ impl fmt::Debug for PhotonRounds {
     }
 }
 
-/// What the photons of a round depend on besides the scene.
+/// The settings that a round's photons depend on besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RoundId {
     pub number: u32,
     pub sequence: SequenceKind,
     pub seed: u32,
-    /// The paths from the lights.
+    /// The number of light paths.
     pub paths: u32,
     pub area: MergeArea,
     pub longest_path: u32,
@@ -57,7 +57,7 @@ struct Round {
 }
 
 impl PhotonRounds {
-    /// The number of rounds that are kept at this moment.
+    /// The number of cached rounds.
     pub fn kept(&self) -> usize {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
@@ -85,7 +85,7 @@ impl PhotonRounds {
             Some(place) => kept.remove(place),
             None => Arc::new(Round::new(scene.clone(), id)),
         };
-        // The last one has waited longest for a worker.
+        // The last round is the least recently used one.
         kept.insert(0, round.clone());
         kept.truncate(KEPT);
         round

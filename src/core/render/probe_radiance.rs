@@ -1,8 +1,8 @@
-//! Estimates the radiance that arrives at a point in space, as a mirror there would show it.
+//! Estimates the radiance that arrives at a point in space, as seen in a mirror there.
 //!
-//! A sample is a path that begins at the point, in a direction through a part of the surroundings. The point takes the
-//! place of a mirror that a camera looks at, so limits of depth count as for what is seen in one, and emitters that are
-//! hidden from cameras are seen. Lights without extent are not.
+//! A sample is a path that begins at the point, in a direction through a part of the surroundings. The point acts as a
+//! mirror seen by a camera, so limits of depth count as in mirrors, and emitters that are hidden from cameras are
+//! visible. Lights without extent are not.
 
 use std::sync::atomic::AtomicBool;
 
@@ -17,12 +17,12 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 
-/// A part of what is seen from a point: the directions through a parallelogram, in world space.
+/// A part of the directions around a point: those through a parallelogram, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The point.
     pub from: Vec3,
-    /// A corner of the parallelogram, as seen from the point; of any length.
+    /// A corner of the parallelogram relative to the point; of any length.
     pub corner: Vec3,
     /// The edge from there to the right.
     pub across: Vec3,
@@ -31,7 +31,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// The middle of the parallelogram, as seen from the point.
+    /// The centre of the parallelogram relative to the point.
     pub fn middle(&self) -> Vec3 {
         self.corner + 0.5 * (self.across + self.down)
     }
@@ -57,14 +57,14 @@ pub struct RadianceJob {
 pub struct RadianceSample {
     /// The radiance, linear Rec. 709.
     pub radiance: Rgb,
-    /// Whether the path first meets the back of a surface.
+    /// Whether the path first hits the back of a surface.
     pub meets_back: bool,
     /// Rays traced, shadow rays included.
     pub rays: u32,
 }
 
-/// Traces samples of radiance in the scene as `view` sees it, whose camera does not matter: by its settings, in its
-/// medium. The samples are in the order of the jobs. None if `cancel` was set in the meantime.
+/// Traces samples of radiance in the scene, with the settings and the medium of `view`; its camera is not used. The
+/// samples are in the order of the jobs. None if `cancel` was set in the meantime.
 pub fn trace_radiance(
     scene: &RenderScene,
     view: &View,

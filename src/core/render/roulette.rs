@@ -1,4 +1,4 @@
-//! Russian roulette ends paths that contribute little at random, and gives those that go on more weight (Arvo and Kirk,
+//! Russian roulette ends paths with little throughput at random, and raises the weight of the survivors (Arvo and Kirk,
 //! Particle Transport and Image Synthesis, 1990; PBR 4th ed., sections 2.2.4 and 13.4.1).
 
 use super::view::PathSettings;
@@ -7,12 +7,12 @@ use crate::math::Real;
 /// The highest probability that a path continues, so that bright enclosures end too.
 const HIGHEST_SURVIVAL: f32 = 0.95;
 
-/// The same in media: milk scatters light some hundred times before it lets it out, and weights that grow all the time
-/// would be noise.
+/// The same in media: milk scatters light some hundred times before it leaves, and steadily growing weights would be
+/// noise.
 const HIGHEST_SURVIVAL_IN_MEDIA: f32 = 0.999;
 
-/// The number of further vertices that roulette waits where surfaces leave no choice of direction. Light that has
-/// passed through glass is strong and rare, and roulette was played for it where it was last scattered.
+/// The number of further vertices for which roulette waits after specular bounces. Light that has passed through glass
+/// is strong and rare, and roulette was played for it at its last scattering.
 const SPECULAR_GRACE: u32 = 16;
 
 /// Whether roulette is played at the surface number `depth` of the path. `is_scattered` says that the path continues in
@@ -23,7 +23,7 @@ pub(super) fn is_played<R: Real>(settings: &PathSettings, depth: R::Word, is_sca
     (is_scattered & R::is_at_least(depth, settings.rr_depth)) | R::is_at_least(depth, late)
 }
 
-/// The probability that a path continues whose throughput has `brightest` as its largest component.
+/// The survival probability of a path whose throughput has `brightest` as its largest component.
 #[inline(always)]
 pub(super) fn survival<R: Real>(brightest: R, eta_squared: R) -> R {
     (brightest * eta_squared).min(R::splat(HIGHEST_SURVIVAL))
@@ -36,8 +36,8 @@ pub(super) fn survival_in_media<R: Real>(brightest: R, eta_squared: R) -> R {
 }
 
 /// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`.
-/// Radiance is less by this factor where light has left glass and more within (PBR 4th ed., section 9.5.2), which says
-/// nothing of what a path will bring.
+/// Refraction scales radiance by this factor (PBR 4th ed., section 9.5.2), which does not predict the path's
+/// contribution.
 #[inline(always)]
 pub(super) fn eta_squared<R: Real>(so_far: R, eta: R) -> R {
     so_far * eta * eta

@@ -1,5 +1,5 @@
-//! The scene as the kernel sees it: immutable tables with dense ids, shared by reference count so that an edit replaces
-//! one of them.
+//! The scene in the kernel: immutable tables with dense ids, shared by reference count so that an edit replaces one of
+//! them.
 
 use std::sync::Arc;
 
@@ -14,12 +14,12 @@ use crate::medium::{MediumInterface, MediumTable};
 use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
-/// The data that light transport needs of a scene. A clone copies six pointers and a few numbers.
+/// The data of a scene for light transport. A clone copies six pointers and a few numbers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
     /// The hierarchy over all shapes.
     pub geometry: Arc<Tlas>,
-    /// The material and the light of each piece of a shape.
+    /// The material and the light of each slot of a shape.
     pub surfaces: Arc<SurfaceTable>,
     /// The materials that [`SurfaceSlot::material`] refers to.
     pub materials: Arc<MaterialTable>,
@@ -27,20 +27,20 @@ pub struct RenderScene {
     pub textures: Arc<TextureTable>,
     /// The lights that [`SurfaceSlot::light`] refers to, with the tree that chooses among all of them.
     pub lights: Arc<LightTable>,
-    /// What the lights can meet, [`LightTable::reach`].
+    /// The region that the lights can reach, [`LightTable::reach`].
     pub reach: Reach,
     /// The participating media that [`SurfaceSlot::media`] refers to.
     pub media: Arc<MediumTable>,
 }
 
-/// The material and the light of a piece of surface, and the media on its sides.
+/// The material and the light of a part of a shape's surface, and the media on its sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceSlot {
     /// The material, in [`RenderScene::materials`].
     pub material: MaterialId,
-    /// The light that the slot shines as; None where it does not shine.
+    /// The area light of the slot; None if it does not emit.
     pub light: Option<LightId>,
-    /// The media that light goes through on either side of the surface.
+    /// The media on both sides of the surface.
     pub media: MediumInterface,
 }
 
@@ -60,12 +60,12 @@ pub struct FirstHit {
 pub struct SurfaceTable {
     /// The index of the first slot of each shape, as [`Tlas::shape_index`] counts them.
     pub first_slot: Vec<u32>,
-    /// The slots of all shapes, those of a shape side by side.
+    /// The slots of all shapes, contiguous for each shape.
     pub slots: Vec<SurfaceSlot>,
 }
 
 impl RenderScene {
-    /// Whether it consists of the very tables of the other one.
+    /// Whether both scenes share all their tables.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.geometry, &other.geometry)
             && Arc::ptr_eq(&self.surfaces, &other.surfaces)
@@ -75,7 +75,7 @@ impl RenderScene {
             && Arc::ptr_eq(&self.media, &other.media)
     }
 
-    /// The point for texture lookups at `hit`, of which `point` is the surface.
+    /// The point for texture lookups at `hit`, whose surface is `point`.
     pub(crate) fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
         TexturePoint {
             uv: point.uv,
@@ -93,7 +93,7 @@ impl RenderScene {
         let first = self.surfaces.first_slot[shape];
         let last = self.surfaces.first_slot.get(shape + 1);
         let count = last.map_or(self.surfaces.slots.len() as u32, |&next| next) - first;
-        // A shape with a bsdf of its own has one slot, whatever its file says.
+        // A shape with its own BSDF has one slot, whatever its file says.
         let offset = if count > 1
             && let Primitive::Mesh(blas) = &self.geometry.shape_at(hit).primitive
         {
@@ -107,8 +107,8 @@ impl RenderScene {
         self.surfaces.slots[(first + offset) as usize]
     }
 
-    /// Whether light may pass straight through the surface of a shape somewhere, as [`Tlas::shape_index`] counts
-    /// shapes.
+    /// Whether light may pass straight through a shape's surface somewhere. Shapes are numbered as in
+    /// [`Tlas::shape_index`].
     #[inline(never)]
     pub(super) fn is_clear(&self, shape: usize) -> bool {
         let SurfaceTable { first_slot, slots } = &*self.surfaces;
@@ -119,12 +119,12 @@ impl RenderScene {
             .any(|slot| self.materials.is_clear(slot.material))
     }
 
-    /// The surface that `ray` met at `hit`, with what its material and its light have to know.
+    /// The surface at `hit` of `ray`, in the detail that its material and its light need.
     pub fn surface(&self, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> SurfacePoint {
         self.geometry.surface_in(ray, hit, self.detail(slot))
     }
 
-    /// What the material and the light of a surface have to know.
+    /// The detail of a surface that its material and its light need.
     pub fn detail(&self, slot: &SurfaceSlot) -> Detail {
         match slot.light.is_some_and(|light| self.lights.is_textured(light)) {
             true => Detail::Parametrised,
@@ -132,7 +132,7 @@ impl RenderScene {
         }
     }
 
-    /// The part of a camera ray's hit that is kept.
+    /// The part of a camera ray's hit that the film keeps.
     pub fn first_hit(&self, ray: &Ray, hit: &Hit) -> FirstHit {
         FirstHit {
             instance: hit.instance,
@@ -155,7 +155,7 @@ impl RenderScene {
         single.or_else(|| self.scattering(material, hit, point, wo, mode).take_single())
     }
 
-    /// The scattering of the surface at `hit` for a path that has come from `wo`, a unit vector in world space.
+    /// The scattering of the surface at `hit` for a path from `wo`, a unit vector in world space.
     pub fn scattering(
         &self,
         material: MaterialId,

@@ -2,8 +2,8 @@
 //!
 //! Each moment is a scene and a view of its own, and a sample sees one of them: the accumulation buffer of Haeberli and
 //! Akeley, "The Accumulation Buffer: Hardware Support for High-Quality Rendering", 1990. So everything can move, and
-//! rays through a moment cost what they cost in a still scene. The moments are the middles of equal parts of the time.
-//! What moves by more than a pixel from one to the next shows as many edges.
+//! rays cost as much as in a still scene. The moments are the centres of equal parts of the open time. Objects that
+//! move by more than a pixel between moments show as many edges.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use super::view::View;
 /// The scene and the view at one moment.
 pub type Moment = (RenderScene, View);
 
-/// The moments that samples are spread over, so that any first few samples are spread well.
+/// The moments over which samples are spread, ordered so that any first few samples are well spread.
 #[derive(Clone, Debug)]
 pub struct Shutter {
     moments: Arc<[Moment]>,
@@ -27,25 +27,25 @@ pub struct Shutter {
 }
 
 impl Shutter {
-    /// The most moments: beyond, packing them would take longer than to trace their samples.
+    /// The most moments: with more, packing them would take longer than tracing their samples.
     pub const MOST: u32 = 64;
 
-    /// The shutter over moments in the order of time; None if there are none. `scene` is one that `guide` is of, which
-    /// may be learnt already.
+    /// The shutter over moments in the order of time; None if there are none. `guide` is the guide of `scene`, and may
+    /// be learnt already.
     pub fn new(moments: &[Moment], (scene, guide): (&RenderScene, &Guide)) -> Option<Self> {
         let first = moments.first()?;
         let photons = first.1.photons.clone();
         let moment = |place: usize| {
             let (scene, view) = moments[place].clone();
-            // A store of its own for each moment would keep photons of many samples that are done.
+            // A cache for each moment would keep the photons of many finished samples.
             let photons = photons.clone();
-            // A clamp keeps few limits, and each moment has one.
+            // A clamp caches few limits, and each moment has one.
             let clamp = view.clamp.map(|clamp| Clamp::new(clamp.percentile));
             let view = View { photons, clamp, ..view };
             (scene, view)
         };
         let moments: Vec<Moment> = spread_order(moments.len()).into_iter().map(moment).collect();
-        // A guide is that of a scene, which all moments have if only the camera moves.
+        // Moments with the same scene share its guide: all of them if only the camera moves.
         let mut guides: Vec<Guide> = Vec::new();
         for moment in &moments {
             let before = moments
@@ -63,7 +63,7 @@ impl Shutter {
         Some(shutter.with_method_of(&first.1))
     }
 
-    /// The same moments by the integrator of another view, and guided if that is.
+    /// The same moments with the integrator of another view, and with its guiding.
     pub fn with_method_of(&self, other: &View) -> Self {
         let moment = |((scene, view), guide): (&Moment, &Guide)| {
             let view = View {
@@ -99,13 +99,13 @@ impl Shutter {
         samples.div_ceil(samples.div_ceil(Self::MOST).max(1)).max(1)
     }
 
-    /// The middles of as many equal parts of a time as there are moments.
+    /// The centres of `moments` equal parts of the time from `open` to `close`.
     pub fn times(open: f64, close: f64, moments: u32) -> impl Iterator<Item = f64> {
         let part = (close - open) / f64::from(moments);
         (0..moments).map(move |moment| open + (f64::from(moment) + 0.5) * part)
     }
 
-    /// How bright samples may be at the first moment; None without a clamp, and until that is known.
+    /// The brightness limit at the first moment; None without a clamp, and until the limit is known.
     pub fn clamped(&self) -> Option<BrightnessLimit> {
         self.moments.first()?.1.clamp.as_ref()?.found()
     }

@@ -1,9 +1,9 @@
-//! Light that the samples of one tile bring to pixels of others, as paths from the lights do (PBR 4th ed., section 5.4;
+//! Splats: light that the samples of one tile add to pixels of others, as light paths do (PBR 4th ed., section 5.4;
 //! Veach 1997, section 10.3).
 //!
-//! Tiles are done in any order, and a sum of floating-point numbers depends on its order. Sums of splats are therefore
-//! fixed-point numbers, which do not: they have the same bits for any number of threads, and for a picture that is put
-//! together from shares.
+//! Tiles finish in any order, and a sum of floating-point numbers depends on its order. Sums of splats are therefore
+//! fixed-point numbers, which do not: they have the same bits for any number of threads, and for a picture that is
+//! merged from shares.
 
 use glam::UVec2;
 
@@ -12,24 +12,23 @@ use crate::color::{Rgb, luminance};
 /// Light for a pixel that need not be the sample's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
-    /// Beside the picture it is left out.
+    /// The pixel; a splat outside of the picture is ignored.
     pub pixel: UVec2,
-    /// Linear Rec. 709, W/(m^2 sr). It counts as one of the pixel's own samples does.
+    /// Linear Rec. 709, W/(m^2 sr), with the weight of one of the pixel's own samples.
     pub radiance: Rgb,
 }
 
-/// What paths from the lights have brought.
+/// The splats of a tile's light paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TileSplats {
-    /// The light, in the order in which it was found.
+    /// The splats, in the order in which they were found.
     pub list: Vec<Splat>,
-    /// The number of paths from the lights that were traced, those without splats included; 0 if the method traces
-    /// none.
+    /// The number of light paths that were traced, those without splats included; 0 if the method traces none.
     pub paths: u64,
 }
 
 impl TileSplats {
-    /// Adds others.
+    /// Appends other splats.
     pub fn append(&mut self, mut other: Self) {
         self.list.append(&mut other.list);
         self.paths += other.paths;
@@ -39,9 +38,9 @@ impl TileSplats {
 /// The splats of a film. Without any this takes no memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Splats {
-    /// Sums by place in the film; empty until there is a splat.
+    /// Sums by index in the film; empty before the first splat.
     pub sums: Vec<SplatSum>,
-    /// The paths from the lights that the sums are over.
+    /// The number of light paths that the sums are over.
     pub paths: u64,
 }
 
@@ -53,7 +52,7 @@ pub(super) struct SplatSum {
     pub luminance_squared: i128,
 }
 
-/// One in the numbers of sums. They have 2^63 above it, which no sum of light reaches, and 2^-64 below.
+/// The unit of the sums. They range up to 2^63, which no sum of light reaches, in steps of 2^-64.
 const ONE: f64 = (1u128 << 64) as f64;
 
 impl SplatSum {
@@ -74,19 +73,19 @@ impl SplatSum {
     }
 }
 
-/// Too large numbers become the largest.
+/// Converts to fixed point, clamped to the largest number.
 fn fixed(value: f32) -> i128 {
     (f64::from(value) * ONE) as i128
 }
 
 impl Splats {
-    /// Adds light at a place of a film that has so many `places`.
+    /// Adds light at the index `place` of a film with `places` pixels.
     pub fn add(&mut self, place: usize, radiance: Rgb, places: usize) {
         self.sums.resize(places, SplatSum::default());
         self.sums[place].add(radiance);
     }
 
-    /// The light at a place in the film of so many `pixels`: each of them has had one path in `paths / pixels`.
+    /// The mean light at the index `place` of a film of `pixels` pixels, which has `paths / pixels` paths per pixel.
     pub fn mean(&self, place: usize, pixels: u64) -> Rgb {
         let Some(sum) = self.sums.get(place) else {
             return Rgb::ZERO;
@@ -96,8 +95,8 @@ impl Splats {
         Rgb::new(r, g, b)
     }
 
-    /// The estimated variance of the luminance of [`Self::mean`]: few of very many paths bring anything to a pixel, so
-    /// that it is the sum of the squares.
+    /// The estimated variance of the luminance of [`Self::mean`]: few of very many paths reach a pixel, so that it is
+    /// the sum of the squares.
     pub fn variance(&self, place: usize, pixels: u64) -> f32 {
         let scale = pixels as f64 / self.paths.max(1) as f64;
         let squares = self

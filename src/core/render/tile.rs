@@ -42,11 +42,11 @@ pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
 /// Sums over the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSum {
-    /// Linear Rec. 709.
+    /// The sum of the radiance, linear Rec. 709.
     pub radiance: Rgb,
     /// The sum of the albedos of the first surfaces that are not perfectly specular.
     pub albedo: Rgb,
-    /// World normals of the same surfaces; the length tells how far they agree.
+    /// The sum of the world normals of the same surfaces; its length shows how far they agree.
     pub normal: Vec3,
     /// The sum of the distances from the origin of the camera ray to the first surface, 0 for samples that hit
     /// nothing.
@@ -82,24 +82,22 @@ impl From<PathSample> for PixelSum {
     }
 }
 
-/// A rendered piece of work.
+/// The samples of a rendered work item.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSamples {
     /// The pixels that were rendered.
     pub tile: Tile,
-    /// The indices of the samples that the sums are over. Where blocks differ, they count the samples of the mean
-    /// pixel.
+    /// The indices of the samples in the sums. Where blocks differ, they count the samples of the mean pixel.
     pub samples: Range<u32>,
-    /// The indices of the samples of each block, where [adaptive sampling](crate::render::noise::adaptive) has blocks
-    /// differ.
+    /// The indices of the samples of each block, if they differ by [adaptive sampling](crate::render::noise::adaptive).
     pub blocks: Option<Arc<PerBlock<Range<u32>>>>,
     /// The pixels row by row.
     pub pixels: Vec<PixelSum>,
-    /// The layers of the view in sums over the same samples.
+    /// The layers of the view, summed up over the same samples.
     pub layers: LayerSums,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
-    /// Light for pixels that need not be of this tile, from paths that begin at the lights.
+    /// Splats of light paths, which may be on pixels of other tiles.
     pub splats: TileSplats,
     /// Rays traced, shadow rays included.
     pub rays: u64,
@@ -108,7 +106,7 @@ pub struct TileSamples {
 }
 
 impl TileSamples {
-    /// Sums of pixels, and nothing else.
+    /// A result with sums of pixels alone.
     #[cfg(test)]
     pub(super) fn of_pixels(tile: Tile, samples: Range<u32>, pixels: Vec<PixelSum>) -> Self {
         Self {
@@ -130,7 +128,7 @@ impl TileSamples {
         self.splats.append(next.splats.clone());
     }
 
-    /// [`Self::append`] without the light for other pixels.
+    /// [`Self::append`] without splats.
     pub(super) fn append_own(&mut self, next: &Self) {
         debug_assert_eq!((self.tile, self.samples.end), (next.tile, next.samples.start));
         self.samples.end = next.samples.end;
@@ -161,7 +159,7 @@ impl TileSamples {
     }
 }
 
-/// A coarse picture of a tile: one sample per block of `step` x `step` pixels. Shown, never accumulated.
+/// A coarse picture of a tile: one sample per block of `step` x `step` pixels. For display only, never accumulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TilePreview {
     /// The pixels that the blocks cover.
@@ -190,8 +188,8 @@ pub fn render_tile(
     render_blocks(scene, view, tile, samples, None, cancel)
 }
 
-/// Renders a tile as [`render_tile`] does, or of each of its `blocks` the samples of these indices; `samples` are then
-/// those of the mean pixel.
+/// Renders a tile as [`render_tile`] does, or for each of its `blocks` the samples with these indices; `samples` are
+/// then those of the mean pixel.
 pub fn render_blocks(
     scene: &RenderScene,
     view: &View,
@@ -204,7 +202,7 @@ pub fn render_blocks(
         Some(blocks) => blocks[block_of(pixel.x, pixel.y)].clone(),
         None => samples.clone(),
     };
-    // All memory is allocated at once: a vector that grows makes other threads wait for the allocator.
+    // All memory is allocated at once: a growing vector makes other threads wait for the allocator.
     let pixels = (tile.width * tile.height) as usize;
     let mut result = TileSamples {
         tile,
@@ -251,7 +249,7 @@ pub fn render_blocks(
                 if is_finite(&sample) {
                     let share = limit.map_or(1.0, |limit| limit.share(&sample, weight));
                     traced.add_layers(job, &sample, weight * share, &mut layers);
-                    // Albedo and normal are not weighted: freedom from noise and the right range matter more for them
+                    // Albedo and normal are not weighted: absence of noise and the right range matter more for them
                     // than sharpness.
                     sample.radiance *= weight * share;
                     sum.add(&sample.into());
@@ -274,7 +272,7 @@ pub fn render_blocks(
 /// enough for the cache.
 const SAMPLES_AT_ONCE: u32 = 4096;
 
-/// Renders one sample in the middle of each block of `step` x `step` pixels; None if cancelled.
+/// Renders one sample at the centre of each block of `step` x `step` pixels; None if cancelled.
 pub fn render_preview(
     scene: &RenderScene,
     view: &View,
@@ -295,7 +293,7 @@ pub fn render_preview(
     let mut layers = PixelLayers::new(scene, view, blocks);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
-    // A guide takes longer to learn than a preview may.
+    // Learning a guide would take longer than a preview may.
     let view = &View {
         guide: None,
         ..view.clone()
@@ -324,7 +322,7 @@ pub fn render_preview(
     Some(result)
 }
 
-/// The first hit of sample 0 of a pixel. It is not inlined, so that the loop over samples stays short.
+/// The first hit of sample 0 of a pixel. Not inlined, so that the loop over samples stays short.
 #[inline(never)]
 fn first_hit(scene: &RenderScene, view: &View, pixel: UVec2, sample: &PathSample) -> Option<FirstHit> {
     let hit = sample.first_hit?;

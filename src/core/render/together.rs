@@ -1,18 +1,18 @@
-//! A result that is made by all workers that wait for it: each makes some of its blocks.
+//! A result computed by all workers that wait for it: each computes some of its blocks.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
-/// A result made of the parts `T` of all blocks, in the order of their numbers.
+/// A result computed from the parts `T` of all blocks, in the order of their numbers.
 pub(super) struct Together<T, R> {
-    /// The part of each block, until the result has them.
+    /// The part of each block, until the result is computed from them.
     blocks: Vec<Mutex<Option<T>>>,
-    /// The number of the next block that no worker has begun.
+    /// The number of the next block that no worker has started.
     next: AtomicUsize,
-    /// The blocks that are done, or are not going to be.
+    /// The number of blocks that are finished or failed.
     done: Mutex<usize>,
     progress: Condvar,
-    /// None if a block has failed.
+    /// The result; its inner None means that a block has failed.
     result: OnceLock<Option<R>>,
 }
 
@@ -27,8 +27,8 @@ impl<T, R: Clone> Together<T, R> {
         }
     }
 
-    /// The result, which `finish` makes of the parts. `make` makes the part of block number n. None if `cancel` was set
-    /// in the meantime, and if a block has failed.
+    /// The result, which `finish` computes from the parts. `make` computes the part of block number n. None if `cancel`
+    /// was set in the meantime, or if a block has failed.
     pub fn get(&self, make: impl Fn(u32) -> T, finish: impl FnOnce(Vec<T>) -> R, cancel: &AtomicBool) -> Option<R> {
         if let Some(result) = self.result.get() {
             return result.clone();
@@ -46,12 +46,12 @@ impl<T, R: Clone> Together<T, R> {
         None
     }
 
-    /// The result if it is there.
+    /// The result if it is already computed.
     pub fn known(&self) -> Option<R> {
         self.result.get().cloned().flatten()
     }
 
-    /// Waits for the blocks that others are at.
+    /// Waits for the blocks of other workers.
     fn finished(&self, finish: impl FnOnce(Vec<T>) -> R) -> Option<R> {
         let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         let waits = |done: &mut usize| *done < self.blocks.len();
@@ -65,7 +65,7 @@ impl<T, R: Clone> Together<T, R> {
     }
 }
 
-/// Counts a block when it is done, and also when its worker panics: the others must not wait for it.
+/// Counts a block when it is finished, and also when its worker panics: the others must not wait for it.
 struct Counted<'a, T, R>(&'a Together<T, R>);
 
 impl<T, R> Drop for Counted<'_, T, R> {

@@ -1,6 +1,6 @@
 //! Maps linear radiance to the bytes of a display: white balance, exposure, tone curve, sRGB encoding.
 //!
-//! Not part of what is accumulated or saved as EXR: it can be changed at any time without rendering anew.
+//! Not part of the accumulated or saved EXR data: it can be changed at any time without rendering again.
 //!
 //! Sources of the curves: E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 3; S.
 //! Hill's fit of the ACES reference rendering transform and sRGB output transform; J. Hable, "Uncharted 2: HDR
@@ -16,10 +16,10 @@ use crate::color::{LUMINANCE, Rgb, linear_from_srgb, srgb_from_linear};
 use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
-/// The curve that brings radiance beyond the range of the display into it.
+/// The curve that compresses radiance to the range of the display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ToneMap {
-    /// Each component is cut off at 1: exact below, and what other renderers write by default.
+    /// Each component is clamped at 1: exact below, and the default of other renderers.
     #[default]
     Clip,
     /// Reinhard's L / (1 + L) on luminance: it keeps the hue and never reaches white.
@@ -33,7 +33,7 @@ pub enum ToneMap {
 }
 
 impl ToneMap {
-    /// The curves in the order in which they are offered.
+    /// The curves in the order of menus.
     pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
 
     /// The name in panels and on the command line.
@@ -48,19 +48,19 @@ impl ToneMap {
     }
 }
 
-/// The settings by which a picture is shown.
+/// The settings for displaying a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
     /// The exposure in stops: the radiance is first multiplied by two to this power.
     pub exposure_ev: f32,
     /// The white balance, applied to linear colours before the tone map.
     pub white_balance: WhiteBalance,
-    /// The curve from linear colours to what a display can show.
+    /// The curve from linear colours to display values.
     pub tone_map: ToneMap,
 }
 
 impl Display {
-    /// The exposures that have an effect of their own, in stops: beyond them every picture is black or white.
+    /// The exposures with distinct effects, in stops: beyond them every picture is black or white.
     pub const EXPOSURES: RangeInclusive<f32> = -MOST_STOPS..=MOST_STOPS;
 
     /// One pixel, sRGB-encoded. NaN and negative components are black, infinite ones white.
@@ -97,13 +97,13 @@ impl Display {
     }
 }
 
-/// Radiance after exposure is held below this: every curve is long flat there, and none of them overflows.
+/// Radiance after exposure is clamped to this: every curve is flat there, and none of them overflows.
 const BRIGHTEST: f32 = 65_504.0;
 
 /// The limit keeps the factor from being 0 or infinite: zero radiance stays black and infinite radiance white.
 const MOST_STOPS: f32 = 100.0;
 
-/// A [`Display`] made ready.
+/// A [`Display`] prepared for many pixels.
 pub struct Encoder {
     scale: f32,
     /// The white balance with the scale; None if there is only the scale.
@@ -119,7 +119,7 @@ impl Encoder {
         self.bytes(self.shown(Vec3Lanes::splat(radiance)))[0]
     }
 
-    /// Encodes pixels, which `take` is given one after the other.
+    /// Encodes pixels, which are passed to `take` one after the other.
     #[inline]
     pub fn encode_each(&self, radiance: &[Rgb], mut take: impl FnMut([u8; 3])) {
         for pixels in radiance.chunks(LANES) {
@@ -155,7 +155,7 @@ impl Encoder {
         let scaled = radiance * Lanes::splat(self.scale);
         let balanced = match &self.balance {
             Some(balance) => {
-                // An infinite value would become NaN by the matrix.
+                // The matrix would turn an infinite value into NaN.
                 let is_finite = radiance.x.is_finite() & radiance.y.is_finite() & radiance.z.is_finite();
                 Vec3Lanes::select(is_finite, product(balance, radiance), scaled)
             }
@@ -185,7 +185,7 @@ enum Shown {
     Encoded(Vec3Lanes),
 }
 
-/// Up to sixteen pixels; lanes beyond them are black.
+/// Up to sixteen pixels in lanes; further lanes are black.
 #[inline]
 fn side_by_side(pixels: &[Rgb]) -> Vec3Lanes {
     let of = |pixels: &[Rgb; LANES]| {
@@ -217,7 +217,7 @@ fn product(matrix: &Mat3, v: Vec3Lanes) -> Vec3Lanes {
     Vec3Lanes::of(row(0), row(1), row(2))
 }
 
-/// Linear in, linear out, from 0 to about 1.
+/// Maps linear colours to linear ones, from 0 to about 1.
 #[inline]
 fn aces(linear: Vec3Lanes) -> Vec3Lanes {
     let rendering_from_srgb = Mat3::from_cols_array_2d(&[
@@ -238,7 +238,7 @@ fn aces(linear: Vec3Lanes) -> Vec3Lanes {
     product(&srgb_from_output, product(&rendering_from_srgb, linear).map(fit))
 }
 
-/// Linear in, linear out, from 0 to a little above 1.
+/// Maps linear values to linear ones, from 0 to a little above 1.
 #[inline]
 fn filmic(linear: Lanes) -> Lanes {
     /// The linear white: exposed twice as bright, it becomes white.
@@ -250,7 +250,7 @@ fn filmic(linear: Lanes) -> Lanes {
     (curve(linear * 2.0) / curve(Lanes::splat(WHITE))).fast_max(Lanes::ZERO)
 }
 
-/// Linear in, display-encoded out.
+/// Maps linear colours to display-encoded ones.
 #[inline]
 fn agx(linear: Vec3Lanes) -> Vec3Lanes {
     const LOWEST_STOP: f32 = -12.473_93;
@@ -279,8 +279,8 @@ fn agx(linear: Vec3Lanes) -> Vec3Lanes {
 
 /// The sRGB curve to eight bits without powers, and without error: the same byte as rounding the exact curve.
 ///
-/// The range is cut into cells so narrow that none holds two places where the byte changes (near black the curve rises
-/// by 12.92 * 255 / 4096 = 0.8 bytes per cell). Each cell knows its first byte; one comparison decides on the next.
+/// The range is cut into cells so narrow that none holds two changes of the byte (near black the curve rises by 12.92 *
+/// 255 / 4096 = 0.8 bytes per cell). Each cell knows its first byte; one comparison decides on the next.
 struct SrgbTable {
     first_byte: [u8; CELLS + 1],
     /// The smallest linear value with at least this byte; the last is out of reach.

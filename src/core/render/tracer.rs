@@ -1,5 +1,4 @@
-//! Samples of pixels, traced in the way that a view asks for: many paths abreast, paths from both ends, or one after
-//! another.
+//! Traces samples of pixels by the method that a view needs: in lanes, bidirectionally, or one by one.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,13 +17,13 @@ use super::view::{PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::Rgb;
 
-/// The way to trace the samples of a tile, chosen once for all of them.
+/// The method for the samples of a tile, chosen once for all of them.
 pub(super) enum Tracer {
-    /// Lanes side by side, if all paths have the same settings.
+    /// Sixteen paths side by side, if all paths have the same settings.
     Lanes(PathSettings),
-    /// One path from the camera and one from a light at a time.
+    /// One camera path and one light path at a time.
     Bidirectional(PathSettings, bidirectional::Techniques),
-    /// One path at a time, where paths differ or are none.
+    /// One path at a time, where settings differ between pixels or no paths are traced.
     OneByOne,
 }
 
@@ -39,8 +38,7 @@ impl Tracer {
         }
     }
 
-    /// The way to trace a preview. The light that comes by splats is not there in so few samples, so that paths find
-    /// it.
+    /// The method for a preview. So few samples have too few splats, so camera paths find all light.
     pub fn of_preview(view: &View) -> Self {
         match Self::of(view) {
             Self::Bidirectional(settings, _) => Self::Lanes(settings),
@@ -85,7 +83,7 @@ impl Tracer {
     }
 }
 
-/// Samples one after another: from lanes, or traced when they are needed.
+/// An iterator over samples: traced in lanes beforehand, or one by one when needed.
 pub(super) struct Traced<'a> {
     scene: &'a RenderScene,
     view: &'a View,
@@ -93,12 +91,12 @@ pub(super) struct Traced<'a> {
     bidirectional: Option<bidirectional::Tracer<'a>>,
     /// The notes for layers: of all samples from lanes, or else of the last one.
     notes: Option<LayerNotes<'a>>,
-    /// The number of samples from lanes that were given.
+    /// The number of samples from lanes already returned.
     given: usize,
 }
 
 impl Traced<'_> {
-    /// The next sample and what its light counts; `job` is the next of the list.
+    /// The next sample and the weight of its light; `job` is the next of the list.
     pub fn next(&mut self, job: Job) -> (PathSample, f32) {
         if let Some(sample) = self.from_lanes.as_mut().and_then(Iterator::next) {
             self.given += 1;
@@ -112,14 +110,14 @@ impl Traced<'_> {
         render_sample(self.scene, self.view, job.pixel, job.index, &mut observer)
     }
 
-    /// Moves the light for other pixels to `splats`.
+    /// Moves the splats to `splats`.
     pub fn take_splats(&mut self, splats: &mut TileSplats) {
         if let Some(tracer) = &mut self.bidirectional {
             splats.append(tracer.take_splats());
         }
     }
 
-    /// Adds what was noted of the last sample, that of `job`, to the layers of its pixel.
+    /// Adds the notes of the last sample, that of `job`, to the layers of its pixel.
     pub fn add_layers(&self, job: Job, sample: &PathSample, weight: f32, layers: &mut PixelLayers) {
         if let Some(notes) = &self.notes {
             layers.add(job, sample, weight, notes, self.given.saturating_sub(1));
@@ -127,7 +125,7 @@ impl Traced<'_> {
     }
 }
 
-/// A sample and what its light counts.
+/// A sample and the weight of its light.
 pub(super) fn render_sample(
     scene: &RenderScene,
     view: &View,

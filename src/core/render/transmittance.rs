@@ -1,4 +1,4 @@
-//! The share of a light's radiance that arrives through everything in between.
+//! The transmittance between a light and a vertex.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ use crate::medium::{MediumId, Way};
 use crate::sampling::RandomStream;
 use crate::shading::TransportMode;
 
-/// A way from a vertex of a path to a light.
+/// A segment from a vertex of a path to a light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadowRay {
     /// The start, off the surface if the vertex is on one.
@@ -19,7 +19,7 @@ pub(super) struct ShadowRay {
     /// Unit vector to the light.
     pub wi: Vec3,
     pub target: Target,
-    /// The most surfaces that may let it pass.
+    /// The most surfaces that the ray may pass.
     pub crossings: u32,
 }
 
@@ -32,8 +32,8 @@ impl ShadowRay {
     }
 }
 
-/// The share of a light's radiance that arrives at the start of `shadow`. Counts the rays it traces into `rays`. What
-/// is in between lets pass what `through` says.
+/// The share of a light's radiance that arrives at the start of `shadow`. Adds the number of traced rays to `rays`.
+/// `through` attenuates light between surfaces.
 pub(super) fn transmittance(
     scene: &RenderScene,
     shadow: &ShadowRay,
@@ -56,10 +56,10 @@ pub(super) fn transmittance(
 /// [`transmittance`] where there are surfaces through which light may pass.
 ///
 /// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target
-/// that is a point the ray is then aimed again, which corrects the rounding of that move, but only if the target lies
-/// on the far side as well. Otherwise the target is at the surface itself, within rounding, and the ray has arrived.
-/// The distance to the target therefore falls at each crossing: with `r` from the surface to the target, `n` the normal
-/// to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
+/// that is a point the ray is then aimed again, which corrects the rounding of that move, but only if the target is on
+/// the far side as well. Otherwise the target is at the surface itself, within rounding, and the ray has arrived. The
+/// distance to the target therefore falls at each crossing: with `r` from the surface to the target, `n` the normal to
+/// the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
 #[inline(never)]
 pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut impl Between, rays: &mut u32) -> Rgb {
     let ShadowRay { wi, target, .. } = *shadow;
@@ -75,7 +75,7 @@ pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut imp
         }
         let slot = scene.slot(&hit);
         let point = scene.surface(&ray, &hit, &slot);
-        // What passes straight through is not refracted, so that any mode will do.
+        // Light that passes straight is not refracted, so that the mode does not matter.
         let scattering = scene.scattering(slot.material, &hit, &point, -wi, TransportMode::Radiance);
         let passing = scattering.transmittance();
         if passing == Rgb::ZERO {
@@ -102,16 +102,16 @@ pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut imp
     arriving
 }
 
-/// What is between the surfaces that a shadow ray passes.
+/// The space between the surfaces that a shadow ray passes.
 pub(super) trait Between {
-    /// The share of light that passes along `ray` up to `t`.
+    /// The transmittance along `ray` up to `t`.
     fn medium(&mut self, scene: &RenderScene, ray: &Ray, t: f32) -> Rgb;
 
-    /// The ray passes a surface that lets this share through. `entered` gives the medium behind it from that before.
+    /// Passes a surface with the transmittance `passing`. `entered` gives the medium behind it from that in front.
     fn surface(&mut self, passing: Rgb, entered: impl FnOnce(Option<MediumId>) -> Option<MediumId>);
 }
 
-/// Nothing.
+/// Empty space, with transmittance 1.
 pub(super) struct EmptySpace;
 
 impl Between for EmptySpace {
@@ -126,17 +126,17 @@ impl Between for EmptySpace {
 
 /// Participating media.
 pub(super) struct Media {
-    /// The medium at the present place.
+    /// The medium at the current point.
     medium: Option<MediumId>,
-    /// The throughput that a path would have there, up to a factor.
+    /// The throughput that a path would have at the current point, up to a factor.
     carried: Rgb,
-    /// The probability that the path would have come there in the same manner.
+    /// The probability with which the path would have reached the current point likewise.
     pub passed: f32,
     stream: RandomStream,
 }
 
 impl Media {
-    /// The start of a way in `medium`, with this throughput.
+    /// The start of a shadow ray in `medium`, with this throughput.
     pub fn new(medium: Option<MediumId>, carried: Rgb, stream: RandomStream) -> Self {
         Self {
             medium,

@@ -1,4 +1,4 @@
-//! The view of a scene: camera, film, method, and what is shown of it. A different view means a new picture.
+//! The view of a scene: camera, film, integrator, and the quantity shown. A different view means a new picture.
 
 use glam::{UVec2, Vec2};
 
@@ -16,30 +16,30 @@ use crate::medium::MediumId;
 use crate::render::visibility::sight::Sight;
 use crate::sampling::{Sampler, SequenceKind};
 
-/// Everything that a picture depends on besides the scene.
+/// All inputs of a picture besides the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Gives the ray for each point of the film.
+    /// The camera, which maps points of the film to rays.
     pub camera: Camera,
-    /// Pixels.
+    /// The width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// The height in pixels.
     pub height: u32,
-    /// The medium that the camera is in; None in empty space.
+    /// The medium around the camera; None in empty space.
     pub medium: Option<MediumId>,
     /// The reconstruction filter around the centre of each pixel.
     pub filter: PixelFilter,
-    /// The method by which light is found.
+    /// The light transport method.
     pub integrator: Integrator,
     /// The meaning of a pixel's value.
     pub shown: Shown,
-    /// What camera rays pass through; by default nothing.
+    /// The parts of the scene that are invisible to camera rays; by default none.
     pub sight: Sight,
-    /// The groups of lights whose light the film keeps each for itself beside the picture; none by default.
+    /// The groups of lights with separate layers in the film; none by default.
     pub light_groups: LightGroups,
     /// The layers that the film keeps beside the picture; none by default.
     pub layers: Layers,
-    /// The frame before, since which motion is measured; None where nothing moves.
+    /// The previous frame, from which motion is measured; None without motion.
     pub before: Option<FrameBefore>,
     /// The kind of random numbers.
     pub sequence: SequenceKind,
@@ -47,23 +47,23 @@ pub struct View {
     pub seed: u32,
     /// The photons of [`Integrator::Merging`], which are traced when they are needed.
     pub photons: PhotonRounds,
-    /// How bright samples may be; None for no limit.
+    /// The clamp on the brightness of samples; None for no limit.
     pub clamp: Option<Clamp>,
-    /// The guide of paths from the camera; None for none.
+    /// The guide of camera paths; None for none.
     pub guide: Option<Guide>,
 }
 
-/// The method by which light is found.
+/// The light transport method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
-    /// Light, by path tracing.
+    /// Path tracing.
     Path(PathSettings),
-    /// Light, by bidirectional path tracing. Media are left out.
+    /// Bidirectional path tracing. Media are ignored.
     Bidirectional(PathSettings),
-    /// The same with photons beside it, which find what is seen of light through glass and in mirrors: vertex
-    /// connection and merging. It blurs light a little, by less with each round of samples.
+    /// Bidirectional path tracing with photons, which find caustics seen through glass and in mirrors: vertex
+    /// connection and merging. It blurs light a little, less with each round of samples.
     Merging(PathSettings, PhotonSettings),
-    /// Light, by paths from the lights alone. What mirrors and glass show is black. Media are left out.
+    /// Light paths alone. Surfaces seen in mirrors and through glass are black. Media are ignored.
     LightTracing(PathSettings),
 }
 
@@ -78,7 +78,7 @@ impl Integrator {
         }
     }
 
-    /// The same, to be changed.
+    /// The settings of its paths, for changes.
     pub fn settings_mut(&mut self) -> &mut PathSettings {
         match self {
             Self::Path(settings)
@@ -88,13 +88,13 @@ impl Integrator {
         }
     }
 
-    /// Whether paths from the lights bring light to any pixel.
+    /// Whether light paths may splat light onto any pixel.
     pub fn splats(&self) -> bool {
         !matches!(self, Self::Path(_))
     }
 }
 
-/// The meaning of a picture: the result of the integrator, or how the renderer works.
+/// The quantity shown: the integrator's result, or a diagnostic of the renderer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
     /// The result of the integrator.
@@ -105,7 +105,7 @@ pub enum Shown {
     StrategyThirds,
     /// The work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
-    /// The optical depth of the media before the first surface, by colour.
+    /// The optical depth of the media before the first surface, per channel.
     OpticalDepth,
     /// The first surface in its own colour, lit from the camera alone.
     Headlight,
@@ -113,7 +113,7 @@ pub enum Shown {
     Clay,
 }
 
-/// The most segments of a path, and with it the most surfaces that a shadow ray passes, where the scene sets no limit.
+/// The most segments of a path, and surfaces that a shadow ray passes, where the scene sets no limit.
 ///
 /// It keeps a fault of the geometry from holding a thread for ever. Pictures do not depend on it: Russian roulette with
 /// its default depth lets a path of this length go on with a probability below 0.95^65000, and rays through dense
@@ -126,15 +126,14 @@ pub struct PathSettings {
     /// The longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for
     /// an unbounded path, mean that bound.
     pub max_depth: u32,
-    /// The depth from which on Russian roulette may end a path; it waits sixteen more where surfaces leave no choice
-    /// of direction.
+    /// The depth from which on Russian roulette may end a path; it waits sixteen more vertices after specular bounces.
     pub rr_depth: u32,
-    /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
+    /// Whether emitters are invisible to the camera: its rays pass shapes that emit, and find no light at infinity.
     pub hide_emitters: bool,
     /// The strategy for direct light at each vertex.
     pub strategy: Strategy,
-    /// Whether participating media are there. Surfaces that let light pass straight then count for no segment of the
-    /// path, as in Mitsuba's `volpath`.
+    /// Whether participating media are traced. Surfaces that let light pass straight then do not count as depth, as in
+    /// Mitsuba's `volpath`.
     pub media: bool,
 }
 
@@ -145,14 +144,14 @@ impl PathSettings {
         self.max_depth.min(LONGEST_PATH)
     }
 
-    /// Whether a path ends at the surface that is its number `depth`, counted from 1.
+    /// Whether a path ends at its surface number `depth`, counted from 1.
     #[inline(always)]
     pub(super) fn is_last(&self, depth: u32) -> bool {
         depth >= self.longest_path()
     }
 
-    /// The most surfaces that a shadow ray may pass that leaves the vertex number `depth` of a path, which is not the
-    /// last one.
+    /// The most surfaces that a shadow ray from vertex number `depth` of a path may pass; that vertex is not the last
+    /// one.
     #[inline(always)]
     pub(super) fn crossings(&self, depth: u32) -> u32 {
         match self.media {
@@ -165,20 +164,18 @@ impl PathSettings {
 /// The parameters of photons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonSettings {
-    /// The paths from the lights for one sample of all pixels; None for one in four pixels, within bounds.
+    /// The number of light paths for one sample of all pixels; None for one per four pixels, within bounds.
     pub paths: Option<u32>,
-    /// The radius within which the first samples take photons for those of their place, in pixels as the camera sees
-    /// them; above 0.
+    /// The radius within which photons are merged in the first samples, in pixels as seen by the camera; above 0.
     pub radius: f32,
 }
 
-/// The strategy for finding light at a bounce.
+/// The technique for finding light at a bounce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
-    /// The path follows the bsdf to find emitters (lights that cannot be hit are still sampled).
+    /// BSDF sampling alone (lights that cannot be hit are still sampled).
     Bsdf,
-    /// The lights are sampled; emitters that are hit count only where lights cannot be sampled, after a specular
-    /// bounce.
+    /// Light sampling alone; emitters that are hit count only where lights cannot be sampled, after a specular bounce.
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
@@ -191,12 +188,12 @@ pub struct CameraSample {
     pub ray: Ray,
     /// The weight of the light along the ray, by the filter; 1 on average.
     pub weight: f32,
-    /// The random numbers of the sample, of which those for filter and lens are taken.
+    /// The random numbers of the sample, of which those for filter and lens are already used.
     pub sampler: Sampler,
 }
 
 impl View {
-    /// What the film of the picture keeps beside it.
+    /// The layers of the picture's film.
     pub fn film_layers(&self) -> FilmLayers {
         FilmLayers {
             groups: self.light_groups.count(),
@@ -222,8 +219,8 @@ impl View {
         }
     }
 
-    /// The camera ray of sample number `sample_index` of a pixel, before [`Self::sight`] narrows it. The same arguments
-    /// always give the same ray.
+    /// The camera ray of sample number `sample_index` of a pixel, before [`Self::sight`] shortens it. The same
+    /// arguments always give the same ray.
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
         let place = self.filter.sample(sampler.at_2d(FILTER));

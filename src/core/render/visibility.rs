@@ -1,4 +1,4 @@
-//! Which shapes the camera sees, and where their edges are in the picture.
+//! The visibility of shapes to the camera, and their outlines in the picture.
 
 pub mod outer_walls;
 pub mod sight;

@@ -1,16 +1,16 @@
-//! White balance shows the picture as an eye sees it that is adapted to light of another white than the display's.
+//! White balance: the picture as seen by an eye that is adapted to another white than the display's.
 //!
 //! The white is that of a black body (M. Krystek, "An algorithm to calculate correlated colour temperature", Color
 //! Research & Application 10, 1985), moved by the small step that takes the one of 6504 K to the display's white, D65.
-//! The eye gets used to it by scaling the responses of its cones (von Kries), in the space of the Bradford transform
-//! (K. M. Lam, 1985; CIECAM97s).
+//! The eye adapts to it by scaling the responses of its cones (von Kries), in the space of the Bradford transform (K.
+//! M. Lam, 1985; CIECAM97s).
 
 use glam::{Mat3, Vec2, Vec3};
 
-/// The light that shall look white.
+/// The colour of the light that is shown as white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteBalance {
-    /// The temperature in kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets
+    /// The temperature in kelvin, in [`Self::TEMPERATURES`]. A lower one means redder light, which makes the picture
     /// bluer.
     pub temperature: f32,
     /// The excess of green of the light over a black body's, in [-150, 150]; 3000 is a distance of 1 in the CIE 1960
@@ -19,7 +19,7 @@ pub struct WhiteBalance {
 }
 
 impl Default for WhiteBalance {
-    /// The display's own white: nothing changes.
+    /// The display's own white, which changes nothing.
     fn default() -> Self {
         Self {
             temperature: D65_TEMPERATURE,
@@ -35,10 +35,10 @@ const D65: Vec2 = Vec2::new(0.3127, 0.3290);
 impl WhiteBalance {
     /// The temperatures for which the formula for black bodies holds.
     pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=15_000.0;
-    /// The range of tints that is offered.
+    /// The range of tints in the panel.
     pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
 
-    /// The matrix that linear Rec. 709 colours are multiplied by; None if it changes nothing.
+    /// The matrix for linear Rec. 709 colours; None if it changes nothing.
     pub(crate) fn adaptation(&self) -> Option<Mat3> {
         if *self == Self::default() {
             return None;
@@ -64,7 +64,7 @@ impl WhiteBalance {
         let kelvin = self.temperature.max(low).min(high);
         let tint = self.tint.max(*Self::TINTS.start()).min(*Self::TINTS.end());
         let along = (black_body(kelvin + 1.0) - black_body(kelvin - 1.0)).normalize();
-        // Higher temperatures are to the left in the diagram: green is to the right of the way there.
+        // Higher temperatures are to the left in the diagram: green is to the right of that direction.
         let green = Vec2::new(along.y, -along.x);
         let uv = black_body(kelvin) + tint / 3000.0 * green + (uv(D65) - black_body(D65_TEMPERATURE));
         Vec2::new(3.0 * uv.x, 2.0 * uv.y) / (2.0 * uv.x - 8.0 * uv.y + 4.0)

@@ -1,4 +1,4 @@
-//! Sixteen paths at their next rays: steps them from vertex to vertex.
+//! A batch of sixteen paths between vertices, which takes all of them from vertex to vertex.
 
 use glam::{UVec2, Vec3};
 
@@ -17,14 +17,14 @@ use crate::render::scene::SurfaceSlot;
 use crate::render::view::View;
 use crate::sampling::Sampler;
 
-/// The paths under way. Without `MEDIA` all space is empty, and what media need is not compiled.
+/// The unfinished paths. Without `MEDIA` all space is empty, and the code for media is not compiled.
 pub(super) struct PathBatch<'a, const MEDIA: bool> {
     /// The lanes that have a path, a bit per lane.
     pub active: u32,
-    /// The paths; their rays are endless except for those from the camera.
+    /// The paths; their rays are infinite except for those from the camera.
     pub(super) paths: PathLanes,
     pub(super) outputs: [Output; LANES],
-    /// The hits of the rays, in the lanes of `traced`.
+    /// The hits of the rays, valid in the lanes of `traced`.
     pub(super) hits: [Option<Hit>; LANES],
     traced: u32,
     /// The current vertices of the paths, while they take a step.
@@ -58,7 +58,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Begins new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are
+    /// Starts new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are
     /// numbered from `number` on. Returns their number.
     pub fn begin(&mut self, context: &Context, jobs: &[Job], number: usize) -> usize {
         let count = jobs.len().min(LANES);
@@ -85,7 +85,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         count
     }
 
-    /// Gives a free lane a path that is on its way, the one of a job.
+    /// Puts an unfinished path, that of a job, into a free lane.
     pub fn set(&mut self, lane: usize, path: &PathState, job: usize) {
         path.scatter_lane(&mut self.paths, lane);
         self.outputs[lane] = Output { job, weight: 1.0 };
@@ -94,7 +94,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.active |= 1 << lane;
     }
 
-    /// Whether the surface that the ray of a lane meets shows its back.
+    /// Whether the ray of a lane hits a surface from behind.
     pub fn meets_back(&self, lane: usize, context: &Context) -> bool {
         self.hits[lane].is_some_and(|hit| {
             let ray = self.paths.ray.get(lane);
@@ -105,7 +105,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
 
     /// Moves the path that another batch has in the lane `theirs` to the free lane `lane`.
     pub fn move_lane_from(&mut self, lane: usize, other: &mut Self, theirs: usize) {
-        // The fields are named, so that none is forgotten.
+        // All fields are named, so that none is forgotten.
         let Self {
             active,
             paths,
@@ -122,14 +122,14 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         other.active &= !(1 << theirs);
     }
 
-    /// The path of a lane has ended and brought `sample`.
+    /// Finishes the path of a lane with the result `sample`.
     fn finish(&mut self, lane: usize, sample: PathSample, samples: &mut Samples) {
         let Output { job, weight } = self.outputs[lane];
         samples.list[job] = (sample, weight);
         self.active &= !(1 << lane);
     }
 
-    /// Notes the light that was sampled from the vertices of `lanes`, where there are layers.
+    /// Records the light that was sampled from the vertices of `lanes`, if there are layers.
     pub(super) fn note_light(
         &self,
         lanes: u32,
@@ -147,7 +147,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Notes that the surfaces at the vertices have scattered the paths, where there are layers.
+    /// Records that the surfaces at the vertices have scattered the paths, if there are layers.
     pub(super) fn note_scattering(&self, samples: &mut Samples) {
         if samples.notes.is_some() {
             for lane in each_lane(self.vertices.lanes) {
@@ -157,14 +157,13 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// The path of a lane has ended at its vertex.
+    /// Finishes the path of a lane at its vertex.
     pub(super) fn finish_here(&mut self, lane: usize, samples: &mut Samples) {
         let (radiance, rays) = (self.paths.radiance.get(lane), self.paths.rays.as_array()[lane]);
         self.finish(lane, self.paths.record[lane].sample(radiance, rays), samples);
     }
 
-    /// Finds out what the rays meet of which that is not known. Paths that meet nothing end; what ends goes to
-    /// `samples`.
+    /// Traces the rays whose hits are unknown. Paths that hit nothing end; the results go to `samples`.
     #[inline(never)]
     pub fn trace(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let asked = self.active & !self.traced;
@@ -178,7 +177,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
             if context.settings.hide_emitters {
                 self.pass_hidden_emitters(lane, context);
             }
-            // What goes through a medium is perhaps scattered on its way.
+            // A ray through a medium may still be scattered.
             if self.hits[lane].is_none() && self.medium(lane).is_none() {
                 self.escape(lane, context, samples);
             }
@@ -194,7 +193,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         path.scatter_lane(&mut self.paths, lane);
     }
 
-    /// The path of a lane leaves the scene.
+    /// Lets the path of a lane leave the scene.
     pub(super) fn escape(&mut self, lane: usize, context: &Context, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
         let mut observer = samples.observer(self.outputs[lane].job);
@@ -202,7 +201,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.finish(lane, path.sample(), samples);
     }
 
-    /// Takes all paths to their next vertices and on from there.
+    /// Takes all paths to their next vertices and samples their next rays.
     #[inline(never)]
     pub fn step(&mut self, coherence: Coherence, context: &Context<'a>, samples: &mut Samples) {
         if self.active == 0 {
@@ -229,8 +228,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by
-    /// itself.
+    /// Takes the path of a lane to its hit. Its light is then handled in lanes, or else the path takes its whole step
+    /// by itself.
     #[inline(always)]
     pub(super) fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
@@ -245,7 +244,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// A step at a surface whose model depends on more than the side that is seen.
+    /// Takes a step at a surface whose model depends on more than the side seen.
     #[inline(never)]
     fn arrive_elsewhere(
         &mut self,
@@ -263,7 +262,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// The path of a lane takes its step from the surface at `hit` by itself.
+    /// Takes the path of a lane through its whole step at the surface at `hit` by itself.
     #[inline(never)]
     pub(super) fn arrive_alone(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let mut path = PathState::gather_lane(&self.paths, lane);
@@ -272,7 +271,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         self.set_or_finish(lane, path, goes_on, samples);
     }
 
-    /// The path of a lane takes its step by itself, through a medium first.
+    /// Takes the path of a lane through its whole step by itself, through a medium first.
     #[inline(never)]
     pub(super) fn advance_alone(
         &mut self,

@@ -1,4 +1,4 @@
-//! The data that all paths share that are traced together.
+//! The data shared by all paths that are traced together.
 
 use glam::UVec2;
 
@@ -13,19 +13,19 @@ use crate::render::path::PathSample;
 use crate::render::scene::RenderScene;
 use crate::render::view::{PathSettings, View};
 
-/// A sample of a pixel that is to be traced.
+/// A sample of a pixel to be traced.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::render) struct Job {
     pub pixel: UVec2,
     pub index: u32,
 }
 
-/// The end of a path that was begun elsewhere.
+/// The result of a path that was begun elsewhere.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::render) struct EndedPath {
     /// The radiance that it has found.
     pub radiance: Rgb,
-    /// Whether the first surface that it has met since showed its back.
+    /// Whether the first surface hit since then showed its back.
     pub meets_back: bool,
     /// Rays traced, shadow rays included.
     pub rays: u32,
@@ -35,12 +35,12 @@ pub(in crate::render) struct EndedPath {
 pub(in crate::render) struct Samples<'v> {
     /// The samples and their weights.
     pub list: Vec<(PathSample, f32)>,
-    /// What is noted for layers; None if there are none.
+    /// The notes for layers; None if there are none.
     pub notes: Option<LayerNotes<'v>>,
 }
 
 impl<'v> Samples<'v> {
-    /// Room for those of so many jobs.
+    /// Room for the results of `jobs` jobs.
     pub fn new(view: &'v View, jobs: usize) -> Self {
         Self {
             list: vec![(PathSample::default(), 0.0); jobs],
@@ -66,7 +66,7 @@ pub(super) struct Context<'a> {
     pub field: Option<&'a Field>,
 }
 
-/// Whether rays have much in common, as those through one pixel have.
+/// Whether rays are coherent, as rays through one pixel are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coherence {
     Coherent,
@@ -74,13 +74,13 @@ pub(super) enum Coherence {
 }
 
 impl Context<'_> {
-    /// The medium that paths begin in.
+    /// The medium in which paths begin.
     pub fn medium(&self) -> Option<MediumId> {
         self.view.medium.filter(|_| self.settings.media)
     }
 
-    /// Whether lights are sampled at all. Some lights that are not sole can be found only by sampling, whatever the
-    /// strategy.
+    /// Whether lights are sampled at all. In scenes with several lights some can be found only by sampling, whatever
+    /// the strategy.
     pub fn samples_lights(&self) -> bool {
         self.settings.strategy.samples_lights() || self.sole_light.is_none()
     }
@@ -95,7 +95,7 @@ impl Coherence {
         }
     }
 
-    /// What is in the way of the rays of the lanes `asked`.
+    /// The obstacles on the rays of the lanes `asked`.
     pub fn obstacles(self, scene: &RenderScene, rays: &RayLanes, asked: u32) -> Obstacles {
         let geometry = &scene.geometry;
         let is_clear = |shape: usize| scene.is_clear(shape);

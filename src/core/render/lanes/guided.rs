@@ -11,12 +11,12 @@ use crate::shading::BsdfSample;
 /// The histograms at the vertices.
 pub(super) struct Guided<'a> {
     field: &'a Field,
-    /// The lanes that have one, a bit each.
+    /// The lanes with a histogram, a bit each.
     lanes: u32,
     cells: [u32; LANES],
     axes: BinLanes,
     lobes: DiffuseLobeLanes,
-    /// The parts of the directions of the lobes that are from the histograms, from 0 to 1.
+    /// The parts of the lobes' directions that are sampled from the histograms, from 0 to 1.
     parts: Lanes,
 }
 
@@ -26,8 +26,8 @@ impl<'a> Guided<'a> {
     pub fn of(field: &'a Field, asked: u32, position: Vec3Lanes, lobes: DiffuseLobeLanes) -> Option<Self> {
         let axes = BinLanes::of(lobes.normal);
         let places = field.places(position, &axes).to_array();
-        // Looked up for all lanes, since those that were not asked for have a place as well: it takes less than to go
-        // from bit to bit.
+        // Looked up for all lanes, since unrequested lanes have valid indices as well: that is faster than visiting
+        // single bits.
         let cells = places.map(|place| field.cell_at(place));
         let has_lobe = lobes.share.simd_gt(Lanes::ZERO).to_bitmask();
         let lanes = asked & has_lobe & !WordLanes::new(cells).simd_eq(WordLanes::ZERO).to_bitmask();
@@ -41,14 +41,14 @@ impl<'a> Guided<'a> {
         })
     }
 
-    /// The lanes that have one, a bit each.
+    /// The lanes with a histogram, a bit each.
     #[inline(always)]
     pub fn lanes(&self) -> u32 {
         self.lanes
     }
 
-    /// The densities of the directions `wi` in the world, for paths that would take them by the bsdf with density
-    /// `bsdf_pdf`.
+    /// The densities of the directions `wi` in the world, given the densities `bsdf_pdf` with which the BSDF would
+    /// sample them.
     #[inline(always)]
     pub fn mixed(&self, wi: Vec3Lanes, bsdf_pdf: Lanes) -> Lanes {
         let (bins, density) = self.axes.find(wi);
@@ -56,7 +56,7 @@ impl<'a> Guided<'a> {
         let counts = std::array::from_fn(|lane| self.field.cell(self.cells[lane]).count(bins[lane]) as f32);
         let pdf = Lanes::new(counts) * density * Lanes::splat(1.0 / UNITS as f32);
         let cosine = self.lobes.normal.dot(wi).fast_max(Lanes::ZERO) * Lanes::splat(FRAC_1_PI);
-        // The lobe has no more than the density of the whole model, which rounding may hide at the horizon.
+        // The lobe's density is at most that of the whole model, which rounding may violate at the horizon.
         let least = self.parts.mul_neg_add(bsdf_pdf, bsdf_pdf);
         let mixed = (pdf - cosine)
             .mul_add(self.parts * self.lobes.share, bsdf_pdf)
@@ -64,7 +64,7 @@ impl<'a> Guided<'a> {
         (lanes_of(self.lanes) & bsdf_pdf.simd_gt(Lanes::ZERO)).select(mixed, bsdf_pdf)
     }
 
-    /// Directions in the world.
+    /// Samples directions from the histograms, in world space.
     #[inline(always)]
     fn directions(&self, u: [Lanes; 2]) -> Vec3Lanes {
         let place = u[0] * Lanes::splat(UNITS as f32);
@@ -79,10 +79,9 @@ impl<'a> Guided<'a> {
         self.axes.direction(Lanes::new(bins), x, u[1])
     }
 
-    /// Replaces the samples `sample` of the bsdf, in world space, of the lanes `here` by those of the mixture with
-    /// their histograms, where `u_lobe` has chosen the lobes of the bsdf. `eval_and_pdf` gives the values and
-    /// densities of the bsdf for directions in the world, in the lanes of its second argument, which have a
-    /// direction.
+    /// Replaces the BSDF samples `sample`, in world space, of the lanes `here` by samples of the mixture with their
+    /// histograms, where `u_lobe` has chosen the lobes of the BSDF. `eval_and_pdf` evaluates the BSDF for directions in
+    /// the world, in the lanes of its second argument, which have a direction.
     #[inline(always)]
     pub fn sample(
         &self,
@@ -95,7 +94,7 @@ impl<'a> Guided<'a> {
         let here = lanes_of(here);
         let in_lobe = u_lobe - self.lobes.start;
         let by_guide = in_lobe.simd_ge(Lanes::ZERO) & in_lobe.simd_lt(self.parts * self.lobes.share) & here;
-        // The bsdf may have returned no direction, and none is there then: `sample.wi` is what other lanes have left.
+        // The BSDF may have returned no direction: `sample.wi` is then left over from other lanes.
         let is_there = by_guide | sample.is_returned;
         let wi = Vec3Lanes::select(by_guide, self.directions(u), sample.wi);
         let (value, bsdf_pdf) = eval_and_pdf(wi, is_there.to_bitmask());
@@ -105,8 +104,8 @@ impl<'a> Guided<'a> {
             weight: value / pdf,
             pdf,
             is_delta: Lanes::ZERO,
-            // Roulette sees the throughput that the bsdf alone would give to a direction that the guide prefers. In
-            // other directions paths have more than that, and are to be kept for it.
+            // Roulette uses the throughput that the BSDF alone would give to a direction that the guide prefers. In
+            // other directions paths have more than that, and must survive for it.
             eta: (pdf / bsdf_pdf).fast_max(Lanes::ONE).sqrt(),
             is_returned: bsdf_pdf.simd_gt(Lanes::ZERO) & is_there,
         };

@@ -7,7 +7,7 @@ use crate::math::{PerLane, Vector};
 use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;
 
-/// Directions to a light, with the light that arrives from there unless something is in between.
+/// Directions to lights, with the light that would arrive from there unoccluded.
 #[derive(Clone, Copy)]
 pub(super) struct LightLanes {
     pub light: [LightId; LANES],
@@ -40,9 +40,9 @@ impl LightLanes {
         }
     }
 
-    /// A light for each of the lanes `asked`, by the numbers of the vertices at `depth`. Densities are per solid angle,
-    /// the choice included. The other lanes mean nothing, valid or not. If there is a factor `raised`, the number
-    /// that chooses a light is multiplied by it.
+    /// Samples a light for each of the lanes `asked`, by the random numbers of the vertices at `depth`. Densities are
+    /// per solid angle, the choice included. The other lanes are undefined. With a factor `raised`, the number that
+    /// chooses a light is multiplied by it.
     #[inline(always)]
     pub fn sample(
         context: &Context,
@@ -111,8 +111,7 @@ impl LightLanes {
         self.is_valid |= lanes_of(bit);
     }
 
-    /// Samples the lights that the lanes `asked` choose. It is not inlined, because what is set lane by lane is in
-    /// memory.
+    /// Samples the lights that the lanes `asked` choose. Not inlined, because values set lane by lane are in memory.
     #[inline(never)]
     fn chosen(context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         let lights = &context.scene.lights;

@@ -1,6 +1,6 @@
-//! The ways of paths in lanes through participating media: the steps of [`crate::render::medium_path`]. Where a path is
-//! scattered is a vertex like those on surfaces. In the commonest media all is done in lanes; in others the paths go on
-//! one by one.
+//! Path segments through participating media in lanes: the steps of [`crate::render::medium_path`]. A scattering in a
+//! medium is a vertex like those on surfaces. The commonest media are handled in lanes; in others the paths take their
+//! steps one by one.
 
 use glam::{Vec2, Vec3};
 
@@ -53,7 +53,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Notes the media that the paths of `lanes` have entered from their vertices in the directions `dir`.
+    /// Sets the media that the paths of `lanes` have entered from their vertices in the directions `dir`.
     #[inline(never)]
     pub(super) fn enter_media(&mut self, lanes: u32, dir: &Vec3Lanes) {
         for lane in each_lane(lanes) {
@@ -69,7 +69,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         let mut media = Held::<PlainMedium<Lanes>>::default();
         let mut length = Lanes::splat(f32::INFINITY);
         for lane in each_lane(in_media) {
-            // The way of a camera ray that passes hidden emitters begins before its origin.
+            // The segment of a camera ray that passes hidden emitters begins before its origin.
             let is_hiding = settings.hide_emitters && self.paths.depth.as_array()[lane] == 0;
             let medium = self.medium(lane).and_then(|id| scene.media.get(id).plain());
             if let Some(medium) = medium.filter(|_| !is_hiding) {
@@ -103,7 +103,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Places on lights as of [`crate::render::medium_path::Leg`], with a mask of the lanes that have one. The lanes
+    /// Points on lights as of [`crate::render::medium_path::Leg`], with a mask of the lanes that have one. The lanes
     /// `here` are in media.
     #[inline(always)]
     fn lamps_near(
@@ -148,7 +148,7 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         (places, lanes_of(found))
     }
 
-    /// Takes the path of a lane on from its way through a medium.
+    /// Continues the path of a lane at the end of its segment through a medium.
     #[inline(never)]
     pub(super) fn go_on(
         &mut self,
@@ -218,8 +218,8 @@ impl<'a, const MEDIA: bool> PathBatch<'a, MEDIA> {
         }
     }
 
-    /// Lets the path of a lane pass a surface that light does not notice. False, and nothing is done, if roulette might
-    /// end it there.
+    /// Lets the path of a lane pass an invisible surface. False, without a change, if roulette might end the path
+    /// there.
     #[inline(always)]
     fn pass(&mut self, lane: usize, hit: &Hit, slot: &SurfaceSlot, context: &Context<'a>) -> bool {
         let depth = self.paths.depth.as_array()[lane];

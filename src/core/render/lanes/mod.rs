@@ -1,11 +1,11 @@
-//! Sixteen paths traced side by side, each from one vertex to the next in every step: what most of them do is done for
-//! all at once, in vectors.
+//! Sixteen paths traced side by side, each from one vertex to the next in every step: work that most of them share is
+//! done for all at once, in vectors.
 //!
-//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is
-//! done in lanes; a model below maps that lie in each other is evaluated by itself, and its random numbers, lights and
-//! shadow rays are in lanes. Where several models are mixed, or light passes straight through, the path takes its step
-//! alone, by [`PathState::advance`]. Places of scattering in media are vertices like those on surfaces. A path that has
-//! ended gives its lane to the next one. The numbers are those of one path at a time, but for rounding.
+//! Surfaces are looked up one by one. If a surface has one of the models of [`crate::shading::lanes`], the rest is done
+//! in lanes; a model below nested maps is evaluated by itself, but its random numbers, lights and shadow rays are in
+//! lanes. Where several models are mixed, or light passes straight through, the path takes its whole step by itself, by
+//! [`PathState::advance`]. Scatterings in media are vertices like those on surfaces. A finished path gives its lane to
+//! the next one. The results equal those of one path at a time up to rounding.
 //!
 //! [`PathState::advance`]: super::path_state::PathState::advance
 
@@ -60,8 +60,8 @@ pub(super) fn trace<'v>(
     is_done.then_some(samples)
 }
 
-/// What paths are guided by, which is learnt if need be; None without a guide, and where there is nothing to be guided
-/// by. None at all if `cancel` was set in the meantime.
+/// The guide of paths, which is learnt if necessary; the inner None means no guide, or no light to guide paths. None if
+/// `cancel` was set in the meantime.
 pub(super) fn field(
     scene: &RenderScene,
     view: &View,
@@ -79,14 +79,14 @@ pub(super) fn field(
     guide.field(scene, paths, trace, cancel)
 }
 
-/// Whether a guide is of use: not for paths that know no density of directions, in media, and for direct light alone.
+/// Whether a guide helps: not for paths without a density of directions, in media, or for direct light alone.
 fn is_guided(scene: &RenderScene, settings: &PathSettings) -> bool {
     let has_media = settings.media && !scene.media.is_empty();
     !has_media && settings.strategy == Strategy::Mis && settings.longest_path() > 2
 }
 
-/// Traces paths that have left a vertex, as one by one. Those without throughput have ended. None if `cancel` was set
-/// in the meantime.
+/// Traces paths that have left a vertex, with the results of tracing them one by one. Paths without throughput have
+/// ended. None if `cancel` was set in the meantime.
 pub(super) fn trace_begun(
     scene: &RenderScene,
     view: &View,
@@ -107,14 +107,13 @@ pub(super) fn trace_begun(
     }
 }
 
-/// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to
-/// their first bounce, their rays are alike. Then they go where there is a free lane, since some end sooner than
-/// others.
+/// Paths come from the camera sixteen at a time, of neighbouring samples. Up to their first bounce they stay together
+/// and their rays are coherent. Afterwards each goes to any free lane, since some end sooner than others.
 struct Paths<'a, const MEDIA: bool> {
     jobs: &'a [Job],
-    /// The number of jobs that have been begun.
+    /// The number of jobs that have been started.
     begun: usize,
-    /// The paths that have left their first vertex, until there is a lane for them.
+    /// The paths that have left their first vertex and wait for a lane.
     first: PathBatch<'a, MEDIA>,
     later: PathBatch<'a, MEDIA>,
 }
@@ -146,7 +145,7 @@ impl<'a, const MEDIA: bool> Paths<'a, MEDIA> {
         }
     }
 
-    /// Gives every free lane a path, as long as there are any.
+    /// Gives every free lane a path, until all jobs are started.
     fn begin(&mut self, context: &Context<'a>, samples: &mut Samples) {
         const ALL: u32 = (1 << LANES) - 1;
         for lane in each_lane(!self.later.active & ALL) {

@@ -1,5 +1,5 @@
-//! The scattering of light at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the
-//! next ray, in lanes.
+//! Scattering at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the next ray, in
+//! lanes.
 
 use super::batch::PathBatch;
 use super::context::{Coherence, Context, Samples};
@@ -20,20 +20,20 @@ use crate::render::view::{PathSettings, Strategy};
 use crate::sampling::Sampler;
 use crate::shading::{BsdfSample, ShadingTables};
 
-/// The surfaces at the vertices, and the directions they are seen from.
+/// The surfaces at the vertices, and the directions to their viewers.
 #[derive(Clone, Copy)]
 struct Surfaces {
     /// The lanes that are at a vertex, a bit per lane.
     lanes: u32,
     /// The same lanes as a mask.
     here: Lanes,
-    /// The places from which lights are sampled, with the side of the shading normal that is seen.
+    /// The reference points for light sampling, with the shading normals on the side seen.
     reference: ReferenceLanes,
     /// The errors as in [`crate::accel::SurfacePoint`].
     error: Lanes,
     geometric_normal: Vec3Lanes,
     frame: Frame<Lanes>,
-    /// The directions that the paths have come from, in `frame`.
+    /// The directions to the previous vertices, in `frame`.
     wo: Vec3Lanes,
     /// The lanes that scatter by a density.
     smooth: u32,
@@ -70,23 +70,23 @@ impl Surfaces {
     }
 }
 
-/// Light that was looked for from the vertices. It is passed by value, so that it stays in registers.
+/// Lights sampled from the vertices. It is passed by value, so that it stays in registers.
 #[derive(Clone, Copy)]
 struct SoughtLight {
-    /// The lanes where it would be scattered along the path, a bit per lane.
+    /// The lanes where the light would be scattered along the path, a bit per lane.
     lanes: u32,
     light: LightLanes,
-    /// The densities with which the paths would have gone there.
+    /// The densities with which the paths would have sampled the same directions.
     bsdf_pdf: Lanes,
-    /// The throughput that they would have.
+    /// The throughput that paths would have in these directions.
     carried: Vec3Lanes,
-    /// What is scattered along the paths, unless something is in between.
+    /// The light scattered along the paths if it is unoccluded.
     reflected: Vec3Lanes,
 }
 
 impl SoughtLight {
-    /// The light of a lane that is scattered along the path, where media let the path come to it with the probability
-    /// `passed`.
+    /// The light of a lane that is scattered along the path, where media would let the path reach the light with the
+    /// probability `passed`.
     fn reflected(&self, lane: usize, strategy: Strategy, passed: f32) -> Rgb {
         let [pdf, bsdf_pdf] = [self.light.pdf, self.bsdf_pdf].map(|pdf| pdf.as_array()[lane]);
         let is_delta = self.light.is_delta >> lane & 1 == 1;
@@ -171,8 +171,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         self.trace_shadow_rays(surfaces, coherence, context, sought, samples);
     }
 
-    /// The lanes among `smooth` from which lights are sampled, as of [`crate::render::path::Scatterer`]: not from all
-    /// of those `in_media`. The rest is None, or the factor of what lights bring.
+    /// The lanes of `smooth` from which lights are sampled, as of [`crate::render::path::Scatterer`]: not all of those
+    /// in `in_media`. The second value is the factor on the light, if there is one.
     #[inline(never)]
     fn seek_light(&self, smooth: u32, in_media: u32) -> (u32, Option<Lanes>) {
         let enclosed = in_media & is_enclosed(self.paths.eta_squared).to_bitmask();
@@ -185,7 +185,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         (smooth & (!enclosed | chosen), Some(raised))
     }
 
-    /// Adds what arrives of the light that was sought.
+    /// Adds the sampled light that arrives.
     #[inline(always)]
     fn trace_shadow_rays(
         &mut self,
@@ -228,7 +228,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         }
     }
 
-    /// The light that was sought, less what media absorb of that of the lanes `asked`, whose `shadows` meet nothing.
+    /// The sampled light, attenuated by media for the lanes `asked`, whose `shadows` are unoccluded.
     #[inline(never)]
     fn dimmed(&self, context: &Context, asked: u32, shadows: RayLanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight { light, carried, .. } = sought;
@@ -266,8 +266,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         Media::new(medium, sought.carried.get(lane), sampler.stream(draw))
     }
 
-    /// The part of the light of the lanes `asked` that arrives at their `origin` through surfaces that may let it pass,
-    /// and through media.
+    /// The transmitted light of the lanes `asked` at their `origin`, through surfaces that may let it pass, and through
+    /// media.
     #[inline(never)]
     fn transmitted(&mut self, context: &Context, asked: u32, origin: Vec3Lanes, sought: SoughtLight) -> Vec3Lanes {
         let SoughtLight {
@@ -294,8 +294,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         reflected
     }
 
-    /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only
-    /// ones of a lobe.
+    /// Samples directions for the paths, in world space, and returns the lanes whose direction has a density rather
+    /// than being the only one of a lobe.
     #[inline(always)]
     fn sample_bsdfs(
         &self,
@@ -326,7 +326,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         let smooth = surfaces.smooth & !sample.is_delta.to_bitmask();
         match guided {
             Some(guided) => {
-                // A coat that is smooth keeps its only direction.
+                // A direction from a smooth coat is a delta sample and stays.
                 let delta = sample.is_delta & sample.is_returned;
                 let here = guided.lanes() & !delta.to_bitmask();
                 let sample = self.guide(guided, surfaces, tables, here, u_direction, sample);
@@ -336,8 +336,8 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         }
     }
 
-    /// The samples `sample` of the bsdf, in world space, and in guided lanes those of the mixture with their guides. It
-    /// is not inlined, so that paths without a guide have the code that they had.
+    /// The BSDF samples `sample`, in world space, and in guided lanes samples of the mixture with their guides. Not
+    /// inlined, so that the code for paths without a guide is unchanged.
     #[inline(never)]
     fn guide(
         &self,
@@ -388,7 +388,7 @@ impl<const MEDIA: bool> PathBatch<'_, MEDIA> {
         goes_on
     }
 
-    /// Ends paths at random. True in the lanes that continue.
+    /// Plays Russian roulette. True in the lanes that continue.
     #[inline(always)]
     fn play_roulette(&mut self, surfaces: &Surfaces, settings: &PathSettings, is_scattered: Lanes) -> Lanes {
         let path = &mut self.paths;

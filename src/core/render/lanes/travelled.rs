@@ -1,10 +1,10 @@
-//! What has become of paths on their ways through media.
+//! The results of path segments through media.
 
-/// The paths that have gone through the commonest media, a bit each.
+/// The paths that have been taken through the commonest media, a bit each.
 #[derive(Clone, Copy)]
 pub(super) struct Travelled {
     pub lanes: u32,
-    /// The paths among them that are scattered before the ends of their rays, at the places that are the vertices.
+    /// The paths among them that are scattered before the ends of their rays; the scatterings are their vertices.
     pub scattered: u32,
 }
 

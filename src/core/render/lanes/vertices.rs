@@ -1,4 +1,4 @@
-//! The vertices that sixteen paths have come to.
+//! The current vertices of sixteen paths.
 
 use glam::{Vec2, Vec3};
 
@@ -12,7 +12,7 @@ use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::lanes::BsdfLanes;
 use crate::shading::{BsdfSample, DiffuseLobe, ShadingTables, TransportMode};
 
-/// The surfaces and their models; only the lanes of `lanes` have a meaning.
+/// The surfaces and their models; only the lanes of `lanes` are valid.
 pub(super) struct Vertices<'a, const MEDIA: bool> {
     /// A bit per lane.
     pub lanes: u32,
@@ -21,25 +21,25 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
     pub error: Lanes,
     pub geometric_normal: Vec3Lanes,
     pub shading_normal: Vec3Lanes,
-    /// The side of the shading normal that the model is seen from: 1, or -1 from behind.
+    /// The side of the shading normal seen by the path: 1, or -1 from behind.
     pub side: Lanes,
-    /// The lanes whose first two axes are given, a bit each. Those of the others follow from the shading normal.
+    /// The lanes whose first two axes are given, a bit each. Those of other lanes follow from the shading normal.
     framed: u32,
     axes: [Vec3Lanes; 2],
-    /// The surfaces of meshes, before their models are known.
+    /// The surfaces of meshes, before their models are looked up.
     meshes: Option<SurfaceLanes>,
     /// The models.
     pub bsdf: BsdfLanes,
-    /// The shadows of the surfaces below maps.
+    /// The shadowing by the surfaces below maps.
     bump_shadows: Held<BumpShadow<Lanes>>,
     /// The lanes that are in a medium and not on a surface, a bit each. Their shading normal is the direction in which
-    /// the path has come.
+    /// the path has arrived.
     in_medium: u32,
     phase: PlainPhase<Lanes>,
-    /// The lanes on surfaces with media on their sides, which are in the list below.
+    /// The lanes on surfaces with media on their sides, which are in `sides`.
     pub borders: u32,
     sides: [MediumInterface; LANES],
-    /// The lanes of models that are evaluated one by one.
+    /// The lanes whose models are evaluated one by one.
     pub other: u32,
     singles: [Option<Single<'a>>; LANES],
     /// The lanes of `other` that have smooth lobes.
@@ -55,13 +55,13 @@ pub(super) struct Vertices<'a, const MEDIA: bool> {
 pub(super) struct DiffuseLobeLanes {
     /// The normals in the world.
     pub normal: Vec3Lanes,
-    /// The first of the numbers that choose the lobes, from 0 to 1.
+    /// The starts of the ranges of numbers that choose the lobes, from 0 to 1.
     pub start: Lanes,
     /// The probabilities of the lobes, from 0 to 1.
     pub share: Lanes,
 }
 
-/// The surface at one of the vertices.
+/// The surface at a vertex.
 pub(super) struct Met {
     pub point: SurfacePoint,
     /// Whether it has [`crate::material::Scattering::has_smooth_lobe`].
@@ -117,12 +117,12 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.bsdf.smooth() | self.in_media() | self.other_smooth
     }
 
-    /// The lanes whose directions are worth guiding, a bit each.
+    /// The lanes for whose directions path guiding pays off, a bit each.
     pub fn guided(&self) -> u32 {
         self.bsdf.guided() | self.other_diffuse
     }
 
-    /// The frames in which the models are, with the shading normals on the side that is seen.
+    /// The models' frames, with the shading normals on the side seen.
     #[inline(always)]
     pub fn frames(&self) -> Frame<Lanes> {
         let upright = Frame::<Lanes>::around(self.shading_normal);
@@ -165,8 +165,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         lobes
     }
 
-    /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal
-    /// that is seen.
+    /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], which is the shading normal on the side
+    /// seen.
     pub fn halved(&self) -> u32 {
         self.lanes & !(self.bsdf.transmitting() | self.in_media() | self.other & !self.other_halved)
     }
@@ -193,15 +193,14 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// The factor by which the surfaces below maps dim light from `wi`, in the world; 1 without a map, None if no lane
-    /// has one.
+    /// The factor of [`BumpShadow::factor`] on light from `wi`, in the world; 1 without a map, None if no lane has one.
     #[inline(always)]
     pub fn bump_shadow(&self, wi: Vec3Lanes) -> Option<Lanes> {
         let (here, shadow) = self.bump_shadows.held()?;
         Some(here.select(shadow.factor(wi), Lanes::ONE))
     }
 
-    /// Replaces the values and densities of the lanes in media.
+    /// Replaces the values and densities in the lanes in media.
     #[inline(never)]
     fn with_densities(&self, value: Vec3Lanes, pdf: Lanes, cosine: Lanes) -> (Vec3Lanes, Lanes) {
         let here = lanes_of(self.in_medium);
@@ -212,7 +211,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         )
     }
 
-    /// Directions by the models in lanes and by phase functions, in the frames of the vertices.
+    /// Samples directions by the models in lanes and by phase functions, in the frames of the vertices.
     #[inline(always)]
     pub fn sample(&self, tables: &ShadingTables, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSample<Lanes> {
         let sample = self.bsdf.sample(tables, wo, u_lobe, u, TransportMode::Radiance);
@@ -222,7 +221,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// Replaces the samples of the lanes in media.
+    /// Replaces the samples in the lanes in media.
     #[inline(never)]
     fn with_phases(&self, mut sample: BsdfSample<Lanes>, u: [Lanes; 2]) -> BsdfSample<Lanes> {
         let here = lanes_of(self.in_medium);
@@ -239,8 +238,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         sample
     }
 
-    /// Sets places in media in `lanes`, which are the only ones so far, and to which the paths have come in the
-    /// directions `dir`.
+    /// Sets vertices in media in `lanes`, the only lanes so far, at which the paths have arrived in the directions
+    /// `dir`.
     #[inline(always)]
     pub fn set_media(&mut self, lanes: u32, position: Vec3Lanes, dir: Vec3Lanes, phase: PlainPhase<Lanes>) {
         (self.lanes, self.in_medium) = (lanes, lanes);
@@ -252,7 +251,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         self.side = Lanes::ONE;
     }
 
-    /// Takes a lane out of those in media.
+    /// Removes a lane from those in media.
     pub fn leave_medium(&mut self, lane: usize) {
         self.lanes &= !(1 << lane);
         self.in_medium &= !(1 << lane);
@@ -273,8 +272,8 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         }
     }
 
-    /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`.
-    /// It is a function of its own, so that what is done in lanes stays in registers.
+    /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are in `other`. Not
+    /// inlined, so that lane values stay in registers.
     #[inline(never)]
     pub fn eval_others(&self, asked: u32, wi: Vec3Lanes, mut value: Vec3Lanes, mut pdf: Lanes) -> (Vec3Lanes, Lanes) {
         for lane in each_lane(asked) {
@@ -315,22 +314,22 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         sample
     }
 
-    /// Finds the surfaces of meshes at the hits `asked`, a bit each, at once. [`Self::set_plain`] and
-    /// [`Self::set_other`] use what it has found.
+    /// Finds the surfaces of meshes at the hits `asked`, a bit each, at once, for [`Self::set_plain`] and
+    /// [`Self::set_other`].
     #[inline(always)]
     pub fn find_meshes(&mut self, scene: &RenderScene, hits: &[Option<Hit>; LANES], asked: u32) {
         self.meshes = scene.geometry.mesh_surfaces(hits, asked);
     }
 
-    /// The surface of a lane, if it has been found with those of the others.
+    /// The surface of a lane, if [`Self::find_meshes`] has found it.
     #[inline(always)]
     fn found(&self, lane: usize) -> Option<SurfacePoint> {
         let meshes = self.meshes.as_ref()?;
         (meshes.lanes >> lane & 1 == 1).then(|| meshes.get(lane))
     }
 
-    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it depends on more than
-    /// the side that is seen, or if its light needs to know more.
+    /// Sets the surface of `ray`'s hit at `hit` in `lane`. None, without a change, if its model depends on more than
+    /// the side seen, or its light needs a parametrised surface.
     #[inline(always)]
     pub fn set_plain(
         &mut self,
@@ -398,7 +397,7 @@ impl<'a, const MEDIA: bool> Vertices<'a, MEDIA> {
         })
     }
 
-    /// Sets a model that is evaluated by itself.
+    /// Sets a model that is evaluated one by one.
     #[inline(never)]
     fn set_single(&mut self, lane: usize, single: Single<'a>) {
         let one_sided_normal = single.one_sided_normal();

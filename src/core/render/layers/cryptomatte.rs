@@ -1,13 +1,13 @@
-//! Cryptomatte: which objects or materials are in each pixel, and how much of it each covers, so that a compositor can
-//! cut any of them out by its name (Friedman and Jones, Fully automatic ID mattes with support for motion blur and
-//! transparency, 2015; specification 1.2).
+//! Cryptomatte: the objects or materials in each pixel with their coverage, so that a compositor can cut out any of
+//! them by name (Friedman and Jones, Fully automatic ID mattes with support for motion blur and transparency, 2015;
+//! specification 1.2).
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::matte::{Matte, MatteEntry};
 use crate::render::layered_image::{Attribute, LayeredImage};
 
-/// The number of ids of a pixel that are written, those that cover most of it; two fit into a layer of four channels.
+/// The number of ids per pixel that are written, those with the largest coverage; a layer of four channels has two.
 const RANKS: usize = 6;
 
 /// The hash MurmurHash3_x86_32 of a text, with the seed 0 (Appleby, SMHasher).
@@ -32,8 +32,8 @@ fn murmur_hash(text: &str) -> u32 {
     hash ^ hash >> 16
 }
 
-/// The hash of a name, changed so that its bits are those of a float that is neither denormal, infinite nor not a
-/// number: files and programs may change such floats.
+/// The hash of a name, changed so that its bits are those of a float that is neither denormal, infinite nor NaN: files
+/// and programs may change such floats.
 fn id_of(name: &str) -> u32 {
     let hash = murmur_hash(name);
     match hash >> 23 & 255 {
@@ -43,7 +43,7 @@ fn id_of(name: &str) -> u32 {
 }
 
 /// Adds the channels and attributes of a cryptomatte with the name `layer`. `name_of` gives the names of the ids in
-/// `mattes`, each of which is a pixel's with its number of samples; ids of one name are one.
+/// `mattes`, each of which is a pixel's with its number of samples; ids with the same name are merged.
 pub(super) fn add_cryptomatte(
     image: &mut LayeredImage,
     layer: &str,

@@ -26,7 +26,7 @@ pub struct LayerNames<'a> {
 /// The longest part of a name that names a light group, in bytes.
 const LONGEST_NAME: usize = 200;
 
-/// The picture without layers. The attributes `worldToCamera` and `worldToNDC` say where the camera of the view is.
+/// The picture without layers. The attributes `worldToCamera` and `worldToNDC` give the pose of the view's camera.
 pub fn picture_of_camera(picture: &ImageRgb, camera: &Camera) -> LayeredImage {
     let mut image = LayeredImage::from(picture);
     // OpenEXR has row vectors: the rows are the columns here.
@@ -36,9 +36,9 @@ pub fn picture_of_camera(picture: &ImageRgb, camera: &Camera) -> LayeredImage {
     image
 }
 
-/// The picture of [`picture_of_camera`] with the layers that its film keeps: the channels `R`, `G`, `B`, `A` of the
-/// picture itself, and those of layers, such as `Albedo.R`, `Normal.X` or `LightGroup.lamp.R`. `camera` is that of the
-/// view; `denoised` is the layer of that name.
+/// The picture of [`picture_of_camera`] with the layers of its film: the channels `R`, `G`, `B`, `A` of the picture
+/// itself, and those of layers, such as `Albedo.R`, `Normal.X` or `LightGroup.lamp.R`. `camera` is the view's;
+/// `denoised` is the layer of that name.
 pub fn layered_image(
     picture: &ImageRgb,
     film: &Film,
@@ -92,7 +92,7 @@ fn number_name(layer: Layer) -> String {
     }
 }
 
-/// The name, with a number behind it if it is taken; it is taken then.
+/// The name, followed by a number if it is already in `taken`, to which it is then added.
 fn distinct(name: String, taken: &mut HashSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{name}-{number}"));
     let mut names = std::iter::once(name.clone()).chain(numbered);
@@ -101,7 +101,7 @@ fn distinct(name: String, taken: &mut HashSet<String>) -> String {
         .expect("there are names without end")
 }
 
-/// Adds a layer for each light. A dot in a name would begin another layer.
+/// Adds a layer for each light group. Dots in names are replaced, because they would begin another layer.
 fn add_light_groups(image: &mut LayeredImage, film: &Film, names: &[String]) {
     let mut taken = HashSet::new();
     for group in 0..film.layers().groups {

@@ -1,14 +1,13 @@
-//! The ids of what is in a pixel, of which a cryptomatte is made.
+//! The ids in a pixel, from which a cryptomatte is made.
 
-/// The number of ids that a pixel remembers. Those that come when all places are taken are left out while they have
-/// fewer samples.
+/// The most ids per pixel. Further ids are dropped while they have fewer samples than those stored.
 const PLACES: usize = 8;
 
 /// The ids in one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Matte([MatteEntry; PLACES]);
 
-/// An id, and the number of samples that met it; the place is free if there are none.
+/// An id, and the number of samples that hit it; the entry is free if that is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MatteEntry {
     /// The instance or the material.
@@ -23,7 +22,7 @@ impl Matte {
         self.add_entry(MatteEntry { id, samples: 1 });
     }
 
-    /// Adds the samples of another range of the same pixel.
+    /// Adds the samples of another range for the same pixel.
     pub(in crate::render) fn merge(&mut self, other: &Self) {
         other.entries().for_each(|entry| self.add_entry(entry));
     }

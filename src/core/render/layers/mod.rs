@@ -1,8 +1,8 @@
-//! The layers of a picture ([`Layer`]) in the making.
+//! Computation of the layers of a picture ([`Layer`]).
 //!
-//! The values of the layers chosen in [`View::layers`](super::view::View::layers) are noted beside the paths (`notes`),
-//! summed up by pixel (`sums`), kept by the film, and made of its sums at the end (`read`). What is not chosen costs
-//! nothing, and the picture has the same bits either way.
+//! The values of the layers chosen in [`View::layers`](super::view::View::layers) are recorded along the paths
+//! (`notes`), summed up by pixel (`sums`), stored in the film, and computed from its sums at the end (`read`). Other
+//! layers cost nothing, and the picture has the same bits either way.
 
 mod cryptomatte;
 mod image;

@@ -1,5 +1,5 @@
-//! Notes along the paths of samples, from which the film's layers follow. They are taken of paths that are traced one
-//! by one, as their observer, and of those in lanes.
+//! Notes along the paths of samples, from which the film's layers are computed. They are recorded by an observer for
+//! paths traced one by one, and directly for paths in lanes.
 
 use crate::accel::Hit;
 use crate::color::Rgb;
@@ -14,26 +14,26 @@ use crate::render::view::View;
 pub(in crate::render) struct LayerNotes<'v> {
     light_groups: &'v LightGroups,
     samples: Vec<SampleNotes>,
-    /// The light of each group, side by side for each sample.
+    /// The light of each group, contiguous for each sample.
     groups: Vec<Rgb>,
 }
 
 /// The notes of one sample.
 #[derive(Clone, Copy, Default)]
 pub(super) struct SampleNotes {
-    /// The first surface that does not let the camera ray pass straight on, as the hit of a ray; None while there is
-    /// none.
+    /// The first surface that does not let the camera ray pass straight on, as the hit of a ray; None before one is
+    /// hit.
     pub surface: Option<(Ray, Hit)>,
-    /// The way from the first surface to that one.
+    /// The distance from the first surface to that one.
     pub beyond: f32,
-    /// The surfaces that have scattered the path so far, without those that have let it pass straight on.
+    /// The number of surfaces that have scattered the path so far, without those passed straight.
     scatterings: u32,
     has_passed: bool,
-    /// The light that comes to the camera unscattered, scattered once, and more often.
+    /// The light that reaches the camera unscattered, scattered once, and more often.
     pub light: [Rgb; 3],
 }
 
-/// Takes the notes of one sample.
+/// Records the notes of one sample.
 pub(in crate::render) struct NoteTaker<'a> {
     light_groups: &'a LightGroups,
     sample: &'a mut SampleNotes,
@@ -41,7 +41,7 @@ pub(in crate::render) struct NoteTaker<'a> {
 }
 
 impl<'v> LayerNotes<'v> {
-    /// Empty notes of so many samples; None if the view has no layers that need any.
+    /// Empty notes of `samples` samples; None if no layer of the view needs them.
     pub fn new(view: &'v View, samples: usize) -> Option<Self> {
         let light_groups = &view.light_groups;
         view.film_layers().are_noted().then(|| Self {
@@ -51,13 +51,13 @@ impl<'v> LayerNotes<'v> {
         })
     }
 
-    /// Forgets all that is noted.
+    /// Clears all notes.
     pub fn clear(&mut self) {
         self.samples.fill(SampleNotes::default());
         self.groups.fill(Rgb::ZERO);
     }
 
-    /// Takes the notes of the sample with this number.
+    /// The recorder for the sample with this number.
     pub fn of(&mut self, sample: usize) -> NoteTaker<'_> {
         let groups = self.light_groups.count();
         NoteTaker {
@@ -67,7 +67,7 @@ impl<'v> LayerNotes<'v> {
         }
     }
 
-    /// What is noted of the sample with this number, with the light of each group.
+    /// The notes of the sample with this number, with the light of each group.
     pub(super) fn get(&self, sample: usize) -> (&SampleNotes, &[Rgb]) {
         let groups = self.light_groups.count();
         (&self.samples[sample], &self.groups[sample * groups..][..groups])
@@ -75,7 +75,7 @@ impl<'v> LayerNotes<'v> {
 }
 
 impl NoteTaker<'_> {
-    /// Light that the path has found, which so many surfaces have scattered.
+    /// Adds light that the path has found, which `scatterings` surfaces have scattered.
     fn add(&mut self, light: LightId, contribution: Rgb, scatterings: u32) {
         self.sample.light[scatterings.min(2) as usize] += contribution;
         if let Some(group) = self.light_groups.group(light) {
@@ -83,12 +83,12 @@ impl NoteTaker<'_> {
         }
     }
 
-    /// Light of a lamp that was sampled from the last vertex.
+    /// Adds the light of a lamp that was sampled from the last vertex.
     pub fn add_sampled(&mut self, light: LightId, contribution: Rgb) {
         self.add(light, contribution, self.sample.scatterings + 1);
     }
 
-    /// The surface has scattered the path.
+    /// Counts a scattering by a surface.
     pub fn add_scattering(&mut self) {
         self.sample.scatterings += 1;
     }

@@ -1,4 +1,4 @@
-//! The layers of a film, made of its sums.
+//! Computes the layers of a film from its sums.
 
 use glam::{Vec2, Vec3};
 
@@ -16,7 +16,7 @@ pub enum LayerPixels {
     Colors(Vec<Rgb>),
     /// Vectors or points.
     Vectors(Vec<Vec3>),
-    /// Texture coordinates, or ways in the picture.
+    /// Texture coordinates, or motion in the picture.
     Pairs(Vec<Vec2>),
     /// Numbers.
     Numbers(Vec<f32>),
@@ -25,9 +25,9 @@ pub enum LayerPixels {
 }
 
 impl Film {
-    /// A layer; pixels without samples are zero. None if the film does not keep it, and of those that are no list of
-    /// one value for each pixel: light groups (see [`Self::light_group`]), cryptomattes (see [`Self::mattes`]) and
-    /// the denoised picture. `camera` is that of the view.
+    /// A layer; pixels without samples are zero. None if the film does not keep it, and for layers that are not one
+    /// value per pixel: light groups (see [`Self::light_group`]), cryptomattes (see [`Self::mattes`]) and the denoised
+    /// picture. `camera` is the view's.
     pub fn layer(&self, layer: Layer, camera: &Camera) -> Option<LayerPixels> {
         let (kept, samples) = (self.layers(), |x, y| self.samples(x, y));
         let is_kept = kept.layers.contains(layer);
@@ -69,7 +69,7 @@ impl Film {
         (group < self.layers().groups).then(|| self.each_pixel(|x, y| self.mean_at(x, y, place.clone())).collect())
     }
 
-    /// The ids in each pixel with the number of its samples, for a cryptomatte that the film keeps.
+    /// The ids in each pixel with its number of samples, for a cryptomatte that the film keeps.
     pub fn mattes(&self, layer: Layer) -> Option<Vec<(Matte, u32)>> {
         let place = self.layers().matte_place(layer)?;
         let of_pixel = |x, y| (self.matte(x, y, place), self.samples(x, y));
@@ -86,7 +86,7 @@ impl Film {
         Some(self.each_pixel(move |x, y| self.mean_at(x, y, place.clone())))
     }
 
-    /// A sum over the samples of each pixel, divided by the number of those that meet a surface.
+    /// A sum over the samples of each pixel, divided by the number of samples that meet a surface.
     fn surface_means(&self, kept: FilmLayers, sum: Sum) -> Option<impl Iterator<Item = Vec3>> {
         let (place, covered) = (kept.place(sum)?, kept.place(Sum::Covered)?.start);
         Some(self.each_pixel(move |x, y| match self.layer_sums(x, y) {
@@ -109,7 +109,7 @@ impl Film {
     }
 }
 
-/// Up to three components.
+/// A vector of up to three components; the others are zero.
 fn vector(components: &[f32]) -> Vec3 {
     let of = |place: usize| components.get(place).copied().unwrap_or(0.0);
     Vec3::new(of(0), of(1), of(2))

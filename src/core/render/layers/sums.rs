@@ -1,4 +1,4 @@
-//! The sums that layers are made of, by pixel.
+//! The per-pixel sums from which layers are computed.
 
 use std::ops::Range;
 
@@ -14,14 +14,14 @@ use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::shading::TransportMode;
 
-/// What a film keeps beside the picture.
+/// The layers of a film beside the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FilmLayers {
-    /// The number of light groups whose light is kept each for itself.
+    /// The number of light groups with separate layers.
     pub groups: usize,
     /// The layers.
     pub layers: Layers,
-    /// Whether paths from the lights bring light to any pixel.
+    /// Whether light paths may splat light onto any pixel.
     pub splats: bool,
 }
 
@@ -74,11 +74,11 @@ const SUMS: [(Sum, usize, Layers); 11] = [
     (Sum::Emitted, 3, Layers::of(&[L::Emitted])),
 ];
 
-/// The layers of cryptomattes, of which a pixel keeps one each.
+/// The layers of cryptomattes.
 const MATTES: [Layer; 2] = [Layer::CryptoObject, Layer::CryptoMaterial];
 
 impl FilmLayers {
-    /// Whether light is kept apart by where it comes from.
+    /// Whether light is separated by its origin.
     pub fn parts_light(&self) -> bool {
         let parts = Layers::of(&[Layer::Direct, Layer::Indirect, Layer::Emitted]);
         self.groups > 0 || self.layers.has_any_of(parts)
@@ -90,12 +90,12 @@ impl FilmLayers {
         kept.map(|&(sum, components, _)| (sum, components))
     }
 
-    /// The number of numbers that are kept for each pixel: red, green and blue of each light group, then the sums.
+    /// The number of values stored for each pixel: red, green and blue of each light group, then the sums.
     pub(in crate::render) fn values(self) -> usize {
         3 * self.groups + self.sums().map(|(_, components)| components).sum::<usize>()
     }
 
-    /// The place of a sum among the values of a pixel.
+    /// The range of a sum among the values of a pixel.
     pub(in crate::render) fn place(self, wanted: Sum) -> Option<Range<usize>> {
         let mut start = 3 * self.groups;
         for (sum, components) in self.sums() {
@@ -117,17 +117,17 @@ impl FilmLayers {
         self.mattes().count()
     }
 
-    /// The place of a cryptomatte among those of a pixel.
+    /// The index of a cryptomatte among those of a pixel.
     pub(in crate::render) fn matte_place(self, wanted: Layer) -> Option<usize> {
         self.mattes().position(|layer| layer == wanted)
     }
 
-    /// Whether anything is kept that has to be noted along the paths.
+    /// Whether any layer needs notes along the paths.
     pub(in crate::render) fn are_noted(self) -> bool {
         self.values() > 0 || self.matte_count() > 0
     }
 
-    /// The memory that a pixel needs in bytes, with that of a picture file in which it is saved.
+    /// The memory for a pixel in bytes, with that of a picture file in which it is saved.
     pub(in crate::render) fn pixel_bytes(self) -> usize {
         let saved: usize = self.layers.iter().map(channels).sum();
         self.sum_bytes() + size_of::<f32>() * (saved + 3 * self.groups)
@@ -150,18 +150,18 @@ fn channels(layer: Layer) -> usize {
     }
 }
 
-/// The layers of some pixels in sums.
+/// The layers of some pixels as sums.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayerSums {
-    /// The values of each pixel side by side, as many as the [`FilmLayers`] have: the light of each group as red,
-    /// green and blue, then the sums.
+    /// The values of each pixel, contiguous, as many as the [`FilmLayers`] have: the light of each group as red, green
+    /// and blue, then the sums.
     pub values: Vec<f32>,
-    /// The cryptomattes of each pixel side by side.
+    /// The cryptomattes of each pixel, contiguous.
     pub mattes: Vec<Matte>,
 }
 
 impl LayerSums {
-    /// Room for so many pixels.
+    /// Room for `pixels` pixels.
     pub(in crate::render) fn with_capacity(kept: FilmLayers, pixels: usize) -> Self {
         Self {
             values: Vec::with_capacity(pixels * kept.values()),
@@ -169,7 +169,7 @@ impl LayerSums {
         }
     }
 
-    /// Makes it that of so many pixels. Old values stay.
+    /// Resizes to `pixels` pixels. Old values stay.
     pub(in crate::render) fn resize(&mut self, kept: FilmLayers, pixels: usize) {
         self.values.resize(pixels * kept.values(), 0.0);
         self.mattes.resize(pixels * kept.matte_count(), Matte::default());
@@ -181,7 +181,7 @@ impl LayerSums {
         &self.values[pixel * count..][..count]
     }
 
-    /// The light of each group, among the values of a pixel.
+    /// The light of each group, from the values of a pixel.
     pub(in crate::render) fn groups(values: &[f32], kept: FilmLayers) -> impl Iterator<Item = Rgb> {
         values[..3 * kept.groups].chunks_exact(3).map(Rgb::from_slice)
     }
@@ -194,8 +194,8 @@ impl LayerSums {
         mattes.for_each(|(sum, new)| sum.merge(new));
     }
 
-    /// Adds to the pixels from `first` on what `new` has of its pixels from `from` on, one for each of `counts`: the
-    /// numbers of samples that are in the sums so far.
+    /// Adds to the pixels from `first` on those of `new` from `from` on, one for each of `counts`: the numbers of
+    /// samples that are in the sums so far.
     pub(in crate::render) fn add(&mut self, kept: FilmLayers, first: usize, new: &Self, from: usize, counts: &[u32]) {
         let (values, mattes) = (kept.values(), kept.matte_count());
         if values > 0 {
@@ -224,13 +224,13 @@ pub(in crate::render) struct PixelLayers<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     kept: FilmLayers,
-    /// Whether the surface of each sample is looked up.
+    /// Whether the surface of each sample has to be looked up.
     has_surfaces: bool,
     pub sums: LayerSums,
 }
 
 impl<'a> PixelLayers<'a> {
-    /// Room for the layers of so many pixels.
+    /// Room for the layers of `pixels` pixels.
     pub fn new(scene: &'a RenderScene, view: &'a View, pixels: usize) -> Self {
         let kept = view.film_layers();
         let of_others = [
@@ -257,7 +257,7 @@ impl<'a> PixelLayers<'a> {
         mattes.resize(mattes.len() + self.kept.matte_count(), Matte::default());
     }
 
-    /// Adds the sample of `job`, of which the light counts `weight`, by what was noted of it.
+    /// Adds the sample of `job`, whose light has the weight `weight`, from its notes.
     pub fn add(&mut self, job: Job, sample: &PathSample, weight: f32, notes: &LayerNotes, number: usize) {
         let (noted, groups) = notes.get(number);
         let start = self.sums.values.len() - self.kept.values();

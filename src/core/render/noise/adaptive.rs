@@ -1,19 +1,19 @@
-//! Adaptive sampling: more samples for the blocks of pixels that are noisy, and fewer for the others.
+//! Adaptive sampling: more samples for noisy blocks of pixels, and fewer for the others.
 //!
 //! A pixel that stops when its own samples happen to agree is darker than it should be on average, because rare bright
 //! samples do not agree (Kirk and Arvo, Unbiased sampling techniques for image synthesis, SIGGRAPH 1991). So the number
-//! of a pixel's samples must not depend on these samples. Here the blocks are the squares of a chess board. How many
-//! samples a black block gets depends on what white blocks around it have found alone, and the other way round; black
-//! and white pixels have random numbers that are independent of each other (`sampling/sampler.rs`). White blocks in
-//! turn have as many samples as black ones say, but all that counts of them is their *first* samples, so few that each
-//! block has them whatever is decided. Given the white blocks' first samples, the numbers of samples of the black ones
-//! are constants, and their means are as unbiased as in a uniform picture. Only the light of splats is that of all
-//! blocks: it is a mean over all paths, whose bias falls with their number.
+//! of a pixel's samples must not depend on these samples. Here the blocks are coloured like a chess board. The number
+//! of samples of a black block depends only on the samples of white blocks around it, and vice versa; black and white
+//! pixels have independent random numbers (`sampling/sampler.rs`). White blocks in turn have numbers of samples that
+//! depend on black ones, but only their *first* samples are used, so few that each block has them whatever is decided.
+//! Given the white blocks' first samples, the numbers of samples of the black ones are constants, and their means are
+//! as unbiased as in a uniform picture. Only the light of splats comes from all blocks: it is a mean over all paths,
+//! whose bias falls with their number.
 //!
-//! How far blocks follow those around them is decided by how well these foretell them elsewhere: tiles are of two
-//! kinds, like the squares of a chess board as well, and blocks in tiles of either kind do what would have been best
-//! for blocks of their colour in tiles of the other kind. Where that would gain nothing, sampling stays uniform. So
-//! nothing is decided for blocks of one colour in tiles of one kind by what samples of any of these blocks have found.
+//! How closely blocks follow those around them depends on how well these predict their noise elsewhere: tiles are of
+//! two kinds, also like a chess board, and blocks in tiles of one kind use the strength that would have been best for
+//! blocks of their colour in tiles of the other kind. Where that gains nothing, sampling stays uniform. So no decision
+//! about blocks of one colour in tiles of one kind depends on samples of any of these blocks.
 
 mod shares;
 #[cfg(test)]
@@ -29,37 +29,37 @@ use crate::render::noise::DARK;
 use crate::render::noise::adaptive::shares::{Candidate, LEAST, rounded, shares, stride};
 use crate::render::tile::{TILE, Tile};
 
-/// The number of samples of every pixel before which no block differs.
+/// The number of samples per pixel before which all blocks are equal.
 pub const FIRST: u32 = 16;
-/// The gain in variance at equal cost that is worth the differences: what samples take is only estimated.
+/// The least gain in variance at equal cost for which blocks differ: the cost of samples is only estimated.
 const WORTHWHILE: f64 = 1.1;
-/// How far neighbours may be followed: the powers of the samples that would be best if each block's noise were known
-/// and samples were independent.
+/// How closely neighbours may be followed: the powers of the numbers of samples that would be optimal if each block's
+/// noise were known and samples were independent.
 const POWERS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// The time that a ray takes that is not from the camera, with the surface where it begins, in units of what a camera
-/// ray takes. (Parts of the gold dragon, on two threads: 68 ns for a sample of the sky, 330 for one of the floor with
-/// 3.4 rays, 551 for one of the dragon with 4.4.)
+/// The time of a ray that is not from the camera, with shading at its origin, relative to a camera ray. (Parts of the
+/// gold dragon, on two threads: 68 ns for a sample of the sky, 330 for one of the floor with 3.4 rays, 551 for one of
+/// the dragon with 4.4.)
 const COST_OF_OTHERS: f32 = 2.0;
 /// The reach of neighbours in blocks.
 const REACH: isize = 2;
 /// The weight of the nearest neighbours, beside the mean of all within reach.
 const NEAREST: f32 = 0.5;
-/// By about so many blocks it is decided how far to follow neighbours.
+/// The approximate number of blocks by which the power is chosen.
 const JUDGES: usize = 1 << 15;
 
-/// What the first samples of a block have found.
+/// Statistics of the first samples of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
-    /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or
-    /// to that of the block if it is greater.
+    /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or to
+    /// the block's if that is greater.
     noise: f32,
     /// The mean luminance.
     luminance: f32,
-    /// The time that a sample takes, in units of what its camera ray takes; 0 where nothing is known.
+    /// The time of a sample relative to that of its camera ray; 0 if unknown.
     cost: f32,
 }
 
-/// What is known of the blocks of a picture.
+/// The statistics of a picture's blocks.
 #[derive(Clone, Debug)]
 pub struct NoiseMap {
     tiles: Vec<Tile>,
@@ -67,8 +67,8 @@ pub struct NoiseMap {
     columns: usize,
     /// The number of blocks in the picture's tiles.
     blocks: usize,
-    /// What the first [`FIRST`] samples of each block have found, the first twice [`FIRST`], and so on, as far as it
-    /// is known.
+    /// The statistics of the first [`FIRST`] samples of each block, the first twice [`FIRST`], and so on, as far as
+    /// known.
     levels: Vec<Vec<Found>>,
     /// The power of two of samples that all blocks of a tile had when they began to differ; 0 before that.
     even: Vec<u32>,
@@ -77,12 +77,12 @@ pub struct NoiseMap {
 /// The blocks that are rendered.
 struct Board {
     columns: usize,
-    /// What is known of them, with noise relative to luminances that are not those of what is nearly black; no cost
-    /// for blocks that are not rendered.
+    /// Their statistics, with noise relative to luminances raised above near black; blocks that are not rendered have
+    /// no cost.
     blocks: Vec<Found>,
 }
 
-/// The groups of blocks, which are the colours in the kinds of tiles.
+/// The groups of blocks: two colours times two kinds of tiles.
 const GROUPS: usize = 4;
 
 impl Board {
@@ -100,7 +100,7 @@ impl Board {
         2 * self.colour_of(place) + self.kind_of_tile(place)
     }
 
-    /// The places of the blocks of a group that are rendered.
+    /// The indices of a group's blocks that are rendered.
     fn of_group(&self, group: usize) -> impl Iterator<Item = usize> {
         (0..self.blocks.len()).filter(move |&place| self.blocks[place].cost > 0.0 && self.group_of(place) == group)
     }
@@ -120,7 +120,7 @@ impl Board {
         })
     }
 
-    /// The noise and the cost of a block as the blocks around it have them; None without any.
+    /// The noise and the cost of a block as predicted from the blocks around it; None without any.
     fn foretold(&self, place: usize) -> Option<[f32; 2]> {
         let mut sums = [[0.0; 3]; 2];
         for (block, is_near) in self.around(place) {
@@ -135,7 +135,7 @@ impl Board {
         Some(std::array::from_fn(|i| NEAREST * near[i] + (1.0 - NEAREST) * all[i]))
     }
 
-    /// Has the noise of blocks that are nearly black beside the others of their group be relative to what is not.
+    /// Raises the luminances of nearly black blocks to a share of their group's mean.
     fn raise_luminances(&mut self) {
         let mut sums = [[0.0; 2]; GROUPS];
         for (place, block) in self.blocks.iter().enumerate().filter(|(_, block)| block.cost > 0.0) {
@@ -150,8 +150,8 @@ impl Board {
         }
     }
 
-    /// How far blocks of a group may follow the blocks around them, by what that would have gained for blocks of their
-    /// colour in the other tiles; 0 for not at all.
+    /// The power with which blocks of a group may follow the blocks around them, as would have been best for blocks of
+    /// their colour in the other tiles; 0 for uniform sampling.
     fn power(&self, group: usize) -> f64 {
         let places: Vec<usize> = self.of_group(group ^ 1).collect();
         let judge = |&place: &usize| {
@@ -189,7 +189,7 @@ impl Board {
 }
 
 impl NoiseMap {
-    /// Nothing is known of a picture of these tiles, which is `width` pixels wide.
+    /// A map without statistics for a picture of these tiles, which is `width` pixels wide.
     pub fn new(tiles: &[Tile], width: u32) -> Self {
         let columns = width.div_ceil(TILE) as usize * (TILE / BLOCK) as usize;
         let bottom = tiles.iter().map(|tile| tile.y / TILE + 1).max().unwrap_or(0) as usize;
@@ -202,7 +202,7 @@ impl NoiseMap {
         }
     }
 
-    /// Writes what was found.
+    /// Writes the statistics.
     pub fn write(&self, to: &mut Writer) {
         self.even.iter().for_each(|&samples| to.u32(samples));
         to.u32(self.levels.len() as u32);
@@ -211,7 +211,7 @@ impl NoiseMap {
         }
     }
 
-    /// Takes up what [`Self::write`] has written of the same tiles.
+    /// Reads the statistics that [`Self::write`] has written for the same tiles.
     pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
         for samples in &mut self.even {
             *samples = from.u32()?;
@@ -241,21 +241,21 @@ impl NoiseMap {
         (block.y / BLOCK) as usize * self.columns + (block.x / BLOCK) as usize
     }
 
-    /// Takes up what a film has of a tile whose blocks have equally many samples. They may differ from now on.
+    /// Takes in the film's statistics of a tile whose blocks have equally many samples. They may differ from now on.
     pub fn begin(&mut self, index: usize, film: &Film) {
         let errors = film.block_errors(self.tiles[index]);
         self.even[index] = errors[0].level;
         self.take_up(index, film, |_, _| true);
     }
 
-    /// Takes note of new samples of a tile whose blocks differ, which the film has.
+    /// Takes in the film's statistics after new samples of a tile whose blocks differ.
     pub fn note(&mut self, index: usize, film: &Film) {
         let has_just_been_reached = |block: Tile, level: u32| film.samples(block.x, block.y) == level;
         self.take_up(index, film, has_just_been_reached);
     }
 
-    /// Takes up what the film has noted of the blocks of a tile, if `is_wanted` for the block and its power of two of
-    /// samples.
+    /// Takes in the film's statistics of a tile's blocks, for each block and power of two of samples for which
+    /// `is_wanted` is true.
     fn take_up(&mut self, index: usize, film: &Film, is_wanted: impl Fn(Tile, u32) -> bool) {
         let errors = film.block_errors(self.tiles[index]);
         for (of_tile, block) in blocks_of(self.tiles[index]) {
@@ -275,14 +275,14 @@ impl NoiseMap {
         }
     }
 
-    /// What is known of the tiles at `active` while the mean pixel has so many samples. None while there is a block of
-    /// which nothing is known.
+    /// The statistics for the tiles at `active` while the mean pixel has `samples` samples. None if those of a block
+    /// are missing.
     fn board(&self, active: &[usize], samples: u32) -> Option<Board> {
         let places = || {
             let blocks = active.iter().flat_map(|&index| blocks_of(self.tiles[index]));
             blocks.map(|(_, block)| self.place(block))
         };
-        // However few samples a block gets, it has these.
+        // Every block has at least this many samples.
         let even = active.iter().map(|&index| self.even[index]).min()?;
         let sure = even.max((LEAST * f64::from(samples)) as u32) / FIRST;
         let known = &mut self.levels.iter().take(sure.checked_ilog2()? as usize + 1).rev();
@@ -296,9 +296,9 @@ impl NoiseMap {
         Some(board)
     }
 
-    /// The samples that the blocks of the tiles at `active` have at the end of a round in which the mean number, at
-    /// equal cost, grows from `from` to `to`. `counts` has the present numbers of each of these tiles. None where
-    /// all get as many more: without a gain, or while too little is known.
+    /// The samples of each block in the tiles at `active` at the end of a round in which the mean number, at equal
+    /// cost, grows from `from` to `to`. `counts` has the current numbers of each of these tiles. None for uniform
+    /// sampling: without a gain, or with too few statistics.
     pub fn allocate(
         &self,
         active: &[usize],
@@ -350,7 +350,7 @@ impl NoiseMap {
     }
 }
 
-/// What the halves of a block's samples say, as the film has noted them.
+/// The statistics from the halves of a block's samples, as stored in the film.
 fn found(block: Tile, film: &Film) -> Found {
     let places =
         || (block.y..block.y + block.height).flat_map(|y| (block.x..block.x + block.width).map(move |x| (x, y)));

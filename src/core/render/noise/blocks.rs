@@ -1,4 +1,4 @@
-//! Blocks of pixels: the smallest parts of a picture that can have a number of samples of their own.
+//! Blocks of pixels: the smallest parts of a picture that can have their own number of samples.
 
 use crate::render::tile::{TILE, Tile};
 
@@ -30,7 +30,7 @@ pub(in crate::render) fn parts(tile: Tile, edge: u32) -> impl Iterator<Item = Ti
     })
 }
 
-/// The blocks of a tile that are in the picture, with their places in [`PerBlock`].
+/// The blocks of a tile that are in the picture, with their indices in [`PerBlock`].
 pub(in crate::render) fn blocks_of(tile: Tile) -> impl Iterator<Item = (usize, Tile)> {
     parts(tile, BLOCK).map(|block| (block_of(block.x, block.y), block))
 }

@@ -1,18 +1,18 @@
-//! The error of a pixel's mean, estimated from how its halves differ.
+//! The error of a pixel's mean, estimated from the difference of its halves.
 //!
-//! The samples of a pixel are points of one scrambled net, which complete each other: the mean of n of them is nearer
-//! to the truth than their spread says. The mean over the first half of 2^k samples and the mean over the second are
-//! exchangeable, so half of their difference squared has the expectation V(n / 2) - V(n), where V is the variance of
+//! The samples of a pixel are points of one scrambled net, which complement each other: the mean of n of them is more
+//! accurate than their spread suggests. The mean over the first half of 2^k samples and the mean over the second are
+//! exchangeable, so half of their squared difference has the expectation V(n / 2) - V(n), where V is the variance of
 //! the mean (Owen, Scrambled net variance for integrals of smooth functions, Annals of Statistics 25(4), 1997, on how V
-//! falls). What of V(n) the samples cannot tell is extrapolated: each doubling takes the same share `r` of what the one
-//! before it took, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for independent
-//! samples, for which the estimate is the usual one, and at least 1/8, for smooth integrands.
+//! falls). V(n) itself cannot be measured by the samples and is extrapolated: each doubling removes the same share `r`
+//! of what the previous one removed, so that V(n) = D r / (1 - r), where D is the last such difference. `r` is 1/2 for
+//! independent samples, for which the estimate is the usual one, and at least 1/8, for smooth integrands.
 //!
 //! The differences of single pixels are one number each, so they are summed over patches of [`PATCH`] x [`PATCH`]
-//! pixels, and `r` is that of a tile. The [blocks](super::blocks) of a patch may have different numbers of samples:
-//! what is summed up is then how many times the differences are what they would be of independent samples. A pixel's
-//! own share of its patch's error is that of its samples' spread, which is known far better. A rare bright sample
-//! enlarges the spread and the difference alike, once it is there; what no sample has found yet is in no estimate.
+//! pixels, and `r` is that of a tile. The [blocks](super::blocks) of a patch may have different numbers of samples: the
+//! sums are then of ratios to the differences expected of independent samples. A pixel's own share of its patch's error
+//! is that of its samples' spread, which is known far better. A rare bright sample enlarges the spread and the
+//! difference alike, once it is found; light that no sample has found yet is in no estimate.
 
 use super::blocks::{BLOCK, PerBlock};
 use crate::render::noise::DARK;
@@ -23,20 +23,20 @@ pub(in crate::render) const PATCH: u32 = 8;
 /// The number of patches in a tile.
 const PATCHES: usize = (TILE / PATCH * (TILE / PATCH)) as usize;
 
-/// The bounds of the share of a doubling in the one before it.
+/// The bounds of the share of a doubling in the previous one.
 const SHARES: [f32; 2] = [0.125, 0.5];
 
-/// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of
-/// squares relative to the pixels' luminances.
+/// Statistics of a block's pixels, all of which have the same number of samples. Sums over pixels are of squares
+/// relative to the pixels' luminances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::render) struct BlockError {
-    /// The power of two of samples at which the means were noted last; 0 before that.
+    /// The power of two of samples at which the means were stored last; 0 before that.
     pub noted: u32,
     /// The power of two of samples whose halves were compared last; 0 before that.
     pub level: u32,
     /// The sum of half the halves' difference squared.
     pub difference: f32,
-    /// The same at half of `level`; negative where halves were not compared then.
+    /// The same at half of `level`; negative if halves were not compared then.
     pub difference_before: f32,
     /// The sum of the mean squared deviations of single samples from their mean, at `level`.
     pub spread: f32,
@@ -44,13 +44,13 @@ pub(in crate::render) struct BlockError {
     pub luminance: f32,
 }
 
-/// What the differences of halves say of a tile.
+/// The sampling efficiency of a tile, from the differences of halves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::render) struct Efficiency {
-    /// The share of a doubling in the one before it.
+    /// The share of a doubling in the previous one.
     share: f32,
-    /// How many times the squared differences of each patch are those of independent samples, at level 1 by
-    /// [`Self::share`]; 0 while that is unknown.
+    /// The ratio of each patch's squared differences to those of independent samples, converted to level 1 by
+    /// [`Self::share`]; 0 while unknown.
     patches: [f32; PATCHES],
 }
 
@@ -84,7 +84,7 @@ impl Efficiency {
         found
     }
 
-    /// How many times the squared differences at a level are those of independent samples, over the same at level 1.
+    /// The ratio of squared differences to those of independent samples at a level, over the same ratio at level 1.
     fn gain(&self, level: u32) -> f32 {
         (2.0 * self.share).powi(level.ilog2() as i32)
     }
@@ -108,8 +108,8 @@ fn patch_of(block: usize) -> usize {
     row * (TILE / PATCH) as usize + column
 }
 
-/// The share of a doubling in the one before it, in a tile of these blocks. What is dark beside the others counts less,
-/// as in the noise of a picture.
+/// The share of a doubling in the previous one, in a tile of these blocks. Dark blocks have less weight, as in the
+/// noise of a picture.
 fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     let bright = blocks.iter().map(|block| block.luminance).sum::<f32>() / blocks.len() as f32;
     let known = blocks
@@ -130,8 +130,8 @@ fn share_of_doubling(blocks: &[BlockError]) -> f32 {
     }
 }
 
-/// The variance of the mean of the first `samples` of a net, in units of what the doubling to `level` took away, where
-/// later doublings take `share` of the one before. `single` is the variance of one sample.
+/// The variance of the mean of the first `samples` of a net, in units of the variance removed by the doubling to
+/// `level`, where later doublings remove `share` of the previous one. `single` is the variance of one sample.
 ///
 /// The mean over a node of the binary tree of samples differs from the means over its halves by independent amounts.
 /// The variance is the sum of those of the amounts that do not cancel.
@@ -146,15 +146,15 @@ fn variance(samples: u32, level: u32, share: f32, single: f32) -> f32 {
     if samples <= level {
         return rest(step);
     }
-    // The next node is begun: the first half of it is whole.
+    // The next node is incomplete: its first half is complete.
     let next = step * share;
     let (count, more) = (samples as f32, (samples - level) as f32);
     let lack = (level as f32 - more) / count;
     rest(next) + next * lack * lack + (more / count).powi(2) * within(samples - level, level, step, share, single)
 }
 
-/// The variance of the mean of the first `samples` around that of the node of `size` that they are in, whose halves
-/// differ by `step`.
+/// The variance of the mean of the first `samples` around that of their node of `size` samples, whose halves differ by
+/// `step`.
 fn within(samples: u64, size: u64, step: f32, share: f32, single: f32) -> f32 {
     let (mut samples, mut size, mut step) = (samples, size, step);
     let (mut sum, mut factor) = (0.0, 1.0);

@@ -1,27 +1,27 @@
-//! Replicas: a few pixels that are rendered a second time, with random numbers of their own, to find out how noisy a
-//! picture is.
+//! Replicas: a few pixels that are rendered a second time, with their own random numbers, to measure the noise of a
+//! picture.
 //!
-//! How the error of a well spread set of samples falls with their number is not to be seen in the set: over a straight
-//! edge it falls in jumps. What `render/noise/mean_error.rs` foretells is therefore compared with what two independent
-//! renders of the same pixels with equally many samples give. Half the square of their difference has the variance of
-//! either as its expectation, whatever the samples are, so that the sum over a random choice of pixels, each divided by
-//! the probability of being chosen, estimates the squared error of the picture without bias (Horvitz and Thompson, A
-//! generalization of sampling without replacement from a finite universe, Journal of the American Statistical
-//! Association 47, 1952). The ratio of this sum to the one foretold corrects all that is foretold.
+//! How the error of a well distributed set of samples falls with their number cannot be derived from the set: over a
+//! straight edge it falls in jumps. The predictions of `render/noise/mean_error.rs` are therefore compared with two
+//! independent renders of the same pixels with equally many samples. Half the square of their difference has the
+//! variance of either as its expectation, whatever the samples are, so that the sum over a random choice of pixels,
+//! each divided by the probability of being chosen, estimates the squared error of the picture without bias (Horvitz
+//! and Thompson, A generalization of sampling without replacement from a finite universe, Journal of the American
+//! Statistical Association 47, 1952). The ratio of this sum to the predicted one corrects all predictions.
 //!
-//! Pixels are chosen once: most where the picture's first samples say that noise is, and near it, and some evenly over
-//! the picture. That the choice depends on samples of the picture makes no bias, since for any picture the expectation
-//! over the choice is the sum over all pixels.
+//! Pixels are chosen once: most of them in and near noise, as estimated from the picture's first samples, and some
+//! evenly over the picture. That the choice depends on samples of the picture makes no bias, since for any picture the
+//! expectation over the choice is the sum over all pixels.
 //!
-//! Errors are relative to the luminance that a pixel is likely to have by the mean of both renders and the pixels
-//! around it ([`crate::render::noise`]).
+//! Errors are relative to the likely luminance of a pixel, given the mean of both renders and the pixels around it
+//! ([`crate::render::noise`]).
 //!
-//! A sum over few replicas that differ much is uncertain itself, and by chance mostly too small: rarely one of them is
-//! bright. What tells how far it is to be believed is the number of equal replicas that would be as uncertain, the
-//! square of the sum over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of the ratio is taken
-//! times the share that the spread of true ratios has in its whole spread.
+//! A sum over few replicas that differ much is uncertain itself, and mostly too small by chance: bright replicas are
+//! rare. Its reliability is measured by the number of equal replicas that would be as uncertain, the square of the sum
+//! over the sum of the squares (Kish, Survey Sampling, 1965). The logarithm of the ratio is multiplied by the share of
+//! the spread of true ratios in its whole spread.
 //!
-//! Replicas are no part of the picture. Of light by splats they know nothing, since that is light from all pixels.
+//! Replicas are not part of the picture. They exclude the light of splats, which comes from all pixels.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -40,28 +40,28 @@ use crate::render::tile::{Tile, render_tile};
 use crate::render::view::{Integrator, View};
 use crate::sampling::hash::pcg3d;
 
-/// One pixel in so many has a replica.
+/// One pixel in this many has a replica.
 const SHARE: u32 = 50;
-/// The fewest and the most replicas of a picture. How well they tell its noise depends on their number, not on the size
-/// of the picture.
+/// The fewest and the most replicas of a picture. Their accuracy depends on their number, not on the size of the
+/// picture.
 const NUMBERS: [u32; 2] = [256, 4096];
 /// The share of the replicas that is spread evenly.
 const EVENLY: f64 = 0.1;
-/// The squared spread of the logarithm of what is found over what is foretold, from scene to scene, if replicas are
-/// many.
+/// The squared spread, from scene to scene, of the logarithm of the ratio of measured to predicted errors, if replicas
+/// are many.
 const SPREAD: f64 = 0.2;
-/// What replicas that differ nowhere are taken to have found, over what was foretold.
+/// The ratio of measured to predicted errors that is assumed if no replicas differ.
 const LEAST_RATIO: f64 = 1e-6;
-/// The most samples that are traced at once.
+/// The most samples that are traced in one go.
 const AT_ONCE: usize = 1024;
-/// Makes the random numbers of replicas and of their choice others than those of the picture.
+/// Separates the random numbers of replicas and of their choice from those of the picture.
 const SEEDS: [u32; 2] = [0x7f4a_7c15, 0xbf58_476d];
 
 /// A pixel that is rendered a second time.
 #[derive(Clone, Debug, PartialEq)]
 struct Replica {
     pixel: UVec2,
-    /// The probability of its being chosen.
+    /// The probability with which it was chosen.
     probability: f64,
     /// The samples so far.
     samples: u32,
@@ -69,30 +69,30 @@ struct Replica {
     sum: f64,
 }
 
-/// The replicas of a picture, as far as they are rendered.
+/// The replicas of a picture, rendered so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replicas(Vec<Replica>);
 
 /// The samples that a replica lacks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
-    /// The replica's place among those of the picture.
+    /// The index of the replica among those of the picture.
     place: usize,
     pixel: UVec2,
     samples: Range<u32>,
 }
 
-/// What was rendered of some replicas.
+/// The results of rendering some replicas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplicaSums {
-    /// The place of each, the end of its samples, and the sum of the new ones' luminances.
+    /// The index of each, the end of its samples, and the sum of the new ones' luminances.
     sums: Vec<(usize, u32, f64)>,
     /// The rays that were traced.
     pub rays: u64,
 }
 
-/// Whether what this integrator makes has replicas. Photons are shared by all samples of a round, and others would have
-/// to be traced for replicas.
+/// Whether this integrator supports replicas. Photons are shared by all samples of a round, and others would have to be
+/// traced for replicas.
 pub fn has_replicas(integrator: Integrator) -> bool {
     !matches!(integrator, Integrator::Merging(..))
 }
@@ -110,8 +110,8 @@ impl Replicas {
             true => (EVENLY * even + (1.0 - EVENLY) * number * f64::from(noise) / all).min(1.0),
             false => even.min(1.0),
         };
-        // Along the pixels the probabilities add up, and each whole step of the sum from a random begin on is one that
-        // is chosen.
+        // Along the pixels the probabilities add up, and each whole step of the sum from a random start chooses a
+        // pixel.
         let [bits, ..] = pcg3d([seed, SEEDS[0], SEEDS[1]]);
         let mut sum = f64::from(bits) / 2f64.powi(32);
         let mut chosen = Vec::new();
@@ -135,7 +135,7 @@ impl Replicas {
         Self(chosen)
     }
 
-    /// The samples that they lack beside those of a film.
+    /// The samples that the replicas lack compared with a film.
     pub fn missing(&self, film: &Film) -> Vec<Missing> {
         let missing = |(place, replica): (usize, &Replica)| {
             let end = film.samples(replica.pixel.x, replica.pixel.y);
@@ -148,13 +148,13 @@ impl Replicas {
         self.0.iter().enumerate().filter_map(missing).collect()
     }
 
-    /// Whether all have as many samples as a film has there.
+    /// Whether all replicas have as many samples as their pixels in a film.
     pub fn are_whole(&self, film: &Film) -> bool {
         let is_whole = |replica: &Replica| replica.samples == film.samples(replica.pixel.x, replica.pixel.y);
         self.0.iter().all(is_whole)
     }
 
-    /// Adds what was rendered.
+    /// Adds the results of rendering.
     pub fn add(&mut self, rendered: &ReplicaSums) {
         for &(place, end, sum) in &rendered.sums {
             let replica = &mut self.0[place];
@@ -163,8 +163,8 @@ impl Replicas {
         }
     }
 
-    /// How many times what is foretold the squared error of a film is; `noise` is that of the tiles from which they
-    /// were chosen.
+    /// The ratio of a film's true squared error to the predicted one; `noise` is that of the tiles from which the
+    /// replicas were chosen.
     pub fn correction(&self, film: &Film, noise: &PictureNoise) -> f32 {
         let squared = |replica: &Replica| {
             let [own, splatted] = film.mean_luminances(replica.pixel.x, replica.pixel.y).map(f64::from);
@@ -185,7 +185,7 @@ impl Replicas {
         believed(sum / noise.own_squares(), sum * sum / squares)
     }
 
-    /// Writes them.
+    /// Writes the replicas.
     pub fn write(&self, to: &mut Writer) {
         to.u32(self.0.len() as u32);
         for replica in &self.0 {
@@ -197,7 +197,7 @@ impl Replicas {
         }
     }
 
-    /// What [`Self::write`] has written for a picture of `size`.
+    /// Reads the replicas that [`Self::write`] has written for a picture of `size`.
     pub fn read(from: &mut Reader, size: UVec2) -> Result<Self, Damaged> {
         let mut replicas = Vec::new();
         for _ in 0..from.u32()? {
@@ -218,8 +218,8 @@ impl Replicas {
     }
 }
 
-/// The relative standard error of each pixel of a tile, which has two samples or more, averaged with that of the pixels
-/// around it: where there is an edge, a pixel may have missed it so far.
+/// The relative standard error of each pixel of a tile with two or more samples, averaged with that of the pixels
+/// around it: at an edge, a pixel may have missed the edge so far.
 fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
     let noise = |(mean, squared): (f32, f32)| {
         let noise = squared.sqrt() / mean.abs().max(dark).max(f32::MIN_POSITIVE);
@@ -239,18 +239,18 @@ fn noise_near(film: &Film, tile: Tile, dark: f32) -> Vec<f32> {
         .collect()
 }
 
-/// The correction by replicas that have found so many times what was foretold, most of it by so many of them.
+/// The correction from the ratio of measured to predicted errors and the effective number of replicas.
 fn believed(ratio: f64, effective: f64) -> f32 {
     if !ratio.is_finite() {
-        // Nothing was foretold.
+        // No noise was predicted.
         return 1.0;
     }
-    // Where replicas differ nowhere, their number is unknown.
+    // If no replicas differ, their effective number is unknown.
     let effective = effective.max(1.0);
     ratio.max(LEAST_RATIO).powf(SPREAD / (SPREAD + effective.recip())) as f32
 }
 
-/// Renders what is missing of some replicas; None if cancelled. With a shutter, samples see its moments.
+/// Renders the missing samples of some replicas; None if cancelled. With a shutter, samples see its moments.
 pub fn render_replicas(
     scene: &RenderScene,
     view: &View,
@@ -260,7 +260,7 @@ pub fn render_replicas(
 ) -> Option<ReplicaSums> {
     let [seed, ..] = pcg3d([view.seed, SEEDS[1], SEEDS[0]]);
     let mut view = View { seed, ..view.clone() };
-    // Layers take time, but with some of them light is found by other paths.
+    // Layers take time; but with splats, some layers change which paths find light, and stay.
     if !view.integrator.splats() {
         (view.layers, view.light_groups) = (Layers::default(), LightGroups::default());
     }

@@ -1,9 +1,9 @@
 //! The outer walls of rooms, which a camera outside sees through: ceilings, floors and walls that are solid and have a
 //! front on either side.
 //!
-//! Nothing in a scene says what a wall is, so it is told by geometry. A wall is a flat shape that at least two other
-//! flat shapes touch at right angles. Its outer side is the one where next to nothing is: the room is on the other one.
-//! A wall between two rooms has none, and neither has a table top or a board of a shelf under a ceiling, which covers
+//! Scenes do not mark walls, so they are detected by geometry. A wall is a flat shape that at least two other flat
+//! shapes touch at right angles. Its outer side is the one with next to no shapes: the room is on the other one. A wall
+//! between two rooms has no outer side, and neither has a table top or a board of a shelf under a ceiling, which covers
 //! it.
 
 use std::sync::Arc;
@@ -13,26 +13,26 @@ use glam::{Vec3, Vec3A};
 use crate::accel::{Instance, Primitive, Tlas};
 use crate::math::Aabb;
 
-/// A shape is flat if it is at most this share of its width thick.
+/// The largest thickness of a flat shape, relative to its width.
 const THICKNESS: f32 = 0.2;
 /// The most walls of a scene, the largest ones.
 const MOST: usize = 64;
-/// The most shapes of a scene that has walls: they are sought between two frames of a window, also while something is
-/// dragged.
+/// The most shapes of a scene in which walls are detected: the detection runs between two frames of a window, even
+/// while an object is dragged.
 const MOST_SHAPES: usize = 30_000;
-/// How far shapes that touch may be apart, as a share of the larger one's half extent.
+/// The largest gap between touching shapes, relative to the larger one's half extent.
 const GAP: f32 = 0.02;
 /// The cosine of the angle between normals below which walls are perpendicular.
 const PERPENDICULAR: f32 = 0.3;
-/// The flat shapes that touch a wall at least.
+/// The fewest flat shapes that touch a wall.
 const NEIGHBOURS: usize = 2;
-/// Inside are at least so many shapes for each outside.
+/// The least ratio of the number of shapes inside to that outside.
 const INSIDE_FOR_EACH_OUTSIDE: usize = 3;
-/// The cosine of the angle between the way out and the normal of a wall's outer face, at least.
+/// The least cosine between the outward direction and the normal of a wall's outer face.
 const OUTER_FACE: f32 = 0.7;
-/// The cosine of the angle between the way in and a ray that sees a wall clearly from outside, at least.
+/// The least cosine between the inward direction and a ray that clearly comes from outside.
 const SEEN_FROM_OUTSIDE: f32 = 0.3;
-/// What hides so much of a wall's width and height from outside covers it.
+/// A shape that hides this share of a wall's width and height from outside covers it.
 const COVERED: f32 = 0.9;
 
 /// The outer walls of a scene: the items of its hierarchy, in their order, each with the unit vector that points out of
@@ -54,7 +54,7 @@ struct Slab {
 }
 
 impl OuterWalls {
-    /// Finds them among the shapes that stand in the world by themselves.
+    /// Finds the outer walls among the shapes outside groups.
     pub fn find(scene: &Tlas) -> Self {
         if scene.instances().len() > MOST_SHAPES {
             return Self::default();
@@ -84,13 +84,13 @@ impl OuterWalls {
         Self(Arc::new(walls))
     }
 
-    /// The place of an item among the walls, below 64; None if it is none.
+    /// The index of an item among the walls, below 64; None if it is not one.
     pub(super) fn place_of(&self, item: u32) -> Option<usize> {
         self.0.binary_search_by_key(&item, |(item, _)| *item).ok()
     }
 
     /// Whether a ray in direction `dir` comes from outside where it meets a front of the wall at `place` that has this
-    /// normal: the outer face itself, or the top or an end of the wall if it is clearly seen from outside.
+    /// normal: the outer face itself, or the top or an end of the wall if the ray clearly comes from outside.
     pub(super) fn is_entered(&self, place: usize, normal: Vec3, dir: Vec3) -> bool {
         self.0[place].1.dot(normal) > OUTER_FACE || self.is_seen_from_outside(place, dir)
     }
@@ -135,10 +135,10 @@ impl Slab {
         self.extent[0] * self.extent[1]
     }
 
-    /// The direction that points out of the room; None if there is something on both sides, or nothing.
+    /// The direction that points out of the room; None if there are shapes on both sides, or on neither.
     fn outwards(&self, bounds: &[Aabb]) -> Option<Vec3> {
         let far = 2.0 * self.extent[0].max(self.extent[1]);
-        // Of what is on the side of the normal, and on the other one: how many, and whether one of them covers it.
+        // For the side of the normal, and for the other one: the number of shapes, and whether one covers the wall.
         let mut sides = [(0, false); 2];
         let others = (0..).zip(bounds).filter(|(item, _)| *item != self.item);
         for (_, other) in others.filter(|(_, bounds)| !bounds.is_empty()) {

@@ -1,7 +1,7 @@
-//! What the camera sees of a scene: parts that its rays pass through, so that one can look into closed rooms.
+//! The parts of a scene that are invisible to camera rays, so that one can look into closed rooms.
 //!
-//! Only the first ray of a path passes them. Light is transported as ever: a wall that the camera does not see still
-//! keeps light out, reflects it and shows in mirrors.
+//! Only the first ray of a path passes them. Light transport is unchanged: a wall that is invisible to the camera still
+//! blocks light, reflects it and shows in mirrors.
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ use crate::math::lanes::{LANES, each_lane};
 pub struct Sight {
     /// Whether rays pass surfaces that they meet from behind, whose geometric normal points away from the camera.
     pub passes_backs: bool,
-    /// The walls that rays pass as well where they meet them from outside, if they pass backs.
+    /// The walls that rays also pass from outside, if `passes_backs` is set.
     pub outer_walls: OuterWalls,
-    /// A plane; rays pass everything on its outer side.
+    /// A plane; rays pass all surfaces on its outer side.
     pub cut: Option<CutPlane>,
-    /// The shapes that stop rays, which pass all others. None: all shapes stop them.
+    /// The only shapes that stop rays, which pass all others. None: all shapes stop them.
     pub only: Option<Isolated>,
 }
 
-/// Camera rays pass everything on that side of the plane to which its normal points.
+/// A cut: camera rays pass all surfaces on the side of the plane to which its normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutPlane {
     /// Unit length, world space.
@@ -34,12 +34,12 @@ pub struct CutPlane {
     pub offset: f32,
 }
 
-/// Some shapes of a scene as a geometry of their own, at the same places.
+/// Some shapes of a scene as a separate geometry, with the same transforms.
 #[derive(Clone, Debug)]
 pub struct Isolated(pub Arc<Tlas>);
 
 impl PartialEq for Isolated {
-    /// Whether they are the same in memory.
+    /// Whether both share their memory.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -47,18 +47,19 @@ impl PartialEq for Isolated {
 
 /// The most surfaces that a ray passes.
 const MOST_PASSED: usize = 256;
-/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates:
-/// well above rounding, and well below what is visible. Half of the length of a ray that meets one of the shapes alone.
+/// The offset behind a surface at which a ray continues, relative to the distance so far and to the origin's
+/// coordinates: well above rounding, and well below visibility. It is also half the length of the ray that hits an
+/// isolated shape.
 const BEHIND: f32 = 1e-5;
 
 impl Sight {
-    /// Whether camera rays meet everything.
+    /// Whether camera rays see the whole scene.
     #[inline(always)]
     pub fn is_whole(&self) -> bool {
         !self.passes_backs && self.cut.is_none() && self.only.is_none()
     }
 
-    /// The part of a camera ray that begins behind everything that it passes. `scene` is all geometry.
+    /// The part of a camera ray behind all surfaces that it passes. `scene` is the whole geometry.
     #[inline(always)]
     pub fn narrow(&self, scene: &Tlas, ray: Ray) -> Ray {
         if self.is_whole() {
@@ -136,21 +137,21 @@ impl Sight {
         }
     }
 
-    /// Whether a ray passes what it has met. A bit of `entered` tells for each outer wall whether the ray has entered
-    /// it.
+    /// Whether a ray passes the surface that it has hit. `entered` has a bit for each outer wall that the ray has
+    /// entered.
     fn passes(&self, geometry: &Tlas, ray: &Ray, hit: &Hit, entered: &mut u64) -> bool {
         if !self.passes_backs {
             return false;
         }
-        // The shapes that are seen alone have other numbers, and are seen from everywhere.
+        // Isolated shapes have other numbers, and are visible from all sides.
         let place = match self.only {
             Some(_) => None,
             None => self.outer_walls.place_of(hit.instance),
         };
         let normal = geometry.surface_in(ray, hit, Detail::Plain).geometric_normal;
         if normal.dot(ray.dir) > 0.0 {
-            // A solid that was not entered has its front in one plane with a wall that was left, such as the top of a
-            // wall under a ceiling. That front is seen: what lies behind depends on rounding.
+            // A solid that was not entered may share a plane with a wall that was left, such as the top of a wall under
+            // a ceiling. Its front is visible: what lies behind depends on rounding.
             let is_left = place.is_some_and(|place| {
                 *entered >> place & 1 == 1 || self.outer_walls.is_seen_from_outside(place, ray.dir)
             });
@@ -166,7 +167,7 @@ impl Sight {
         }
     }
 
-    /// A short ray around `hit`, so that it can meet nothing else of the scene.
+    /// A short ray around `hit`, which can hit nothing else in the scene.
     fn around(&self, ray: Ray, hit: &Hit) -> Ray {
         if self.only.is_none() {
             return ray;
@@ -179,7 +180,7 @@ impl Sight {
         }
     }
 
-    /// The ray for the case that nothing is left that would stop it: it is empty.
+    /// The empty ray, for a camera ray that passes all surfaces.
     fn nothing_met(&self, ray: Ray) -> Ray {
         match self.only {
             Some(_) => nowhere(ray),

@@ -1,9 +1,9 @@
-//! The edges of some shapes as the camera sees them, also where something is in front of them: for outlines over the
+//! The outlines of some shapes as the camera sees them, also where other shapes hide them: for drawing over the
 //! picture.
 //!
 //! One ray goes through the centre of every cell of a grid, against these shapes alone. Cells at an edge get sixteen
-//! more, so that the edge is known to a quarter of a cell. Only there is it asked whether the rest of the scene hides
-//! it: the work follows the size of the shapes in the picture and the length of their edges, not what else is in the
+//! more, so that the edge is known to a quarter of a cell. Only there is the rest of the scene tested for occlusion:
+//! the work depends on the size of the shapes in the picture and the length of their edges, not on the rest of the
 //! scene.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,12 +21,12 @@ use crate::render::camera::Camera;
 #[derive(Clone, Debug)]
 pub struct MarkedShapes {
     shapes: Tlas,
-    /// By [`Hit::instance`].
+    /// The marks by [`Hit::instance`].
     marks: Vec<u32>,
 }
 
 impl MarkedShapes {
-    /// Takes shapes and placements out of `scene`, by [`Hit::instance`] in rising order, with their marks.
+    /// Copies shapes and placements out of `scene`, by [`Hit::instance`] in ascending order, with their marks.
     pub fn new(scene: &Tlas, marked: impl IntoIterator<Item = (u32, u32)>) -> Self {
         let count = scene.instances().len() + scene.placements().len();
         let (items, marks): (Vec<u32>, Vec<u32>) =
@@ -52,9 +52,9 @@ impl MarkedShapes {
 /// A grid of square cells over a part of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGrid {
-    /// The camera. Everything is sharp: rays go through the middle of its lens.
+    /// The camera, used as a pinhole.
     pub camera: Camera,
-    /// The size of the whole picture in pixels of the screen.
+    /// The size of the whole picture in screen pixels.
     pub picture: UVec2,
     /// The first pixel of the part.
     pub min: UVec2,
@@ -65,7 +65,7 @@ pub struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// The part of a picture in which `bounds` can be seen, with cells of one pixel. None if it cannot be seen at all.
+    /// The part of a picture in which `bounds` is visible, with cells of one pixel. None if it is not visible at all.
     pub fn around(bounds: &Aabb, camera: Camera, picture: UVec2) -> Option<Self> {
         if bounds.is_empty() || picture.x == 0 || picture.y == 0 {
             return None;
@@ -83,7 +83,7 @@ impl PixelGrid {
             let (film, _) = camera.project([pick(0), pick(1), pick(2)].into());
             (least, largest) = (least.min(film), largest.max(film));
         }
-        // A box that reaches behind the camera may be seen anywhere.
+        // A box that reaches behind the camera may be visible anywhere.
         if nearest <= 0.0 || !(least.is_finite() && largest.is_finite()) {
             (least, largest) = (Vec2::ZERO, Vec2::ONE);
         }
@@ -110,7 +110,7 @@ impl PixelGrid {
         }
     }
 
-    /// A grid of the same picture over both parts and what is between them.
+    /// A grid of the same picture over both parts and the area between them.
     pub fn union(&self, other: &Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -125,7 +125,7 @@ impl PixelGrid {
         UVec2::new(pixels.x.div_ceil(self.step), pixels.y.div_ceil(self.step))
     }
 
-    /// The place of a point of the grid, in pixels from the corner of the picture; the unit of `cell` is a cell.
+    /// The position of a point of the grid, in pixels from the corner of the picture; `cell` is in units of cells.
     fn pixel(&self, cell: Vec2) -> Vec2 {
         self.min.as_vec2() + cell * self.step as f32
     }
@@ -144,19 +144,19 @@ impl PixelGrid {
 /// A point of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePoint {
-    /// Pixels from the upper left corner of the picture.
+    /// The position in pixels from the upper left corner of the picture.
     pub at: Vec2,
     /// The larger of the marks on both sides.
     pub mark: u32,
-    /// Whether nothing of the scene is in front of the shape with that mark.
+    /// Whether no shape of the scene hides the shape with that mark.
     pub visible: bool,
 }
 
 /// The samples along either side of a cell at an edge; their square is [`LANES`].
 const FINE: u32 = 4;
-/// The most cells at edges. A picture full of fur has more, of which an outline would show nothing.
+/// The most cells at edges. A picture full of fur has more, of which an outline would be unreadable.
 const MOST_EDGE_CELLS: usize = 200_000;
-/// The part of the way to a shape within which things do not count as in front of it.
+/// The fraction of the distance to a shape within which other shapes do not hide it.
 const CLEARANCE: f32 = 1e-4;
 
 /// A cell at an edge.
@@ -164,13 +164,13 @@ struct EdgeCell {
     place: UVec2,
     /// The marks of its samples, row by row.
     marks: [u32; LANES],
-    /// The samples whose shape is not hidden, a bit each.
+    /// The samples whose shape is visible, a bit each.
     visible: u32,
 }
 
 /// Points on the edges of `shapes`, at most a quarter of a cell of `grid` apart. `scene` is the geometry that may hide
-/// them, but for what `sight` does not see of it. None if `cancel` was set in the
-/// meantime, or if there are too many. It uses all threads of the pool that it is called in.
+/// them, except for the parts invisible by `sight`. None if `cancel` was set in the meantime, or if there are too many.
+/// It uses all threads of the calling pool.
 pub fn edges(
     shapes: &MarkedShapes,
     (scene, sight): (&Tlas, &Sight),
@@ -213,7 +213,7 @@ pub fn edges(
 
 const NONE: u32 = u32::MAX;
 
-/// The marks that a row of cells shows.
+/// Traces the marks of a row of cells.
 fn fill_row(shapes: &MarkedShapes, grid: &PixelGrid, y: u32, row: &mut [u32]) {
     for (chunk, cells) in row.chunks_mut(LANES).enumerate() {
         let first = (chunk * LANES) as f32;
@@ -249,7 +249,7 @@ impl EdgeCell {
         let mut rays = grid.rays(std::array::from_fn(|lane| place.as_vec2() + sample(lane) / FINE as f32));
         let hits = shapes.shapes.intersect_packet(&rays, (1 << LANES) - 1);
         let marks = std::array::from_fn(|lane| shapes.mark(&hits[lane]));
-        // One sample of each mark decides for all samples of that mark.
+        // One sample of each mark decides on the visibility of all samples with that mark.
         let is_first = |lane: usize| marks[lane] != 0 && !marks[..lane].contains(&marks[lane]);
         let firsts = (0..LANES)
             .filter(|lane| is_first(*lane))
@@ -274,23 +274,23 @@ impl EdgeCell {
     }
 }
 
-/// The search so far.
+/// The state of the search.
 struct Found<'a> {
     grid: &'a PixelGrid,
     width: u32,
     height: u32,
-    /// The mark of each cell, and below the number of the edge cell there, if it is one.
+    /// The mark of each cell, and (next) the index of its edge cell, if it is one.
     marks: &'a [u32],
     cells: &'a [EdgeCell],
     edge_cell: &'a [u32],
 }
 
-/// A sample: its mark, and whether its shape is visible, where that is known.
+/// A sample: its mark, and whether its shape is visible, if known.
 type Sample = (u32, Option<bool>);
 
 impl Found<'_> {
-    /// Adds the points between samples of a cell and their neighbours. Those to the left and above belong to the cell
-    /// there, if it is at an edge as well.
+    /// Adds the points between samples of a cell and their neighbours. Those to the left and above belong to the
+    /// neighbouring cell there, if it is at an edge as well.
     fn add_points_of(&self, cell: &EdgeCell, points: &mut Vec<EdgePoint>) {
         let corner = (FINE * cell.place).as_ivec2();
         for lane in 0..LANES {
@@ -319,7 +319,7 @@ impl Found<'_> {
         }
     }
 
-    /// The sample at a place of the fine grid, and whether its cell is at an edge. None outside of the grid.
+    /// The sample at a position of the fine grid, and whether its cell is at an edge. None outside of the grid.
     fn sample(&self, place: glam::IVec2) -> Option<(Sample, bool)> {
         if place.min_element() < 0 {
             return None;

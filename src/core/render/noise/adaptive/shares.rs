@@ -1,24 +1,24 @@
-//! How the samples of a picture are shared out among its blocks, for [`super`].
+//! The distribution of a picture's samples among its blocks, for [`super`].
 
 /// The least and the most samples of a block, as shares of the mean number.
 pub(super) const LEAST: f64 = 0.25;
 const MOST: f64 = 8.0;
-/// By about so many blocks it is found out what they cost in all.
+/// The approximate number of blocks by which the total cost is estimated.
 const ENOUGH: usize = 1 << 16;
-/// The halvings of the range of the factor in which samples follow noise, which leave a hundred thousandth of it.
+/// The halvings in the search for the factor between noise and samples, which narrow it to a hundred thousandth.
 const HALVINGS: u32 = 21;
 
-/// A block's way through a round.
+/// A block in a round.
 pub(super) struct Candidate {
     pub place: u32,
-    /// The noise as neighbours foretell it.
+    /// The noise as predicted by neighbours.
     pub noise: f32,
     pub cost: f32,
     pub least: f32,
 }
 
-/// A number of samples that suits nets: powers of two and those half way between, or an eighth of a round that is none
-/// of doubling.
+/// Rounds to a number of samples that suits nets: powers of two and those half way between, or in a round that does not
+/// double, multiples of an eighth of it.
 pub(super) fn rounded(samples: f64, from: u32, to: u32) -> u32 {
     if to == 2 * from && from.is_power_of_two() {
         let below = samples.log2().floor().exp2();
@@ -38,9 +38,9 @@ pub(super) fn rounded(samples: f64, from: u32, to: u32) -> u32 {
     }
 }
 
-/// The samples of each block that cost about as much in all as `mean` of every block: the power `power` of what would
-/// be best for independent samples, which is the root of noise over cost, but at least `least`. `round` gives the
-/// numbers that are possible.
+/// The samples of each block that cost about as much in total as `mean` samples of every block: the optimum for
+/// independent samples, the root of noise over cost, to the power `power`, but at least `least`. `round` gives the
+/// nearest allowed number.
 pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
     let weights: Vec<f64> = blocks
         .iter()
@@ -53,7 +53,7 @@ pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn
         let wanted = (factor * weights[place]).clamp(LEAST * mean, MOST * mean);
         round(wanted).max(f64::from(blocks[place].least))
     };
-    // Of many blocks some tell what all cost.
+    // Of many blocks, some are used to estimate the total cost.
     let some = || (0..blocks.len()).step_by(stride(blocks.len(), ENOUGH));
     let cost_of = |place: usize| f64::from(blocks[place].cost);
     let budget: f64 = mean * some().map(cost_of).sum::<f64>();
@@ -74,7 +74,7 @@ pub(super) fn shares(blocks: &[Candidate], power: f64, mean: f64, round: impl Fn
     (0..blocks.len()).map(|place| at(low, place)).collect()
 }
 
-/// The step in which about `enough` of `count` blocks are met, which is odd because rows of blocks are even.
+/// The step that visits about `enough` of `count` blocks; odd, because rows of blocks are even.
 pub(super) fn stride(count: usize, enough: usize) -> usize {
     (count / enough + 1) | 1
 }
