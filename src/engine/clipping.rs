@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::accel::{Instance, Primitive, SplitMethod};
 
-    /// The warning for spheres of radius 1 at these depths before a camera in the origin.
+    /// The warning for spheres of radius 1 at these depths in front of a camera at the origin.
     fn warning(depths: &[f32], near: f32, far: f32) -> Option<String> {
         let sphere = |&depth: &f32| {
             let place = Affine3A::from_translation(Vec3::Z * depth);
@@ -70,7 +70,7 @@ mod tests {
             (&[4.0, 60.0][..], 0.1, 10.0),
             (&[0.0], 0.1, 0.5),
             (&[], 0.1, 10.0),
-            // The camera looks the other way.
+            // The camera looks in the opposite direction.
             (&[-4.0, -9.0], 0.1, 1.0),
         ] {
             assert_eq!(warning(depths, near, far), None, "{depths:?} {near} {far}");

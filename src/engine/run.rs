@@ -215,7 +215,7 @@ mod tests {
         Backend::cpu(3, false).expect("three threads")
     }
 
-    /// Whether all threads can be had at once.
+    /// Whether all threads are free at once.
     fn are_free(Backend::Cpu(pool): &Backend) -> bool {
         pool.broadcast(|_| 1).iter().sum::<i32>() == 3
     }
@@ -293,8 +293,8 @@ mod tests {
             EventLoopWaker::new(&hook),
             Gate::default(),
         );
-        // All of them end without collecting, for there is room. The hook is called while the second half is filled,
-        // and at the end.
+        // All of them end without collecting, because there is room. The hook is called while the second half is
+        // filled, and at the end.
         let deadline = Instant::now() + Duration::from_secs(600);
         while run.results.len() < CAPACITY - 1 || woken.load(Ordering::Relaxed) < CAPACITY / 2 {
             assert!(Instant::now() < deadline, "{} results, {woken:?}", run.results.len());
@@ -336,13 +336,13 @@ mod tests {
             EventLoopWaker::new(&hook),
             Gate::default(),
         );
-        // The hook is called when half of the room is taken: nothing is collected before that.
+        // The hook is called when half of the room is filled: no result is collected before that.
         while !run.cancel.load(Ordering::Relaxed) {
             std::thread::yield_now();
         }
         let mut results = run.results.iter();
         assert!(results.any(|result| matches!(result, TileResult::Failed(text) if text == "the hook")));
-        // The threads are as good as before.
+        // The threads still work.
         assert!(are_free(&backend));
     }
 

@@ -151,9 +151,9 @@ mod tests {
         assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
         assert_eq!(stop.reached(1, 2.0, None), Some(StopReason::Time));
         assert_eq!(stop.reached(16, 1.0, Some(Some(0.1))), Some(StopReason::Noise));
-        // These are too few samples to know.
+        // These are too few samples for an estimate.
         assert_eq!(stop.reached(15, 1.0, Some(Some(0.0))), None);
-        // A demand for an exact number takes the place of all limits.
+        // A demand for an exact number replaces all limits.
         let exact = RenderControl {
             exact_samples: Some(100),
             ..control
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(reached(None, 0.011), None);
         assert_eq!(reached(Some(0.1), 0.05), Some(StopReason::Noise));
         assert_eq!(reached(Some(0.0), 0.0), None);
-        // What is black may only not have found its light yet.
+        // A black picture may not have found its light yet.
         assert_eq!(quiet(&control(None)).reached(1000, 0.0, Some(None)), None);
         assert_eq!(
             quiet(&control(None)).reached(1024, 0.0, Some(None)),
@@ -193,7 +193,7 @@ mod tests {
     fn rounds_end_where_the_noise_may_be_reached() {
         let stop = quiet(&RenderControl::default());
         assert_eq!([0, 3].map(|done| stop.round_end(done, Some(0.0), false)), [16; 2]);
-        // Far away the samples double, near the limit they grow by an eighth or sixteenth.
+        // Far from the limit the samples double, near it they grow by an eighth or sixteenth.
         assert_eq!(stop.round_end(16, Some(1.0), false), 32);
         assert_eq!(stop.round_end(64, None, false), 128);
         assert_eq!(stop.round_end(64, Some(0.0101), false), 72);

@@ -141,7 +141,7 @@ mod tests {
     use crate::geometry::primitives::{unit_cube, unit_triangle};
     use crate::math::Aabb;
 
-    /// A cube, turned, sheared and moved so that its corners are rounded.
+    /// A cube, rotated, sheared and moved so that its corners are rounded.
     fn oblique() -> MeshData {
         let mut mesh = unit_cube();
         for p in &mut mesh.positions {
@@ -223,7 +223,7 @@ mod tests {
         let mut open = unit_cube();
         open.triangles.truncate(10);
         assert!(AffineMesh::of(&open).is_none());
-        // One half twice, and both halves with the same corner.
+        // A half that occurs twice, and two halves with the same missing corner.
         for other in [[0, 1, 2], [1, 2, 3]] {
             let mut doubled = unit_cube();
             doubled.triangles[1] = other;

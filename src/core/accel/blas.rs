@@ -322,7 +322,7 @@ mod tests {
     use crate::accel::RayLanes;
     use crate::geometry::primitives::{unit_cube, unit_triangle};
 
-    /// Here the signed areas are all zero by rounding, and the distance is not.
+    /// The signed areas all round to zero here, but the distance does not.
     #[test]
     fn a_triangle_seen_from_its_edge_is_not_met() {
         let dir = Vec3::new(1.0, 0.1, 0.0);

@@ -144,7 +144,7 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Fills the wide node `node` at `depth` with the children below the first of `branches`, and appends everything
+    /// Fills the wide node `node` at `depth` with the children below the first of `branches`, and appends all nodes
     /// below them. `branches` is the range of the whole subtree.
     fn fill(&self, tree: &mut Tree, node: usize, branches: Range<usize>, depth: usize) {
         tree.depth = tree.depth.max(depth);

@@ -1,4 +1,4 @@
-//! The results of ray queries: what a ray hits, and the surface there.
+//! The results of ray queries: hits, and the surfaces there.
 
 use glam::{Vec2, Vec3};
 

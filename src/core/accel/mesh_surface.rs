@@ -272,7 +272,7 @@ mod tests {
     use crate::sampling::hash::pcg3d;
     use crate::sampling::unit_float;
 
-    /// Meshes with and without normals at vertices, turned, sheared, mirrored, flipped and tiny, a sphere and a group.
+    /// Meshes with and without vertex normals, rotated, sheared, mirrored, flipped and tiny, a sphere and a group.
     fn scene() -> Tlas {
         let mut bent = unit_cube();
         for (normal, place) in bent.normals.iter_mut().zip(&bent.positions) {

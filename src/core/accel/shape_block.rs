@@ -292,7 +292,7 @@ mod tests {
         members.sort_unstable();
         assert!(members.is_sorted_by(|a, b| a < b) && members.iter().all(|&k| k < 40));
         assert!(members.len() > 30, "{members:?}");
-        // On a floor, too, which stays alone.
+        // The same with a floor, which stays outside of blocks.
         let floor = placed(
             Primitive::Rectangle,
             Vec3::splat(1e3),
@@ -307,7 +307,7 @@ mod tests {
         assert!(ShapeBlock::gather(&shapes[..3].to_vec().into(), SplitMethod::Sah).is_empty());
     }
 
-    /// Spheres that are round in the world, and stretched ones: what begins on one does not meet it again from outside.
+    /// Spheres that are round in the world, and stretched ones: a ray that starts on one does not hit it from outside.
     #[test]
     fn spheres_are_met_once_from_outside_and_again_from_within() {
         for shapes in [

@@ -317,7 +317,7 @@ mod tests {
         let steps = steps(row(50, 0.2), 20.0);
         let around = |number: u32, lane: u32| number.is_multiple_of(lane + 2);
         let bounds: Vec<Aabb> = row(50, 0.2).iter().map(|item| item.bounds).collect();
-        // A ray meets the boxes around certain items.
+        // The rays meet the boxes around certain items.
         let meet = |lanes: u32, outer: &Aabb| {
             let meets =
                 |lane: u32| (0..50).any(|number| around(number, lane) && outer.contains(&bounds[number as usize]));
@@ -347,7 +347,7 @@ mod tests {
         assert!(tested(8, 3).len() < tested(1, 0).len());
     }
 
-    /// Two boxes with the same end, one after them, and an item after all.
+    /// Two boxes that end at the same step, a box after them, and an item after all.
     #[test]
     fn walks_leave_boxes_where_they_end() {
         let bounds = |x: f32| Aabb::from_points([Vec3::X * x]);

@@ -67,8 +67,8 @@ impl LightChoice {
         self.sample_by(u, |tree, u| tree.sample(reference, u))
     }
 
-    /// The probabilities by which [`Self::sample_lane`] chooses among finite lights; None where each lane has to walk
-    /// the tree by itself.
+    /// The probabilities by which [`Self::sample_lane`] chooses among finite lights; None where each lane has to
+    /// descend the tree on its own.
     pub fn shares(&self, from: &Reference<Lanes>) -> Option<Shares> {
         self.finite.as_ref()?.shares(from)
     }

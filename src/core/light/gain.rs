@@ -178,7 +178,7 @@ mod tests {
         );
         assert_eq!(gain(point(Rgb::ZERO, 0.0), point(before, 0.0)), Some(Rgb::ZERO));
         assert_eq!(gain(point(now, 1.0), point(before, 0.0)), None);
-        // There is no light that could be multiplied.
+        // A black light cannot be multiplied to become bright.
         assert_eq!(gain(point(before, 0.0), point(Rgb::ZERO, 0.0)), None);
         let weaker = WeightedSource {
             sampling_weight: 0.5,

@@ -96,8 +96,8 @@ mod tests {
         .sun_direction()
     }
 
-    /// Checks the culmination at Greenwich, 2010: the equation of time gives the moment, declination and latitude the
-    /// height.
+    /// Checks the culmination at Greenwich, 2010: the equation of time gives the moment, and declination and latitude
+    /// give the height.
     #[test]
     fn the_sun_culminates_in_the_south() {
         // The columns are month, day, declination in degrees, and minutes after 12:00 (Astronomical Almanac, rounded).

@@ -175,7 +175,7 @@ mod tests {
                         continue;
                     }
                     found += 1;
-                    // The rounding of a place in the table counts a whole turn.
+                    // A full turn of azimuth counts as a rounding difference in the table.
                     assert!(
                         lanes.wi.get(lane).abs_diff_eq(one.wi, 4e-6),
                         "{} {}",
@@ -183,7 +183,7 @@ mod tests {
                         one.wi
                     );
                     let (radiance, pdf) = (lanes.radiance.get(lane), lanes.pdf.as_array()[lane]);
-                    // The rim of the sun is where rounding puts it.
+                    // Rounding decides on directions at the rim of the sun.
                     let is_rim =
                         (1.0 - one.radiance.dot(light.radiance(one.wi)) / one.radiance.length_squared()).abs() > 1e-3;
                     assert!(

@@ -14,7 +14,7 @@ use crate::color::Rgb;
 use crate::math::{Frame, Vector};
 use crate::shading::{Bsdf, BsdfSample, DiffuseLobe, Onward, ShadingTables, TransportMode};
 
-/// The most models that a material may mix at one place.
+/// The most models that a material may mix at one point.
 pub(super) const LARGEST_MIX: usize = 8;
 
 /// A model with its weight and its orientation in the world.

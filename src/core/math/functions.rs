@@ -183,7 +183,7 @@ mod tests {
         (f64::from(found) - exact).abs() / ulp
     }
 
-    /// Both forms at every place: within `most` ulps of the exact function, and equal but for that. `of_one` and
+    /// Compares both forms at all numbers: within `most` ulps of the exact function, and equal up to that. `of_one` and
     /// `of_lanes` are the same formula.
     fn check(
         name: &str,

@@ -338,7 +338,7 @@ mod tests {
     fn smoke(placed: Affine3A) -> MediumSource {
         let size = UVec3::new(40, 17, 23);
         let count = size.element_product();
-        // It becomes thicker along x.
+        // The density grows along x.
         let value = |n: u32| unit_float(pcg3d([n / 50, 0, 1])[0]).powi(4) * (n % size.x) as f32 / size.x as f32;
         of_voxels(size, 1, (0..count).map(value).collect(), placed)
     }
@@ -359,8 +359,8 @@ mod tests {
         }
     }
 
-    /// Ways from anywhere, also along axes and from inside: the segments follow each other without a gap, and no
-    /// extinction is above its bound.
+    /// Segments from anywhere, also along axes and from inside: their parts leave no gap, and no extinction is above
+    /// its bound.
     #[test]
     fn walks_cover_the_way_and_bound_the_extinction() {
         let placed = Affine3A::from_rotation_z(0.4) * Affine3A::from_scale(Vec3::new(4.0, 2.0, 2.0));
@@ -408,8 +408,8 @@ mod tests {
         }
     }
 
-    /// A cell of 4 x 4 x 4 voxels of which one is dense; nothing is limited where all is as dense, or where what is
-    /// dense can be tracked.
+    /// A cell of 4 x 4 x 4 voxels of which one is dense; there is no clamp where all are as dense, or where the dense
+    /// one can be tracked.
     #[test]
     fn what_is_too_dense_beside_what_is_thin_is_limited() {
         let limited = |channels: u32, dense: f32, thin: f32| {
@@ -428,14 +428,14 @@ mod tests {
                 limit,
             };
             assert_eq!(limited(1, dense, 0.0), (Some(found), limit));
-            // A colour that passes is held up as well.
+            // A channel without extinction is held up as well.
             assert_eq!(limited(3, dense, 0.0), (Some(found), limit));
         }
         assert_eq!(limited(1, 150.0, 0.0), (None, 450.0));
         assert_eq!(limited(1, 1e6, 1e6), (None, 3e6));
     }
 
-    /// Every cell of a slanted grid touches most of its voxels, and so does every cell beside a turned one that is
+    /// Every cell of a slanted grid touches most of its voxels, and so does every cell beside a rotated one that is
     /// repeated.
     #[test]
     fn the_bounds_of_slanted_grids_are_found_in_proportion_to_their_size() {
@@ -457,7 +457,7 @@ mod tests {
         let mut source = of_voxels(size, 1, vec![1.0; 64 * 64 * 64], slanted);
         let (count, touched) = cells_of(&source);
         assert!(touched <= MOST_READ, "{count} {touched}");
-        // With eight times as many voxels so many cells would take too long.
+        // With eight times as many voxels, this number of cells would take too long.
         let finer = of_voxels(2 * size, 1, vec![1.0; 8 * 64 * 64 * 64], slanted);
         let (fewer, touched) = cells_of(&finer);
         assert!(fewer < count && touched <= MOST_READ, "{count} {fewer} {touched}");

@@ -101,10 +101,10 @@ mod tests {
             let depth = smoke.optical_depth(&way(origin, dir, f32::INFINITY)).x;
             assert!((depth - through).abs() < 1e-4, "{depth}");
         }
-        // From the middle on there are the voxels 4 to 7.
+        // The second half has the voxels 4 to 7.
         let half = smoke.optical_depth(&way(Vec3::ZERO, Vec3::X, 9.0)).x;
         assert!((half - 2.0 * 0.25 * 22.0).abs() < 1e-4, "{half}");
-        // Across, all lies in one voxel.
+        // A crossing segment is within one voxel.
         let across = smoke.optical_depth(&way(Vec3::new(0.9, -4.0, 0.0), Vec3::Y, 40.0)).x;
         assert!((across - 2.0 * 2.0 * 7.0).abs() < 1e-4, "{across}");
         assert_eq!(smoke.optical_depth(&way(Vec3::Y * 3.0, Vec3::X, 9.0)), Rgb::ZERO);

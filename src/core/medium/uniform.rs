@@ -169,7 +169,7 @@ mod tests {
         })
     }
 
-    /// The means of what passes and of what is scattered have formulas, for any throughput.
+    /// The means of transmitted and of scattered light have formulas, for any throughput.
     #[test]
     fn what_travels_agrees_with_beer() {
         const COUNT: u32 = 1_000_000;

@@ -233,7 +233,7 @@ mod tests {
         first.resize(100).unwrap();
         assert!(first.resize(u64::MAX).is_err());
         assert_eq!(BUDGET.reserved(), 100);
-        // Less is possible also beyond a limit that has become smaller.
+        // Shrinking works even above a limit that has become smaller.
         BUDGET.name_limit(10);
         first.resize(90).unwrap();
         drop(first);

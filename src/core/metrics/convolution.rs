@@ -57,13 +57,13 @@ mod tests {
     #[test]
     fn borders_go_on_and_kernels_have_a_direction() {
         let plane = [1.0, 2.0, 3.0, 10.0, 20.0, 30.0];
-        // The left neighbour, above.
+        // The upper left neighbour.
         let found = convolve(&plane, 3, &[1.0, 0.0, 0.0], &[1.0, 0.0, 0.0]);
         assert_eq!(found, [1.0, 1.0, 2.0, 1.0, 1.0, 2.0]);
-        // The right neighbour but one minus twice the pixel below but one.
+        // The pixel two to the right, times minus two of the pixel two below.
         let found = convolve(&plane, 3, &[0.0, 0.0, 0.0, 0.0, 1.0], &[0.0, 0.0, 0.0, 0.0, -2.0]);
         assert_eq!(found, [-60.0; 6]);
-        // One pixel is its own surroundings.
+        // A single pixel is repeated all around.
         assert_eq!(convolve(&[5.0], 1, &[0.25, 0.5, 0.25], &[0.25, 0.5, 0.25]), [5.0]);
     }
 }

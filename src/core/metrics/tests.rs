@@ -1,6 +1,6 @@
-//! Compares the figures with those of independent programs: FLIP with NVIDIA's `flip-evaluator` 1.7, SSIM and PSNR with
-//! scikit-image 0.26, squared errors with NumPy, all on pictures that formulas make. SSIM was asked for Gaussian
-//! weights of 1.5 pixels and population covariances.
+//! Compares the metrics with independent programs: FLIP with NVIDIA's `flip-evaluator` 1.7, SSIM and PSNR with
+//! scikit-image 0.26, squared errors with NumPy, all on pictures computed by formulas. SSIM used Gaussian weights of
+//! 1.5 pixels and population covariances.
 
 use super::flip::{Exposures, PIXELS_PER_DEGREE, hdr_flip, ldr_flip};
 use super::{errors, ssim};
@@ -41,7 +41,7 @@ fn radiance(x: usize, y: usize, c: usize) -> f64 {
     (10.0 * x as f64 / WIDTH as f64 - 5.0 + 0.3 * c as f64).exp2() * (0.6 + 0.4 * (0.2 * y as f64).sin())
 }
 
-/// What the programs say of a pair: means, pixels of FLIP at (10, 10) and (47, 33), the greatest FLIP.
+/// The results of the programs for a pair: means, pixels of FLIP at (10, 10) and (47, 33), the greatest FLIP.
 struct Expected {
     flip: [f32; 4],
     ssim: f32,
@@ -55,7 +55,7 @@ fn assert_flip(name: &str, found: &[f32], expected: [f32; 4]) {
     let greatest = found.iter().copied().fold(0.0, f32::max);
     let found = [mean as f32, found[10 * WIDTH + 10], found[33 * WIDTH + 47], greatest];
     for (found_one, expected_one) in found.iter().zip(expected) {
-        // Both count with 24 bits.
+        // Both use 24 bits.
         assert!(
             (found_one - expected_one).abs() < 2e-4,
             "{name}: {found:?} {expected:?}"
@@ -193,6 +193,6 @@ fn equal_pictures_differ_by_nothing() {
     );
     assert_eq!(Exposures::of(&[Rgb::ZERO; 4]), None);
     assert_eq!(ssim(&reference[..10 * WIDTH], &reference[..10 * WIDTH], WIDTH), None);
-    // One pixel is a picture, too.
+    // A single pixel is a valid picture.
     assert_eq!(ldr_flip(&[Rgb::ONE], &[Rgb::ONE], 1, PIXELS_PER_DEGREE), [0.0]);
 }

@@ -176,7 +176,7 @@ mod tests {
             light: (1..=100).rev().map(|light| light as f32).collect(),
             seen: 50.0,
         };
-        // Of 1 to 100 the last ten are above 90, by 1 to 10 in all but the first of them.
+        // The limit is the first of the ten samples above 90, which exceed it by 0 to 9.
         let limit = limit_of(vec![pilot()], 90.0);
         assert_eq!(limit.luminance, 91.0);
         assert!((limit.removed - 45.0 / 5100.0).abs() < 1e-6, "{limit:?}");

@@ -362,7 +362,7 @@ mod tests {
             image.attributes,
             [("b".to_owned(), Attribute::Int(2)), text("a", "2"), text("c", "3")]
         );
-        // A file may have so many that none is to be sought among all others.
+        // A file may have so many attributes that a linear search for each would take too long.
         let many = (0..200_000).map(|i| (i.to_string(), Attribute::Int(i)));
         image.set_attributes(many);
         assert_eq!(image.attributes.len(), 200_003);

@@ -213,7 +213,7 @@ mod tests {
     use crate::render::tile::{PixelSum, TileSamples, tiles};
     use crate::sampling::hash::pcg3d;
 
-    /// A sample of every pixel, of luminance `mean` (1 +- `spread`), evenly distributed.
+    /// A sample of every pixel, with a luminance of `mean` (1 +- `spread`), uniformly distributed.
     fn noisy(tile: Tile, sample: u32, mean: f32, spread: f32) -> TileSamples {
         let pixel = |place: u32| {
             let [bits, ..] = pcg3d([tile.x + 100 * tile.y, place, sample]);
@@ -251,17 +251,17 @@ mod tests {
     fn a_rare_bright_sample_is_not_the_light_that_its_error_is_relative_to() {
         let dark: Vec<(f32, f32)> = (0..8).map(|pixel| (1.0 + 0.01 * (pixel % 3) as f32, 1e-4)).collect();
         let likely = |own| likely_luminance(own, dark.iter().copied());
-        // One sample of 160 in sixteen.
+        // A rare bright sample: one of 160 in sixteen.
         let bright = likely((10.0, 100.0));
         assert!((bright - 1.01).abs() < 0.01, "{bright}");
-        // A lamp, which has as little noise.
+        // A lamp, which has little noise.
         let lamp = likely((10.0, 1e-4));
         assert!((lamp - 10.0).abs() < 0.01, "{lamp}");
-        // Without noise, and where all are alike, nothing is drawn anywhere.
+        // Without noise, and where all are alike, the mean is unchanged.
         assert_eq!(likely((10.0, 0.0)), 10.0);
         assert_eq!(likely_luminance((2.0, 0.0), [(2.0, 0.0); 8].into_iter()), 2.0);
         assert_eq!(likely_luminance((2.0, 1.0), [(1.0, 0.0)].into_iter()), 2.0);
-        // At the edge between a dark and a bright half both stay.
+        // At the edge between a dark and a bright half both are unchanged.
         let edge = [1.0, 1.0, 1.0, 10.0, 10.0, 10.0, 1.0, 10.0].map(|mean| (mean, 0.01));
         let beside_edge = likely_luminance((10.0, 0.1), edge.into_iter());
         assert!((beside_edge - 10.0).abs() < 0.1, "{beside_edge}");
@@ -282,8 +282,8 @@ mod tests {
             let noise = measured(&film(0..count, mean, spread))
                 .relative(0..all.len())
                 .expect("samples");
-            // The deviation of an even distribution is spread / sqrt 3. Pixels are divided by means that have an error
-            // of their own, which over 2560 pixels leaves a few percent.
+            // The deviation of a uniform distribution is spread / sqrt 3. Pixels are divided by means that have an
+            // error of their own, which over 2560 pixels amounts to a few percent.
             let expected = spread / (3.0 * count as f32).sqrt();
             assert!((noise / expected - 1.0).abs() < 0.05, "{noise} {expected}");
         }
@@ -319,7 +319,7 @@ mod tests {
         });
         noise.update(0, &film, all[0]);
         assert!(noise.relative(0..all.len()).expect("samples") > quiet + 0.1);
-        // The tile that got something else is not read.
+        // The tile with other samples is excluded.
         assert_eq!(noise.relative(1..all.len()), Some(quiet));
     }
 

@@ -79,7 +79,7 @@ mod tests {
         let inside = eta_squared(1.0f32, 1.5);
         assert_eq!(inside, 2.25);
         assert!((eta_squared(inside, 1.0 / 1.5) - 1.0).abs() < 1e-6);
-        // Inside glass, radiance is less by the square of its index.
+        // Inside glass, radiance is scaled by the square of its index.
         assert!((survival(0.5 / 2.25, inside) - 0.5f32).abs() < 1e-6);
         assert_eq!(survival(20.0, 1.0), HIGHEST_SURVIVAL);
         assert_eq!(survival(0.0, 1.0), 0.0f32);

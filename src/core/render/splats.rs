@@ -188,8 +188,8 @@ mod tests {
         (0..50).map(splat).collect()
     }
 
-    /// The film, and the sums of splats as they arrived, once `workers` have done all passes: each takes the next tile
-    /// of a pass, and any of them may be the next to have done its own.
+    /// The film, and the sums of splats as they arrived, once `workers` have finished all passes: each takes the next
+    /// tile of a pass, and any of them may be the next to finish its own.
     fn rendered(workers: u32) -> (Film, [Rgb; 3]) {
         let tiles = tiles(SIZE, SIZE);
         let passes = [0..1, 1..2, 2..4];

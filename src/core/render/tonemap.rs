@@ -321,7 +321,7 @@ mod tests {
             let linear = step as f32 / 1_000_000.0;
             let exact = 255.0 * f64::from(srgb_from_linear(linear)) + 0.5;
             let byte = f64::from(SRGB.encode(linear));
-            // Within 1e-4 of a rounding border f32 itself cannot tell the two bytes apart.
+            // Within 1e-4 of a rounding border f32 itself cannot distinguish the two bytes.
             assert!(
                 byte <= exact + 1e-4 && exact - 1e-4 < byte + 1.0,
                 "{linear}: {byte}, {exact}"
@@ -454,8 +454,8 @@ mod tests {
             [93, 154, 201],
             [255, 211, 173],
         ];
-        // Formulas agree but for rounding; the fit of ACES is good to four bytes in saturated colours, and the
-        // polynomial of AgX to two.
+        // Formulas agree up to rounding; the fit of ACES is within four bytes in saturated colours, and the polynomial
+        // of AgX within two.
         for (tone_map, expected, tolerance) in [
             (ToneMap::Filmic, filmic, 1),
             (ToneMap::Reinhard, reinhard, 1),

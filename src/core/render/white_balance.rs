@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn black_bodies_have_their_colours() {
         for (kelvin, x, y) in [(2855.5, 0.447_57, 0.407_45), (4000.0, 0.380_45, 0.376_75)] {
-            // The formula is good to 8e-5 in u and 9e-5 in v above 1000 K.
+            // The formula is accurate to 8e-5 in u and 9e-5 in v above 1000 K.
             assert!(black_body(kelvin).abs_diff_eq(uv(Vec2::new(x, y)), 2e-4), "{kelvin}");
         }
     }

@@ -232,7 +232,7 @@ mod tests {
         [0.754_877_7, 0.569_840_3].map(|factor| (seed as f32 * factor + 0.1).fract())
     }
 
-    /// From near and far, beside and before, on both sides, touching it and seen from its edge.
+    /// Origins near and far, beside and in front, on both sides, touching the rectangle and edge-on.
     #[test]
     fn samples_in_lanes_are_those_of_one() {
         let corner = Vec3::new(0.3, -0.4, 1.0);
@@ -265,12 +265,12 @@ mod tests {
                 for lane in 0..LANES {
                     let one = rectangle.seen_from(origins.get(lane));
                     let found = lanes.solid_angle().as_array()[lane];
-                    // Seen edge-on it is as uncertain as the height over its plane, by the rounding of coordinates.
+                    // Edge-on the uncertainty is that of the height above the plane, by the rounding of coordinates.
                     let offset = origins.get(lane) - middle;
                     let allowed = 2e-5
                         + 8e-7 * ((origins.get(lane) - corner).length() + corner.length()) / offset.dot(normal).abs();
                     if !one.is_large() || is_large >> lane & 1 == 0 {
-                        // On the border rounding decides.
+                        // At the threshold rounding decides.
                         let least = found.min(one.solid_angle());
                         let is_edge_on =
                             offset.dot(normal).abs() < 1.01 * LOWEST * offset.length().max(edges[0].length());
@@ -280,8 +280,7 @@ mod tests {
                     worst_angle = worst_angle.max((found / one.solid_angle() - 1.0).abs() / allowed);
                     let expected = one.sample(u.map(|numbers| numbers.as_array()[lane]));
                     let place = places.get(lane) - expected;
-                    // By the edges, or by the angle where the rectangle is so near that it reaches as far as the
-                    // horizon.
+                    // By the edges, or by the angle where the rectangle is so near that it reaches the horizon.
                     let [along, across] = edges.map(|edge| place.dot(edge).abs() / edge.length_squared());
                     let angle = place.length() / expected.distance(origins.get(lane));
                     worst_place = worst_place.max(along.max(across).min(angle));

@@ -205,7 +205,7 @@ mod tests {
     fn u_and_v_are_continued_each_in_its_own_way() {
         let mut bitmap = four(Filter::Nearest, Wrap::Clamp);
         bitmap.wrap = [Wrap::Clamp, Wrap::Repeat];
-        // Right of the picture its last column goes on, and below its rows begin again.
+        // Right of the picture its last column continues, and below it the rows repeat.
         let below = [1.25, 1.75].map(|v| value(&bitmap, 3.25, v));
         assert_eq!(below, [1.0, 4.0]);
         bitmap.wrap = [Wrap::Mirror, Wrap::Clamp];

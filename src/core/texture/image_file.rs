@@ -154,7 +154,7 @@ mod tests {
 
     use super::*;
 
-    /// A PNG file of one pixel, with a colour profile of so many bytes, all zero.
+    /// A PNG file of one pixel, with a colour profile of `length` zero bytes.
     fn with_profile(length: usize) -> Vec<u8> {
         let mut picture = Cursor::new(Vec::new());
         let pixel = DynamicImage::new_luma8(1, 1);
@@ -167,7 +167,7 @@ mod tests {
         let chunk = profile.finish().expect("memory");
         let mut crc = flate2::Crc::new();
         crc.update(&chunk);
-        // Behind the signature and the first chunk.
+        // The profile goes after the signature and the first chunk.
         let (start, rest) = picture.get_ref().split_at(8 + 25);
         let size = (chunk.len() as u32 - 4).to_be_bytes();
         [start, &size, &chunk, &crc.sum().to_be_bytes(), rest].concat()

@@ -148,8 +148,8 @@ mod tests {
         ShapeKind, Strategy, ToWorld,
     };
 
-    /// A ball before an even sky, and a lamp that is found by chance, so that some pixels are much noisier than others.
-    /// Two tiles by two, of which three are small.
+    /// A ball in front of an even sky, and a lamp that is found by chance, so that some pixels are much noisier than
+    /// others. Two tiles by two, of which three are small.
     fn scene_and_view() -> (RenderScene, View) {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
@@ -215,7 +215,7 @@ mod tests {
             }
         }
 
-        /// Renders until a limit is reached, or `most` pieces of work. Returns their number.
+        /// Renders until a limit is reached, or at most `most` work items. Returns their number.
         fn render(&mut self, stop: &StopCondition, most: usize) -> usize {
             self.job.set_region(stop.region, &mut self.film);
             let mut count = 0;
@@ -235,7 +235,7 @@ mod tests {
             count
         }
 
-        /// What the film has of each tile with samples, as a checkpoint has it.
+        /// The film's data of each tile with samples, as in a checkpoint.
         fn tiles(&self) -> Vec<(Tile, Vec<u8>)> {
             let film = &self.film.film;
             let begun = self.job.tiles.iter().filter(|tile| film.samples(tile.x, tile.y) > 0);
@@ -256,7 +256,7 @@ mod tests {
             new
         }
 
-        /// The film as a checkpoint brings it back.
+        /// The film as read from a checkpoint.
         fn saved(&self) -> Film {
             let view = &self.job.view;
             let mut saved = Film::with_layers(view.width, view.height, view.film_layers());
@@ -269,7 +269,7 @@ mod tests {
         }
     }
 
-    /// Whatever decides about samples has to be independent of the moments at which a picture was interrupted.
+    /// All decisions about samples must be independent of the moments at which a picture was interrupted.
     #[test]
     fn checkpoints_at_any_moment_lead_to_the_same_picture() {
         let (scene, view) = scene_and_view();
@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// A state that is not refused is one that the picture goes on with.
+    /// A damaged state is either refused or can be continued.
     #[test]
     fn damaged_states_are_refused_or_go_on() {
         let (scene, view) = scene_and_view();
@@ -348,7 +348,7 @@ mod tests {
         for _ in 0..2000 {
             let mut damaged = state.clone();
             for _ in 0..1 + random() % 3 {
-                // Most of the state are the replicas' pixels: the numbers before them are to be met as often.
+                // Most of the state are the replicas' pixels: the numbers before them are damaged as often.
                 let end = [24, 96, 256, damaged.len()][random() % 4];
                 let place = 4 * (random() % (end / 4));
                 let word = match random() % 2 {
@@ -425,7 +425,7 @@ mod tests {
             (16, Some(16))
         );
         assert_eq!(picture.job.reached(&stop(Some(100.0))), None);
-        // Three tiles end the pass, and replicas tell whether it is quiet.
+        // Three tiles end the pass, and replicas measure whether the noise is low.
         assert!((4..30).contains(&picture.render(&stop(Some(100.0)), usize::MAX)));
         assert!(picture.job.are_equal(32));
     }

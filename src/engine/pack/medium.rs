@@ -274,7 +274,7 @@ mod tests {
         let (source, errors) = packed(&grid, Some(&smoke(None)));
         assert!(errors[0].contains("names no box"), "{errors:?}");
         assert_eq!(source.sigma_t.bounds().expect("a box").max, Vec3::splat(2.0));
-        // The file says itself where it is.
+        // The file's own box is used.
         let moved = VolumeMap {
             world_from_local: Affine3A::from_translation(Vec3::X),
             ..smoke(None)
@@ -285,7 +285,7 @@ mod tests {
         }));
         let bounds = packed(&by_itself, Some(&moved)).0.sigma_t.bounds().expect("a box");
         assert_eq!((bounds.min, bounds.max), (2.0 * Vec3::X, Vec3::new(4.0, 2.0, 2.0)));
-        // While the file is not there, there is nothing.
+        // While the file is not loaded, the medium is empty.
         assert_eq!(packed(&grid, None).0.sigma_t, Volume::ZERO);
     }
 

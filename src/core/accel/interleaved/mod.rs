@@ -33,7 +33,7 @@ trait Walk {
 enum Place {
     Node,
     Triangles,
-    /// A shape, or the way out of the current space.
+    /// A shape, or the end of the current space, from which the ray leaves it.
     Elsewhere,
     Nowhere,
 }

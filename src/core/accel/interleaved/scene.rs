@@ -271,8 +271,8 @@ mod tests {
     use crate::accel::{Blas, Instance, SplitMethod};
     use crate::geometry::mesh::MeshData;
 
-    /// Ever larger triangles away from the ray's origin, whose boxes it meets beside them, and a sphere that it hits
-    /// behind them: their tree is a chain.
+    /// Triangles that grow with the distance from the ray's origin, whose boxes it meets but misses them, and a sphere
+    /// behind them that it hits: their tree is a chain.
     #[test]
     fn rays_that_need_too_much_room_go_alone() {
         let corners = vec![Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::new(1.0, 1.0, -1.0)];

@@ -186,7 +186,7 @@ mod tests {
         Vec3::new(x, y, z + 0.02f32.copysign(z)).normalize()
     }
 
-    /// Compares both forms of a light near the origin, of a size of one: from very near to very far, with and without a
+    /// Compares both forms of a light of size one near the origin: from very near to very far, with and without a
     /// normal.
     fn check(
         name: &str,
@@ -233,8 +233,8 @@ mod tests {
                     radiance.abs_diff_eq(one.radiance, most),
                     "{name}: {radiance} {one:?} {reference:?}"
                 );
-                // Edge-on, and on the horizon, the density is what rounding makes it: a cosine is the root of what is
-                // left of one.
+                // Edge-on, and on the horizon, rounding dominates the density: a cosine is the root of the difference
+                // between one and a number near it.
                 on_borders += usize::from((pdf - one.pdf).abs() > 3e-3 * one.pdf + 3e-4);
             }
         }

@@ -246,7 +246,7 @@ mod tests {
             };
             let square: f32 = 4.0 + x * x;
             let seen = node.seen_from::<f32>(&(&reference).into());
-            // Two angles, each less by what rounding may hide.
+            // Two angles, each reduced by the margin for rounding.
             assert!((seen.cosines * square / 4.0 - 1.0).abs() < 0.01, "{x}");
             assert_eq!((seen.distance_squared, seen.intensity), (square, 5.0));
         }

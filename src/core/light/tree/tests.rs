@@ -109,8 +109,8 @@ fn build(lights: &[LightBounds]) -> LightTree {
     LightTree::build(&lights).expect("shining lights")
 }
 
-/// Every emitter owns one interval of the random number, as long as its probability. Evenly spaced numbers count that
-/// length within one.
+/// Every emitter owns one interval of the random number, as long as its probability. The count of evenly spaced numbers
+/// in it differs from that length by less than one.
 #[test]
 fn emitters_are_chosen_as_often_as_their_probability_says() {
     const DRAWS: u32 = 20_000;
@@ -141,7 +141,7 @@ fn emitters_are_chosen_as_often_as_their_probability_says() {
                     "{name}: emitter {emitter} {count} times instead of {expected} from {reference:?}"
                 );
             }
-            // The remaining numbers choose nothing: one interval for each branch whose emitters have no effect.
+            // The other numbers choose no emitter: one interval for each branch whose emitters have no effect.
             let vain = f64::from(none) / f64::from(DRAWS);
             let tolerance = 1e-5 + (lights.len() as f64) / f64::from(DRAWS);
             assert!(

@@ -30,7 +30,7 @@ pub(super) struct Entry {
     pub(super) name: String,
     /// The type of the tree, such as `Tree_float_5_4_3`.
     pub(super) tree: String,
-    /// The type says that numbers are stored in half precision.
+    /// Whether the type says that numbers are stored in half precision.
     pub(super) is_half: bool,
     /// The unique name of the grid whose tree this one uses; empty if it has its own.
     parent: String,

@@ -1,5 +1,5 @@
-//! The files of the corpus are from OpenVDB 12, which also reads those that were packed anew. Their voxels have values
-//! that follow from their places, as [`written`] says.
+//! The files of the corpus are from OpenVDB 12, which also reads the repacked ones. The values of voxels follow from
+//! their positions, see [`written`].
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 
@@ -27,7 +27,7 @@ fn is_in_ball(at: IVec3, middle: IVec3, radius: i32) -> bool {
     way.x * way.x + 2 * way.y * way.y + way.z * way.z <= radius * radius
 }
 
-/// Compares all voxels with what was written. `first` is the first voxel of the grid in index space.
+/// Compares all voxels with the expected ones. `first` is the first voxel of the grid in index space.
 fn assert_voxels(grid: &VolumeGrid, first: IVec3, expected: impl Fn(IVec3) -> Vec3) {
     let size = grid.resolution();
     for z in 0..size.z {
@@ -99,11 +99,11 @@ fn affine_maps_and_inactive_values_are_read() {
     let middle = IVec3::new(20, 30, 25);
     let first = middle - IVec3::new(5, 3, 5);
     assert_voxels(&volume.grid, first, |at| {
-        // A leaf with one value beside the background, one with two others, and one with another.
+        // Three leaves: with one value beside the background, with two others, and with another one.
         let inactive = match (at.x < 24, at.y < 32, at.z < 24) {
             _ if at == IVec3::new(23, 30, 27) => return Vec3::splat(0.25),
             (false, true, false) => [0.5, 0.75][at.z as usize % 2],
-            // There is no leaf before.
+            // The first leaf of the row is missing.
             (true, false, false) if at.x >= 16 => 0.5,
             _ => 0.0,
         };
@@ -162,14 +162,14 @@ fn files_that_end_too_early_say_so() {
     }
 }
 
-/// The file with other bytes at a place.
+/// The file with other bytes at the position `at`.
 fn changed(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
     let mut changed = file.to_vec();
     changed[at..at + bytes.len()].copy_from_slice(bytes);
     changed
 }
 
-/// The place behind these bytes, which the file has once.
+/// The position after these bytes, which occur once in the file.
 fn behind(file: &[u8], text: &[u8]) -> usize {
     let mut places = file
         .windows(text.len())
@@ -204,7 +204,7 @@ fn other_types_maps_and_classes_are_refused() {
     assert_eq!(file[class - 4], 10);
     file[class - 4] = 9;
     file.remove(class + 9);
-    // All behind it has moved, and so has the end of the grid.
+    // All later positions have moved, and so has the end of the grid.
     let end = file.len() as u64;
     let table = behind(&file, b"Tree_float_5_4_3") + 4;
     file[table + 16..table + 24].copy_from_slice(&end.to_le_bytes());

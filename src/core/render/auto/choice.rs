@@ -95,7 +95,7 @@ mod tests {
             ((1.6, None), Method::Bidirectional),
             ((1.6, Some(1.4)), Method::Bidirectional),
             ((1.6, Some(1.7)), Method::GuidedPath),
-            // What gains more is not enough of a gain.
+            // This larger gain is below its threshold.
             ((1.45, Some(1.4)), Method::GuidedPath),
         ];
         for ((gain, of_guide), expected) in expected {

@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// Rays spread over a plane as their density says.
+    /// Rays that hit a plane in proportion to their density.
     #[test]
     fn the_density_is_that_of_rays() {
         for camera in cameras() {
@@ -126,7 +126,7 @@ mod tests {
             let at = |offset: Vec2| camera.ray(film + offset, u_lens);
             let middle = at(Vec2::ZERO);
             let place = middle.at(5.0);
-            // Where the other rays meet the plane through the place that is perpendicular to the ray.
+            // The hits of the other rays on the plane through the point perpendicular to the ray.
             let on_plane = |offset: Vec2| {
                 let ray = at(offset);
                 ray.at((place - ray.origin).dot(middle.dir) / ray.dir.dot(middle.dir)) - place

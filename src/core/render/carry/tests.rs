@@ -25,12 +25,12 @@ fn camera(x: f32) -> Camera {
     )
 }
 
-/// The light at a place of the wall.
+/// The light at the coordinate `x` of the wall.
 fn pattern(x: f32) -> f32 {
     1.0 + 0.5 * (2.0 * x).sin()
 }
 
-/// The place on the wall that a pixel shows.
+/// The point on the wall at a pixel, and its distance.
 fn place_on_wall(camera: &Camera, x: u32, y: u32) -> (Vec3, f32) {
     let ray = middle_ray(camera, SIZE.as_vec2(), x, y);
     let distance = WALL / ray.dir.z;
@@ -50,7 +50,7 @@ fn wall(camera: &Camera, albedo: f32) -> Vec<TileGBuffer> {
     gbuffer(|x, y| Texel::new(place_on_wall(camera, x, y).1, -Vec3::Z, Rgb::splat(albedo), false))
 }
 
-/// A film of so many samples, whose pixels have this radiance in the mean, and the square of it as variance.
+/// A film of `samples` samples, whose pixels have this mean radiance, and its square as variance.
 fn film(samples: u32, of: impl Fn(u32, u32) -> f32) -> Film {
     let mut film = Film::new(SIZE.x, SIZE.y);
     for tile in tiles(SIZE.x, SIZE.y) {
@@ -68,7 +68,7 @@ fn film(samples: u32, of: impl Fn(u32, u32) -> f32) -> Film {
     film
 }
 
-/// The wall in the colour `albedo` as a camera at x = 0 has seen it.
+/// The wall in the colour `albedo`, seen by a camera at x = 0.
 fn earlier(albedo: f32) -> Arc<Earlier> {
     let camera = camera(0.0);
     let film = film(64, |x, y| pattern(place_on_wall(&camera, x, y).0.x));
@@ -84,13 +84,12 @@ fn add(carried: &mut Carried, gbuffer: Vec<TileGBuffer>) {
     }
 }
 
-/// The picture as it is shown.
+/// The picture as displayed.
 fn shown(carried: &mut Carried, film: &Film) -> Vec<Option<Rgb>> {
     blended(carried, film, None).0
 }
 
-/// The same with the denoised picture in place of the film, if there is one, and the tiles that have something that is
-/// carried over.
+/// The same with a denoised picture in place of the film, if given, and the tiles that still show carried light.
 fn blended(carried: &mut Carried, film: &Film, clean: Option<Clean>) -> (Vec<Option<Rgb>>, Vec<Tile>) {
     let (mut picture, mut still_carried) = (vec![None; (SIZE.x * SIZE.y) as usize], Vec::new());
     let (blender, rows) = carried.rows();
@@ -136,7 +135,7 @@ fn light_stays_on_its_surface_when_the_camera_moves() {
     add(&mut carried, wall(&moved, 0.5));
     let (found, unknown) = errors(&mut carried);
     assert!(found < 0.01, "{found}");
-    // The camera sees 0.3 of a width of 4.6 that it has not seen before.
+    // Of a width of 4.6, the camera sees 0.3 for the first time.
     let share = unknown as f32 / (SIZE.x * SIZE.y) as f32;
     assert!((0.05..0.08).contains(&share), "{share}");
     assert!((carried.coverage() - (1.0 - share)).abs() < 1e-3);
@@ -223,11 +222,11 @@ fn the_film_alone_is_shown_once_it_is_worth_more() {
 fn noise(x: u32, y: u32) -> f32 {
     let hash = (x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35);
     let hash = (hash ^ (hash >> 15)).wrapping_mul(0x27d4_eb2f);
-    // Of an exponential distribution.
+    // Exponentially distributed.
     -(((hash >> 8) as f32 + 0.5) / (1 << 24) as f32).ln()
 }
 
-/// The mean of the picture, and that of a block in its middle, after a single noisy sample of every pixel in the light
+/// The mean of the picture, and that of a block in its centre, after a single noisy sample of every pixel in the light
 /// `of`.
 fn means_after_a_sample(of: impl Fn(u32, u32) -> f32) -> (f32, f32) {
     let still = camera(0.0);

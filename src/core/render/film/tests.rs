@@ -112,7 +112,7 @@ fn chunks_keep_no_light_for_other_pixels() {
     }
     assert!(begun > 0, "chunks of several passes");
     assert_eq!(film.pixel(1, 1).expect("samples").radiance, Rgb::splat(2.0));
-    // What has no samples yet has a preview with all light in it, or nothing.
+    // A pixel without samples has a preview with all light, or no colour.
     let mut film = Film::new(40, 8);
     film.add(&TileSamples {
         splats: splats(),
@@ -167,11 +167,11 @@ fn a_film_of_another_size_has_nothing_of_the_old_picture() {
     }
 }
 
-/// A chunk of the only tile of a small film, as a share has it, without light. Each pixel has these ids, with their
+/// A chunk of the only tile of a small film, as in a share, without light. Each pixel has these ids, with their
 /// samples, in each of its mattes.
 fn bytes_of_chunk(kept: FilmLayers, samples: std::ops::Range<u32>, ids: &[[u32; 2]]) -> Vec<u8> {
     let mut to = Writer::default();
-    // Chunks alone, of which there is one without first hits.
+    // One chunk without first hits.
     [0, 1, samples.start, samples.end, 0]
         .into_iter()
         .for_each(|number| to.u32(number));
@@ -208,7 +208,7 @@ fn numbers_of_samples_that_cannot_be_are_damaged() {
         assert_eq!(read.is_ok(), is_possible, "{ids:?}");
     }
 
-    // Sums of some samples before a chunk of one more. Where there are none, an id of an older picture may stand.
+    // Sums of some samples before a chunk of one more. Without samples, an id of an older picture may remain.
     for (count, samples, is_possible) in [(2, 1, true), (2, 2, false), (1, 5, true), (0, 0, false)] {
         let mut to = Writer::default();
         to.u32(1);
@@ -229,8 +229,8 @@ fn numbers_of_samples_that_cannot_be_are_damaged() {
     }
 }
 
-/// A film with two groups and the layer of albedos: 16 samples of a whole chunk and 3 of a begun one, in which the
-/// groups shine with 1 and 2 in turn with nothing, and the albedo is 0.5.
+/// A film with two groups and the layer of albedos: 16 samples of a complete chunk and 3 of an incomplete one, in which
+/// the groups have 1 and 2, alternating with black samples, and the albedo is 0.5.
 fn two_lamps() -> (Film, FilmLayers) {
     let kept = FilmLayers {
         groups: 2,
@@ -278,7 +278,7 @@ fn lamps_go_and_come_back_and_leave_other_layers_alone() {
     };
     is_near(&film, 3.0, &[1.0, 2.0]);
     let second = film.set_aside(1, 19);
-    // Nothing is kept apart while one shines.
+    // A single group has no layer of its own.
     film.relight(0, &[(LightFrom::Layer(0), Rgb::splat(2.0))]);
     is_near(&film, 2.0, &[]);
     let first = film.set_aside(0, 19);
@@ -286,7 +286,7 @@ fn lamps_go_and_come_back_and_leave_other_layers_alone() {
     is_near(&film, 0.0, &[]);
     film.relight(0, &[(LightFrom::Aside(&first), Rgb::splat(0.5))]);
     is_near(&film, 1.0, &[]);
-    // They change their places.
+    // The groups are exchanged.
     film.relight(
         2,
         &[(LightFrom::Aside(&second), Rgb::ONE), (LightFrom::Layer(0), Rgb::ONE)],
@@ -314,7 +314,7 @@ fn light_that_comes_back_has_the_error_of_its_own_samples() {
     let before = film.standard_error(0, 0).expect("samples");
     assert!((error_of(19) / before - 1.0).abs() < 0.01, "{before} {}", error_of(19));
     assert!(error_of(5) > 1.3 * error_of(19));
-    // However often it goes and comes back.
+    // The result is the same after several removals and returns.
     let (mut film, _) = two_lamps();
     for _ in 0..10 {
         let second = film.set_aside(1, 19);

@@ -330,7 +330,7 @@ mod tests {
         (word >> 8) as f32 / (1 << 24) as f32
     }
 
-    /// Photons on a floor of length 1, which come from what `from` makes of two numbers.
+    /// Photons on a floor of length 1, whose origins are in the directions that `from` makes of two numbers.
     fn photons(from: impl Fn(f32, f32) -> Vec3) -> Vec<PhotonArrival> {
         let photon = |index: u32| {
             let [x, y, u] = pcg3d([index, 1, 2]).map(number);
@@ -365,7 +365,7 @@ mod tests {
         let counts: Vec<u32> = (0..BINS as u32).map(|bin| field.cell(cell).count(bin)).collect();
         let towards = bin_of(2, (gap + 0.05 * Vec3::new(0.0, 1.0, 1.0)).normalize());
         assert!(counts[towards] > 60, "{counts:?}");
-        // No light comes to ceilings and walls, and none is told of far away.
+        // No light reaches ceilings and walls, and no photon is far away.
         for other in [Vec3::NEG_Y, Vec3::X] {
             assert_eq!(cell_at(&field, Vec3::new(0.3, 0.0, 0.6), other), 0);
         }
@@ -377,7 +377,7 @@ mod tests {
 
     #[test]
     fn no_photons_make_a_field_too_large() {
-        // As many as there can be, in all pieces and on all sides of things, each side lit from one direction.
+        // The most photons, in all voxels and orientations, each lit from one direction.
         const COUNT: u32 = MOST_PHOTONS as u32;
         let side = RESOLUTION as u32;
         let photon = |index: u32| {
@@ -393,8 +393,8 @@ mod tests {
                 power: 1.0,
             }
         };
-        // Most photons come to pieces that have just enough of them for a histogram of their own, and to others that
-        // have not.
+        // Most photons are in voxels that have just enough of them for a histogram of their own, others in voxels with
+        // too few.
         let few = |index: u32| index % (side * side * side * ORIENTATIONS) < COUNT / LEAST_PHOTONS;
         let own = (0..COUNT).map(|index| index / LEAST_PHOTONS);
         let all: Vec<PhotonArrival> = own

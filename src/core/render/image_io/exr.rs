@@ -316,7 +316,7 @@ mod tests {
     use super::*;
     use crate::color::Rgb;
 
-    /// Channels of all kinds, with bits that a careless way would lose.
+    /// Channels of all kinds, with bits that a careless conversion would lose.
     fn layered() -> LayeredImage {
         let (width, height) = (37, 41);
         let mut image = LayeredImage::new(width, height);
@@ -368,7 +368,7 @@ mod tests {
         for compression in ExrCompression::ALL.into_iter().filter(|c| c.keeps_floats()) {
             let mut put = put.clone();
             if matches!(compression, ExrCompression::B44 | ExrCompression::B44a) {
-                // These lose bits of halves, and of nothing else.
+                // These methods lose bits of halves only.
                 put.channels.retain(|channel| channel.name != "A");
             }
             let bytes = encode_exr(&put, compression).unwrap();
@@ -424,7 +424,7 @@ mod tests {
                 encode_exr(&damaged, ExrCompression::Pxr24).unwrap();
             }
         }
-        // A picture of luminances alone is light.
+        // A picture of luminances alone is valid.
         put.convert_colors(crate::render::layered_image::StoredColors::Luminance);
         encode_exr(&put, ExrCompression::Dwaa).unwrap();
     }
@@ -466,7 +466,7 @@ mod tests {
         for length in (0..bytes.len()).step_by(97) {
             decode_exr(&bytes[..length]).expect_err("a part of a file is none");
         }
-        // A broken byte may go unnoticed in a sample; it never ends the process.
+        // A broken byte in a sample may go unnoticed; it never ends the process.
         for at in (0..bytes.len()).step_by(13) {
             let mut broken = bytes.clone();
             broken[at] ^= 0xff;

@@ -1,4 +1,4 @@
-//! Pictures to files and back.
+//! Round trips of pictures through files.
 
 use std::fs;
 
@@ -63,7 +63,7 @@ fn exr_keeps_what_is_no_number() {
         pixels: vec![Vec3::new(f32::NAN, f32::INFINITY, -1.0), Vec3::splat(f32::MIN_POSITIVE)],
     };
     write_image(&path, &odd, &Display::default()).unwrap();
-    // They are not read as a texture, where these count as black.
+    // The file is not read as a texture, where such numbers count as black.
     let numbers = image::load_from_memory(&read(&path)).unwrap().into_rgb32f().into_raw();
     assert!(numbers[0].is_nan() && numbers[1] == f32::INFINITY && numbers[2] == -1.0);
     assert_eq!(numbers[3..], [f32::MIN_POSITIVE; 3]);
@@ -171,7 +171,7 @@ fn sixteen_bits_and_jpeg_show_the_same_as_eight() {
         let png = image::load_from_memory(&png).unwrap();
         assert_eq!(png.color(), image::ColorType::Rgb16);
         for (deep, shown) in png.to_rgb16().pixels().zip(&shown) {
-            // Of 257 steps for each byte.
+            // There are 257 steps per byte.
             let rounded = deep.0.map(|deep| ((u32::from(deep) + 128) / 257) as u8);
             assert_eq!(rounded, *shown, "{tone_map:?} {deep:?}");
         }
@@ -198,7 +198,7 @@ fn sixteen_bits_and_jpeg_show_the_same_as_eight() {
 #[test]
 fn opacity_goes_into_png() {
     let mut layered = LayeredImage::new(2, 1);
-    // Colours of the light that comes, which is less where the picture lets the background through.
+    // Premultiplied colours, which are lower where the background shows through.
     layered.add_rgb("", &[Rgb::splat(0.25), Rgb::ZERO]);
     layered.add_float("A", vec![0.5, 0.0]);
     for png_16_bits in [false, true] {
@@ -209,7 +209,7 @@ fn opacity_goes_into_png() {
         let png = encode_layered(&layered, FileFormat::Png, &options).unwrap();
         let png = image::load_from_memory(&png).unwrap();
         assert!(png.color().has_alpha());
-        // Half of white's light, of a pixel that is half there: the sRGB value of 0.5 is 188.
+        // Half of white's light in a pixel of opacity one half: the sRGB value of 0.5 is 188.
         assert_eq!(png.to_rgba8().into_raw(), [188, 188, 188, 128, 0, 0, 0, 0]);
     }
     let depths = LayeredImage {
@@ -271,7 +271,7 @@ fn places_that_cannot_be_written_are_named() {
     assert!(text.ends_with("taken.png: it is a folder"), "{text}");
 }
 
-/// Permissions do not bind an administrator; the folder of processes binds everyone.
+/// Permissions do not bind an administrator; the folder of processes does.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_without_permission() {
@@ -304,7 +304,7 @@ fn links_stay_and_a_failure_keeps_the_old_file() {
     write_image(&link, &picture(), &Display::default()).unwrap();
     assert!(link.symlink_metadata().unwrap().is_symlink());
     assert_eq!(read_image(&real).width, 37);
-    // The file is as readable as any file made here, not only for the owner.
+    // The file has the permissions of any new file here, not those of a temporary one.
     let other = folder.path().join("other");
     fs::write(&other, "").unwrap();
     let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();

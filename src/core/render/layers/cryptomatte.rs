@@ -94,7 +94,7 @@ pub(super) fn add_cryptomatte(
 mod tests {
     use super::*;
 
-    /// The values that SMHasher's own test has for the seed 0.
+    /// The values in SMHasher's own test for the seed 0.
     #[test]
     fn the_hash_is_murmur_hash_3() {
         for (text, hash) in [
@@ -112,7 +112,7 @@ mod tests {
         for number in 0..20_000 {
             assert!(f32::from_bits(id_of(&format!("shape {number}"))).is_normal());
         }
-        // Of these names the hashes themselves would not be.
+        // The hashes of these names would not be normal floats.
         let odd = (0..20_000).map(|number| murmur_hash(&format!("shape {number}")));
         assert!(odd.filter(|&hash| !f32::from_bits(hash).is_normal()).count() > 20);
     }
@@ -134,7 +134,7 @@ mod tests {
         let value = |name: &str, pixel: usize| image.channel(name).expect("a channel").samples.value(pixel);
         assert_eq!(value("CryptoObject00.R", 0).to_bits(), id_of("ball"));
         assert_eq!(value("CryptoObject00.G", 0), 0.5);
-        // Two ids of the same name are one.
+        // Two ids with the same name are merged.
         assert_eq!(value("CryptoObject00.B", 0).to_bits(), id_of("floor"));
         assert_eq!((value("CryptoObject00.A", 0), value("CryptoObject01.G", 0)), (0.3, 0.0));
         assert_eq!((value("CryptoObject00.R", 1), value("CryptoObject02.A", 1)), (0.0, 0.0));

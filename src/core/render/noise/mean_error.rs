@@ -183,8 +183,8 @@ mod tests {
 
     #[test]
     fn independent_samples_have_the_variance_of_the_textbook() {
-        // Each doubling takes half of what the one before took, and a single sample has 16 times the variance of a mean
-        // of 16.
+        // Each doubling removes half of what the previous one removed, and a single sample has 16 times the variance of
+        // a mean of 16.
         for samples in [16, 17, 20, 24, 31, 32, 48, 63, 64, 100] {
             let found = variance(samples, 16, 0.5, 16.0);
             assert!(
@@ -201,7 +201,7 @@ mod tests {
             assert!((next / at - share).abs() < 1e-5, "{share}");
             assert!(between > next && between < 1.5 * at, "{share}: {at} {between} {next}");
         }
-        // One sample more than a good net brings its whole spread.
+        // One sample more than a good net adds its whole spread.
         let one_more = variance(257, 256, 0.125, 1e4);
         assert!(one_more > 0.1 && one_more < 1.0, "{one_more}");
     }
@@ -264,11 +264,11 @@ mod tests {
             for samples in [16, 24, 64, 96, 256] {
                 let [estimated, error] = compared(kind, samples, inside_circle, quarter);
                 let ratio = (estimated / error).sqrt();
-                // How the error of an edge falls differs from doubling to doubling.
+                // The error of an edge falls differently at each doubling.
                 assert!((ratio - 1.0).abs() < 0.25, "{kind:?}, {samples}: {ratio}");
             }
         }
-        // Without it the estimate of the second would be far too high.
+        // Without extrapolation the estimate of the second would be far too high.
         let [estimated, error] = compared(SequenceKind::Sobol, 64, |p| p.x + p.y, 1.0);
         let ratio = (estimated / error).sqrt();
         assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn blocks_of_a_patch_may_have_different_numbers_of_samples() {
         // All pixels have half the error of independent samples at 16, which each doubling halves; blocks without
-        // samples say nothing.
+        // samples are ignored.
         let mut blocks = [BlockError::default(); _];
         let columns = (TILE / BLOCK) as usize;
         for (place, level) in [(0, 16), (1, 64), (columns, 16), (columns + 1, 64)] {
@@ -292,11 +292,11 @@ mod tests {
         }
         let efficiency = Efficiency::of(&blocks);
         for (place, level) in [(0, 16), (1, 64)] {
-            // The differences are three times what is left.
+            // The differences are three times the remaining error.
             let found = 3.0 * efficiency.at(place, level, level) * (level - 1) as f32;
             assert!((found - 8.0 / level as f32).abs() < 1e-4, "{level}: {found}");
         }
-        // What was not compared has the error of independent samples, in this patch and in others.
+        // Blocks without comparisons have the error of independent samples, in this patch and in others.
         assert_eq!(efficiency.at(2, 0, 10), 1.0 / 9.0);
         assert_eq!(efficiency.at(100, 16, 16), 1.0 / 15.0);
     }

@@ -305,8 +305,8 @@ mod tests {
         (bits >> 8) as f32 / (1 << 24) as f32
     }
 
-    /// The luminance of a sample: 1, with noise in a band. There each render of a pixel has an error as well that is
-    /// the same in all samples of it.
+    /// The luminance of a sample: 1, with noise in a band. There each render of a pixel also has an error that is the
+    /// same in all its samples.
     fn sample(seed: u32, pixel: UVec2, sample: u32) -> f32 {
         let centered = |index: u32| random(seed, pixel, index) - 0.5;
         match pixel.x {
@@ -333,7 +333,7 @@ mod tests {
         TileSamples::of_pixels(tile, samples.clone(), pixels)
     }
 
-    /// A picture with so many samples, and the replicas that were chosen after 16 of them.
+    /// A picture with `samples` samples, and the replicas chosen after 16 of them.
     fn picture(samples: u32, seed: u32) -> (Film, Replicas) {
         let all = tiles(SIZE[0], SIZE[1]);
         let mut film = Film::new(SIZE[0], SIZE[1]);
@@ -377,12 +377,12 @@ mod tests {
         };
         let of_seeds: Vec<[f64; 2]> = (1..=20).map(squares).collect();
         let mean = |place: usize| of_seeds.iter().map(|squares| squares[place]).sum::<f64>() / 20.0;
-        // The variances of both, in a third of the pixels.
+        // The variances of both errors, in a third of the pixels.
         let [offset, own] = [OFFSET, SPREAD_OF_SAMPLES].map(|width| f64::from(width).powi(2) / 12.0 / 3.0);
         let own = own / f64::from(SAMPLES);
         let [foretold, found] = [mean(0) / own, mean(1) / (own + offset)];
         assert!((foretold - 1.0).abs() < 0.05 && offset > 2.9 * own, "{foretold}");
-        // That it is four times as much is believed by nine tenths.
+        // Nine tenths of a factor of four are believed.
         assert!((0.85..1.03).contains(&found), "{found}");
     }
 
@@ -390,7 +390,7 @@ mod tests {
     fn few_replicas_are_believed_less() {
         assert!((believed(4.0, 1e9) - 4.0).abs() < 1e-4);
         assert!((believed(4.0, 5.0) - 2.0).abs() < 1e-4 && (believed(0.25, 5.0) - 0.5).abs() < 1e-4);
-        // Where nothing was foretold, nothing is corrected.
+        // Where no noise was predicted, there is no correction.
         assert_eq!(
             [(f64::NAN, f64::NAN), (f64::INFINITY, 4.0)].map(|(a, b)| believed(a, b)),
             [1.0; 2]

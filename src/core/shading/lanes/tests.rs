@@ -1,4 +1,4 @@
-//! Models in lanes against the same models one by one.
+//! Compares models in lanes with the same models one by one.
 
 use glam::{Vec2, Vec3};
 
@@ -21,12 +21,12 @@ impl Numbers {
         Rgb::new(self.next(), self.next(), self.next())
     }
 
-    /// Often an end of the range.
+    /// A number in [0, 1], often at an end of the range.
     fn share(&mut self) -> f32 {
         (1.5 * self.next() - 0.25).clamp(0.0, 1.0)
     }
 
-    /// Often near the horizon, or straight up.
+    /// A direction, often near the horizon or straight up.
     fn direction(&mut self) -> Vec3 {
         let part = |x: f32| 2.0 * x - 1.0;
         let v = Vec3::new(part(self.next()), part(self.next()), part(self.next()));
@@ -66,7 +66,7 @@ impl Numbers {
 
 const MODELS: usize = 10;
 
-/// A model of each kind in turn.
+/// A model of the kind `kind`.
 fn model(kind: usize, tables: &Tables, numbers: &mut Numbers) -> Bsdf {
     match kind {
         0 => Bsdf::Diffuse(Diffuse {
@@ -146,7 +146,7 @@ fn model(kind: usize, tables: &Tables, numbers: &mut Numbers) -> Bsdf {
 
 struct Tables {
     tables: ShadingTables,
-    /// The model that all dielectrics of a scene have.
+    /// The model of all dielectrics of a scene.
     model: DielectricModel,
     microalbedo: MicroalbedoId,
     coats: [CoatId; 2],
@@ -165,13 +165,13 @@ fn tables() -> Tables {
     }
 }
 
-/// Relative to the larger one.
+/// Whether both are near, relative to the larger one.
 fn is_near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
     a.abs_diff_eq(b, tolerance * a.abs().max(b.abs()).max_element().max(1e-3))
 }
 
-/// The tolerance of a kind, and whether some may differ. Formulas without differences of large numbers have a strict
-/// one.
+/// The tolerance of a kind, and whether a few values may differ. Formulas without differences of large numbers have a
+/// strict one.
 fn tolerance(kind: usize) -> (f32, bool) {
     match kind {
         0 | 1 | 3 => (2e-4, false),
@@ -179,8 +179,7 @@ fn tolerance(kind: usize) -> (f32, bool) {
     }
 }
 
-/// Counts comparisons. Few may differ: where rounding decides what is chosen, and where a small number is left of two
-/// large ones.
+/// Counts comparisons. A few may differ: where rounding decides on a choice, and where two large numbers cancel.
 #[derive(Default)]
 struct Comparisons {
     equal: u32,

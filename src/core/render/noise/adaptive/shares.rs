@@ -108,7 +108,7 @@ mod tests {
         for (samples, expected) in found.iter().zip([50.0, 100.0, 100.0, 150.0]) {
             assert!((samples / expected - 1.0).abs() < 1e-3, "{found:?}");
         }
-        // Neither without noise nor with very much of it.
+        // Clamped without noise and with very much of it.
         let far = shares_of(&[0.0, 1.0, 1.0, 1e12], 1.0);
         assert!(
             far[0] == 25.0 && far[3] <= 800.0 && far.iter().sum::<f64>() <= 400.01,
@@ -116,7 +116,7 @@ mod tests {
         );
         assert_eq!(shares_of(&[0.0; 3], 1.0), [100.0; 3]);
         assert_eq!(shares_of(&[], 1.0), [0.0; 0]);
-        // What costs four times as much gets half as many.
+        // A block with four times the cost gets half the samples.
         let mut blocks = candidates(&[1.0, 1.0], 1.0);
         blocks[1].cost = 4.0;
         let found = shares(&blocks, 1.0, 100.0, std::convert::identity);

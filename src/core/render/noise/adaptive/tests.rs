@@ -75,7 +75,7 @@ fn even_noise_is_sampled_evenly() {
     assert_eq!(allocated(&map, &tiles), None);
     let (map, tiles) = sampled(|_, _| 0.0);
     assert_eq!(allocated(&map, &tiles), None);
-    // Noise that the blocks around a block tell nothing of.
+    // Noise that the surrounding blocks do not predict.
     let random = |x: u32, y: u32| crate::sampling::hash::pcg3d([x / BLOCK, y / BLOCK, 7])[0].is_multiple_of(8);
     let (map, tiles) = sampled(|x, y| if random(x, y) { 0.5 } else { 0.02 });
     assert_eq!(allocated(&map, &tiles), None);
@@ -90,7 +90,7 @@ fn a_block_has_no_say_in_its_own_samples() {
     };
     let (map, tiles) = sampled_in([WIDTH, HEIGHT], light);
     let usual = allocated(&map, &tiles).expect("a gain");
-    // Blocks of the colour of (50, 32), in tiles of the kind of that one, have found other light.
+    // Blocks of the colour of (50, 32), in tiles of the same kind, have other statistics.
     let board = map.board(&Vec::from_iter(0..tiles.len()), FIRST).expect("all is known");
     let is_same = |x: u32, y: u32| {
         let [a, b] = [(50, 32), (x, y)].map(|(x, y)| (y / BLOCK) as usize * board.columns + (x / BLOCK) as usize);
@@ -117,7 +117,7 @@ fn a_block_has_no_say_in_its_own_samples() {
 
 #[test]
 fn blocks_of_groups_without_a_gain_get_as_many_more() {
-    // Only the tiles of one kind have something to gain, which the others are to do.
+    // Only the tiles of one kind have something to gain, which decides for the tiles of the other.
     let noise = |x: u32, y: u32| match ((x / TILE + y / TILE) % 2, x / 8 % 2) {
         (0, 0) => 0.5,
         _ => 0.02,
@@ -143,7 +143,7 @@ fn pictures_of_any_size_are_shared_out() {
         let is_noisy = |x: u32, y: u32| (x / 8 + y / 8).is_multiple_of(3);
         let (map, tiles) = sampled_in(size, |x, y| [1.0, if is_noisy(x, y) { 0.5 } else { 0.02 }]);
         let ends = allocated(&map, &tiles);
-        // A single tile has no other one that tells how far to go.
+        // A single tile has no tile of the other kind from which to choose the power.
         assert_eq!(ends.is_some(), tiles.len() > 1, "{size:?}");
         for (tile, ends) in tiles.iter().zip(ends.into_iter().flatten()) {
             blocks_of(*tile).for_each(|(place, _)| assert!(ends[place] >= FIRST, "{size:?}"));
