@@ -76,15 +76,15 @@ fn attributes_of_materials(authored: &Authored) -> EntityHashMap<BTreeSet<String
         }
     }
     // Spreads from inner to outer materials until nothing changes, so that cycles of materials end.
-    let mut news: Vec<Entity> = found.keys().copied().collect();
-    while let Some(inner) = news.pop() {
+    let mut pending: Vec<Entity> = found.keys().copied().collect();
+    while let Some(inner) = pending.pop() {
         let names = found.get(&inner).cloned().unwrap_or_default();
         for &entity in outer.get(&inner).into_iter().flatten() {
             let all: &mut BTreeSet<String> = found.entry(entity).or_default();
             let before = all.len();
             all.extend(names.iter().cloned());
             if all.len() > before {
-                news.push(entity);
+                pending.push(entity);
             }
         }
     }

@@ -27,16 +27,16 @@ const FIRST: u32 = 16;
 
 /// The pilot run of a window.
 #[derive(Resource, Default)]
-pub(super) struct PilotSearch(Option<Search>);
+pub(super) struct PilotSearch(Option<RunningPilot>);
 
 /// A running pilot.
-struct Search {
+struct RunningPilot {
     seen: Seen,
     cancel: Arc<AtomicBool>,
     found: Arc<OnceLock<Option<Choice>>>,
 }
 
-impl Drop for Search {
+impl Drop for RunningPilot {
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
@@ -106,7 +106,7 @@ pub(super) fn seek_choice(
             }
         });
     match thread {
-        Ok(_) => search.0 = Some(Search { seen, cancel, found }),
+        Ok(_) => search.0 = Some(RunningPilot { seen, cancel, found }),
         Err(_) => auto.0 = Some((seen, Choice::UNTRIED)),
     }
 }

@@ -43,7 +43,7 @@ pub struct Reprojection {
     /// Whether the camera has not moved since the earlier picture.
     is_still: bool,
     /// The guessed displacement on the film of each block of pixels, row by row; empty if the camera has not moved.
-    ways: Vec<Vec2>,
+    displacements: Vec<Vec2>,
 }
 
 impl Reprojection {
@@ -54,7 +54,7 @@ impl Reprojection {
             earlier,
             camera,
             size,
-            ways: Vec::new(),
+            displacements: Vec::new(),
         };
         if !reprojection.is_still {
             let middles = |edge: u32| {
@@ -63,7 +63,7 @@ impl Reprojection {
                     .map(move |at| at.midpoint((at + GUESSED).min(edge)))
             };
             let rows = middles(size.y).flat_map(|y| middles(size.x).map(move |x| (x, y)));
-            reprojection.ways = rows.map(|(x, y)| reprojection.guessed_way(x, y)).collect();
+            reprojection.displacements = rows.map(|(x, y)| reprojection.guessed_displacement(x, y)).collect();
         }
         reprojection
     }
@@ -85,8 +85,8 @@ impl Reprojection {
             return (texel, light);
         }
         let block = y / GUESSED * self.size.x.div_ceil(GUESSED) + x / GUESSED;
-        let way = self.ways.get(block as usize).copied().unwrap_or(Vec2::ZERO);
-        let film = middle(self.size, x, y) + way;
+        let displacement = self.displacements.get(block as usize).copied().unwrap_or(Vec2::ZERO);
+        let film = middle(self.size, x, y) + displacement;
         let (&texel, &light) = self.earlier.at(self.earlier.pixel_at(film));
         let is_inside = film.cmpge(Vec2::ZERO).all() && film.cmple(Vec2::ONE).all();
         let share = match self.is_still {
@@ -98,9 +98,9 @@ impl Reprojection {
         (texel, Light { worth, ..light })
     }
 
-    /// The displacement of a pixel on the film: the earlier picture's surface there is projected to the new view,
-    /// repeatedly until it agrees.
-    fn guessed_way(&self, x: u32, y: u32) -> Vec2 {
+    /// The displacement of a pixel to the earlier picture, on the film: a point on its ray at the distance of the
+    /// earlier surface is projected to the earlier camera, repeatedly until the surface there agrees.
+    fn guessed_displacement(&self, x: u32, y: u32) -> Vec2 {
         let ray = middle_ray(&self.camera, self.size.as_vec2(), x, y);
         let own = middle(self.size, x, y);
         let mut film = own;
