@@ -56,8 +56,8 @@ pub fn part(bytes: &[u8]) -> bool {
     const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
     let mut state = Writer(EXR.to_vec());
     state.0.extend_from_slice(bytes);
-    state.u32(crc(bytes));
-    state.u64(bytes.len() as u64);
+    state.put(crc(bytes));
+    state.put(bytes.len() as u64);
     state.0.extend_from_slice(b"SUNROOM+");
     let file = tempfile::NamedTempFile::new().expect("a temporary folder");
     file.as_file().write_all(&state.0).expect("a temporary folder");

@@ -78,28 +78,22 @@ impl TileRound {
 
     /// Reads a round that [`Adaptation::write`] has written.
     fn read(from: &mut Reader) -> Result<Self, Damaged> {
-        let (mean, visits, steps) = (from.u32()?..from.u32()?, from.u32()?, from.u32()?);
-        let mut blocks: [PerBlock<u32>; 3] = [[0; _]; 3];
-        for number in blocks.iter_mut().flatten() {
-            *number = from.u32()?;
-        }
-        let [before, to, counts] = blocks;
+        let (mean, [visits, steps]) = (from.take()?..from.take()?, from.take()?);
+        let [before, to, counts]: [PerBlock<u32>; 3] = from.take()?;
         let grows = before
             .iter()
             .zip(&counts)
             .zip(&to)
             .all(|((from, now), to)| from <= now && now <= to);
-        match grows && !mean.is_empty() && (1..=visits).contains(&steps) && visits as usize <= mean.len() {
-            true => Ok(Self {
-                mean,
-                visits,
-                steps,
-                from: before,
-                to,
-                counts,
-            }),
-            false => Err(Damaged),
-        }
+        Damaged::unless(grows && !mean.is_empty() && (1..=visits).contains(&steps) && visits as usize <= mean.len())?;
+        Ok(Self {
+            mean,
+            visits,
+            steps,
+            from: before,
+            to,
+            counts,
+        })
     }
 
     /// Records that a visit is done.
@@ -193,11 +187,10 @@ impl Adaptation {
     pub fn write(&self, to: &mut Writer) {
         self.noise.write(to);
         for round in &self.rounds {
-            to.u32(u32::from(round.is_some()));
+            to.put(u32::from(round.is_some()));
             if let Some(round) = round {
-                let numbers = [round.mean.start, round.mean.end, round.visits, round.steps];
-                let blocks = [round.from, round.to, round.counts].into_iter().flatten();
-                numbers.into_iter().chain(blocks).for_each(|number| to.u32(number));
+                to.put([round.mean.start, round.mean.end, round.visits, round.steps]);
+                to.put([round.from, round.to, round.counts]);
             }
         }
     }

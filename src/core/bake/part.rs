@@ -10,7 +10,6 @@ use std::path::Path;
 use std::time::Duration;
 
 use flate2::Crc;
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::blueprint::Blueprint;
@@ -100,13 +99,13 @@ pub fn encode(
     let text = serde_json::to_vec(header)?;
     let mut start = Writer::default();
     start.0.extend_from_slice(MAGIC);
-    start.u32(FORMAT);
-    start.u64(text.len() as u64);
+    start.put(FORMAT);
+    start.put(text.len() as u64);
     start.0.extend(text);
     if let Some(blueprint) = blueprint {
         blueprint.write(&mut start);
     }
-    start.u32(lights.len() as u32);
+    start.put(lights.len() as u32);
     file.write(&start.0)?;
     for (light, spent) in lights.iter().zip(spent) {
         write_light(light, *spent, &mut file)?;
@@ -117,21 +116,19 @@ pub fn encode(
 
 fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io::Result<()> {
     let mut start = Writer::default();
-    start.u64(light.texel_count() as u64);
-    start.u32(light.first);
-    start.u32(light.groups.len() as u32);
-    start.u64(light.rays);
-    start.u64(light.invalid);
-    start.f64(spent.as_secs_f64());
-    light.ends.iter().for_each(|end| start.u32(*end));
+    start.put(light.texel_count() as u64);
+    start.put([light.first, light.groups.len() as u32]);
+    start.put([light.rays, light.invalid]);
+    start.put(spent.as_secs_f64());
+    start.put_all(&light.ends);
     file.write(&start.0)?;
     for group in &light.groups {
         for sums in group.chunks(1 << 14) {
             let mut bytes = Writer(Vec::with_capacity(sums.len() * TEXEL));
             for sum in sums {
-                sum.light.to_array().iter().for_each(|number| bytes.f64(*number));
-                bytes.f64(sum.luminance_squared);
-                bytes.u32(sum.backs);
+                bytes.put(sum.light);
+                bytes.put(sum.luminance_squared);
+                bytes.put(sum.backs);
             }
             file.write(&bytes.0)?;
         }
@@ -140,12 +137,12 @@ fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io:
 }
 
 fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
-    let count = usize::try_from(bytes.u64()?).map_err(|_| Damaged)?;
-    let (first, groups) = (bytes.u32()?, bytes.u32()?);
+    let count = usize::try_from(bytes.take::<u64>()?).map_err(|_| Damaged)?;
+    let [first, groups]: [u32; 2] = bytes.take()?;
     let (rays, invalid) = (bytes.count()?, bytes.count()?);
     let spent = bytes.duration()?;
     let mut ends = Reader(bytes.bytes(count.div_ceil(BLOCK).checked_mul(4).ok_or(Damaged)?)?);
-    let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.u32()).collect();
+    let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.take()).collect();
     let ends = ends?;
     // A bake has no light without texels, and groups of none would take memory without bytes.
     if count == 0 || groups == 0 || (first == 0 && groups != 1) || ends.iter().any(|end| *end < first) {
@@ -173,9 +170,9 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
 
 fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
     Ok(TexelSum {
-        light: DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?),
-        luminance_squared: bytes.f64()?,
-        backs: bytes.u32()?,
+        light: bytes.take()?,
+        luminance_squared: bytes.take()?,
+        backs: bytes.take()?,
     })
 }
 
@@ -203,7 +200,7 @@ pub fn decode(file: &[u8]) -> Result<Part, PartError> {
         false => None,
     };
     let (mut lights, mut spent) = (Vec::new(), Vec::new());
-    for _ in 0..bytes.u32()? {
+    for _ in 0..bytes.take::<u32>()? {
         let (light, time) = read_light(&mut bytes)?;
         lights.push(light);
         spent.push(time);
@@ -225,7 +222,7 @@ pub fn decode(file: &[u8]) -> Result<Part, PartError> {
 /// What is between the version and the checksum.
 fn content(file: &[u8]) -> Result<&[u8], PartError> {
     let rest = file.strip_prefix(MAGIC).ok_or(PartError::Foreign)?;
-    let format = Reader(rest).u32()?;
+    let format = Reader(rest).take()?;
     if format != FORMAT {
         return Err(PartError::Format(format));
     }
@@ -233,14 +230,14 @@ fn content(file: &[u8]) -> Result<&[u8], PartError> {
     let mut crc = Crc::new();
     crc.update(summed);
     let content = summed.get(MAGIC.len() + 4..).ok_or(Damaged)?;
-    match Reader(sum).u32()? == crc.sum() {
+    match Reader(sum).take::<u32>()? == crc.sum() {
         true => Ok(content),
         false => Err(PartError::Damaged),
     }
 }
 
 fn header(bytes: &mut Reader) -> Result<PartHeader, Damaged> {
-    let length = usize::try_from(bytes.u64()?).map_err(|_| Damaged)?;
+    let length = usize::try_from(bytes.take::<u64>()?).map_err(|_| Damaged)?;
     let header: PartHeader = serde_json::from_slice(bytes.bytes(length)?).map_err(|_| Damaged)?;
     match header.samples[0] < header.samples[1] {
         true => Ok(header),
@@ -272,11 +269,11 @@ mod tests {
     /// The bytes of a light whose texels have no samples but the first 16.
     fn light(count: u64, groups: u32, rays: [u64; 2], seconds: f64) -> Vec<u8> {
         let mut bytes = Writer::default();
-        bytes.u64(count);
-        [16, groups].into_iter().for_each(|number| bytes.u32(number));
-        rays.into_iter().for_each(|number| bytes.u64(number));
-        bytes.f64(seconds);
-        (0..count).for_each(|_| bytes.u32(16));
+        bytes.put(count);
+        bytes.put([16, groups]);
+        bytes.put(rays);
+        bytes.put(seconds);
+        (0..count).for_each(|_| bytes.put(16u32));
         bytes
             .0
             .resize(bytes.0.len() + count as usize * groups as usize * TEXEL, 0);

@@ -7,13 +7,15 @@
 
 use std::collections::HashMap;
 
+use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
 
 use super::texels::BakeSurface;
 use crate::color::Rgb;
 
 /// An edge of the surface that lies at two places of a lightmap, from one end to the other in texels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Seam {
     /// On one side.
     pub one: [Vec2; 2],

@@ -1,5 +1,7 @@
 //! The definition of a material: a scattering model, or a combination of other materials.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::bump::BumpOptions;
 use super::textured::TexturedBsdf;
 use crate::color::Rgb;
@@ -7,7 +9,8 @@ use crate::shading::Bsdf;
 use crate::texture::Parameter;
 
 /// An index into a [`MaterialTable`](super::MaterialTable).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct MaterialId(pub u32);
 
 /// A material of the scene.

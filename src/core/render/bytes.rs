@@ -1,8 +1,10 @@
-//! Numbers as bytes, least significant first, for the exact state of a picture ([`crate::render::part`]).
+//! Numbers as bytes, for the exact state of a picture ([`crate::render::part`]): as memory has them, which is with the
+//! least significant byte first on all processors that Sunroom is built for.
 
 use std::io::{self, Write};
 use std::time::Duration;
 
+use bytemuck::{AnyBitPattern, NoUninit, Pod};
 use flate2::Crc;
 
 /// Bytes to which numbers are written.
@@ -10,29 +12,14 @@ use flate2::Crc;
 pub struct Writer(pub Vec<u8>);
 
 impl Writer {
-    /// Writes a whole number.
-    pub fn u32(&mut self, number: u32) {
-        self.0.extend_from_slice(&number.to_le_bytes());
+    /// Writes a number, or several that have a type together.
+    pub fn put<T: NoUninit>(&mut self, value: T) {
+        self.put_all(&[value]);
     }
 
-    /// Writes a long whole number.
-    pub fn u64(&mut self, number: u64) {
-        self.0.extend_from_slice(&number.to_le_bytes());
-    }
-
-    /// Writes a very long whole number.
-    pub fn i128(&mut self, number: i128) {
-        self.0.extend_from_slice(&number.to_le_bytes());
-    }
-
-    /// Writes the bits of a number.
-    pub fn f32(&mut self, number: f32) {
-        self.u32(number.to_bits());
-    }
-
-    /// Writes the bits of a number in double precision.
-    pub fn f64(&mut self, number: f64) {
-        self.u64(number.to_bits());
+    /// Writes all values of a list, without their number.
+    pub fn put_all(&mut self, values: &[impl NoUninit]) {
+        self.0.extend_from_slice(bytemuck::cast_slice(values));
     }
 }
 
@@ -74,6 +61,13 @@ const LONGEST: f64 = 1e9;
 #[error("the state of the picture in it is damaged")]
 pub struct Damaged;
 
+impl Damaged {
+    /// The error, unless what was read can be.
+    pub fn unless(is_possible: bool) -> Result<(), Self> {
+        is_possible.then_some(()).ok_or(Self)
+    }
+}
+
 /// Bytes from which numbers are read.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader<'a>(pub &'a [u8]);
@@ -86,72 +80,50 @@ impl<'a> Reader<'a> {
         Ok(bytes)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Damaged> {
-        let (&bytes, rest) = self.0.split_first_chunk().ok_or(Damaged)?;
-        self.0 = rest;
-        Ok(bytes)
+    /// The next number, or several that have a type together.
+    pub fn take<T: AnyBitPattern>(&mut self) -> Result<T, Damaged> {
+        Ok(bytemuck::pod_read_unaligned(self.bytes(size_of::<T>())?))
     }
 
-    /// The next whole number.
-    pub fn u32(&mut self) -> Result<u32, Damaged> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    /// The next long whole number.
-    pub fn u64(&mut self) -> Result<u64, Damaged> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    /// The next very long whole number.
-    pub fn i128(&mut self) -> Result<i128, Damaged> {
-        self.array().map(i128::from_le_bytes)
-    }
-
-    /// The next number.
-    pub fn f32(&mut self) -> Result<f32, Damaged> {
-        self.u32().map(f32::from_bits)
-    }
-
-    /// The next number in double precision.
-    pub fn f64(&mut self) -> Result<f64, Damaged> {
-        self.u64().map(f64::from_bits)
+    /// Reads a value for each place of a list.
+    pub fn fill(&mut self, places: &mut [impl Pod]) -> Result<(), Damaged> {
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(places);
+        bytes.copy_from_slice(self.bytes(bytes.len())?);
+        Ok(())
     }
 
     /// The next long whole number, a count: far from the largest number, so that more can be added.
     pub fn count(&mut self) -> Result<u64, Damaged> {
-        self.u64()
-            .and_then(|count| if count <= MOST_COUNTED { Ok(count) } else { Err(Damaged) })
+        let count = self.take()?;
+        Damaged::unless(count <= MOST_COUNTED)?;
+        Ok(count)
     }
 
     /// The next number in double precision, a duration in seconds: at most thirty years, so that more can be added.
     pub fn duration(&mut self) -> Result<Duration, Damaged> {
-        let seconds = self.f64()?;
-        match (0.0..=LONGEST).contains(&seconds) {
-            true => Ok(Duration::from_secs_f64(seconds)),
-            false => Err(Damaged),
-        }
+        let seconds = self.take()?;
+        Damaged::unless((0.0..=LONGEST).contains(&seconds))?;
+        Ok(Duration::from_secs_f64(seconds))
     }
 
     /// The next number, which must be 0 or 1.
     pub fn flag(&mut self) -> Result<bool, Damaged> {
-        match self.u32()? {
-            0 => Ok(false),
-            1 => Ok(true),
-            _ => Err(Damaged),
-        }
+        let number: u32 = self.take()?;
+        Damaged::unless(number <= 1)?;
+        Ok(number == 1)
     }
 
     /// The next number, which must be finite.
     pub fn finite(&mut self) -> Result<f32, Damaged> {
-        self.f32()
-            .and_then(|number| if number.is_finite() { Ok(number) } else { Err(Damaged) })
+        let number: f32 = self.take()?;
+        Damaged::unless(number.is_finite())?;
+        Ok(number)
     }
 
     /// Fills `places` with finite numbers.
     pub fn finites(&mut self, places: &mut [f32]) -> Result<(), Damaged> {
-        places
-            .iter_mut()
-            .try_for_each(|place| self.finite().map(|number| *place = number))
+        self.fill(places)?;
+        Damaged::unless(places.iter().all(|number| number.is_finite()))
     }
 }
 
@@ -163,7 +135,7 @@ mod tests {
     fn counts_and_times_leave_room_for_more() {
         for (count, is_possible) in [(0, true), (1 << 60, true), (u64::MAX, false)] {
             let mut bytes = Writer::default();
-            bytes.u64(count);
+            bytes.put(count);
             assert_eq!(Reader(&bytes.0).count().is_ok(), is_possible, "{count}");
         }
         for (seconds, is_possible) in [
@@ -175,7 +147,7 @@ mod tests {
             (f64::INFINITY, false),
         ] {
             let mut bytes = Writer::default();
-            bytes.f64(seconds);
+            bytes.put(seconds);
             let read = Reader(&bytes.0).duration();
             assert_eq!(read.is_ok(), is_possible, "{seconds}");
             assert!(read.is_err() || read == Ok(Duration::from_secs_f64(seconds)));

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
@@ -45,7 +46,8 @@ pub struct SurfaceSlot {
 }
 
 /// The first hit of a camera ray, whether light passes through it or not.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct FirstHit {
     /// The instance as [`Hit::instance`] counts them.
     pub instance: u32,

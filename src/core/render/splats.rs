@@ -5,6 +5,7 @@
 //! fixed-point numbers, which do not: they have the same bits for any number of threads, and for a picture that is
 //! merged from shares.
 
+use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 
 use crate::color::{Rgb, luminance};
@@ -45,7 +46,8 @@ pub(super) struct Splats {
 }
 
 /// The sum of the splats of a pixel, in units of 2^-64.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct SplatSum {
     pub radiance: [i128; 3],
     /// The sum of squared luminances.

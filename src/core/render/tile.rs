@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec3};
 
 use super::fireflies;
@@ -40,7 +41,8 @@ pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
 }
 
 /// Sums over the samples of one pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PixelSum {
     /// The sum of the radiance, linear Rec. 709.
     pub radiance: Rgb,

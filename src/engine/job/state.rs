@@ -14,30 +14,26 @@ impl Job {
     /// Writes the state. Unfinished passes are not saved; they are rendered again.
     pub fn write(&self) -> Vec<u8> {
         let mut to = Writer::default();
-        self.done.iter().for_each(|&samples| to.u32(samples));
-        to.u32(self.cuts.len() as u32);
-        self.cuts.iter().for_each(|&cut| to.u32(cut));
-        [self.rays, self.samples, self.invalid]
-            .into_iter()
-            .for_each(|count| to.u64(count));
-        to.f64(self.seconds());
-        to.u32(u32::from(self.region.is_some()));
+        to.put_all(&self.done);
+        to.put(self.cuts.len() as u32);
+        self.cuts.iter().for_each(|&cut| to.put(cut));
+        to.put([self.rays, self.samples, self.invalid]);
+        to.put(self.seconds());
+        to.put(u32::from(self.region.is_some()));
         if let Some(Rect { min, max }) = self.region {
-            [min.x, min.y, max.x, max.y].into_iter().for_each(|side| to.f32(side));
+            to.put([min, max]);
         }
         let ((noise, is_adaptive), end) = self.round;
         write_optional(noise, &mut to);
-        to.u32(u32::from(is_adaptive));
-        to.u32(end);
-        to.u32(u32::from(self.judged.is_some()));
+        to.put([u32::from(is_adaptive), end, u32::from(self.judged.is_some())]);
         if let Some(judged) = self.judged {
-            to.u32(judged.samples);
+            to.put(judged.samples);
             write_optional(judged.noise, &mut to);
-            to.u32(u32::from(judged.is_corrected));
+            to.put(u32::from(judged.is_corrected));
         }
-        to.u32(u32::from(self.replicas.is_some()));
+        to.put(u32::from(self.replicas.is_some()));
         if let Some(replicas) = &self.replicas {
-            to.f32(self.noise_of_tiles.correction());
+            to.put(self.noise_of_tiles.correction());
             replicas.write(&mut to);
         }
         self.adaptation.write(&mut to);
@@ -49,21 +45,19 @@ impl Job {
     /// [`Damaged`] if the state ends too early or is inconsistent.
     pub fn resume(&mut self, state: &[u8], saved: Film, film: &mut RenderFilm) -> Result<(), Damaged> {
         let mut from = Reader(state);
-        for done in &mut self.done {
-            *done = from.u32()?;
-        }
-        for _ in 0..from.u32()? {
-            self.cuts.insert(from.u32()?);
+        from.fill(&mut self.done)?;
+        for _ in 0..from.take::<u32>()? {
+            self.cuts.insert(from.take()?);
         }
         (self.rays, self.samples, self.invalid) = (from.count()?, from.count()?, from.count()?);
         self.ran = from.duration()?;
         let region = read_region(&mut from)?;
         self.set_region(region, film);
         let (noise, is_adaptive) = (read_optional(&mut from)?, from.flag()?);
-        self.round = ((noise, is_adaptive), from.u32()?);
+        self.round = ((noise, is_adaptive), from.take()?);
         self.judged = match from.flag()? {
             true => Some(JudgedNoise {
-                samples: from.u32()?,
+                samples: from.take()?,
                 noise: read_optional(&mut from)?,
                 is_corrected: from.flag()?,
             }),
@@ -71,19 +65,15 @@ impl Job {
         };
         let mut correction = 1.0;
         if from.flag()? {
-            correction = from.f32()?;
-            if !(correction.is_finite() && correction > 0.0) {
-                return Err(Damaged);
-            }
-            // Replicas are chosen by the errors of pixels, which need two samples.
+            correction = from.finite()?;
+            Damaged::unless(correction > 0.0)?;
+            // Replicas are chosen by the errors of pixels, which have two samples.
             let is_known = |(tile, done): (&Tile, &u32)| {
                 let mut pixels =
                     (tile.y..tile.y + tile.height).flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));
                 pixels.all(|(x, y)| saved.samples(x, y) >= (*done).min(2))
             };
-            if !self.tiles.iter().zip(&self.done).all(is_known) {
-                return Err(Damaged);
-            }
+            Damaged::unless(self.tiles.iter().zip(&self.done).all(is_known))?;
             let size = UVec2::new(self.view.width, self.view.height);
             self.replicas = Some(Replicas::read(&mut from, size)?);
         }
@@ -115,8 +105,8 @@ fn read_region(from: &mut Reader) -> Result<Option<Rect>, Damaged> {
 }
 
 fn write_optional(number: Option<f32>, to: &mut Writer) {
-    to.u32(u32::from(number.is_some()));
-    to.f32(number.unwrap_or(0.0));
+    to.put(u32::from(number.is_some()));
+    to.put(number.unwrap_or(0.0));
 }
 
 fn read_optional(from: &mut Reader) -> Result<Option<f32>, Damaged> {

@@ -171,15 +171,13 @@ fn a_film_of_another_size_has_nothing_of_the_old_picture() {
 /// samples, in each of its mattes.
 fn bytes_of_chunk(kept: FilmLayers, samples: std::ops::Range<u32>, ids: &[[u32; 2]]) -> Vec<u8> {
     let mut to = Writer::default();
-    // One chunk without first hits.
-    [0, 1, samples.start, samples.end, 0]
-        .into_iter()
-        .for_each(|number| to.u32(number));
+    // Chunks alone, of which there is one without first hits.
+    to.put([0, 1, samples.start, samples.end, 0]);
     for _ in 0..8 * 8 {
-        (0..12 + kept.values()).for_each(|_| to.f32(0.0));
+        (0..12 + kept.values()).for_each(|_| to.put(0f32));
         for _ in 0..kept.matte_count() {
-            to.u32(ids.len() as u32);
-            ids.as_flattened().iter().for_each(|&number| to.u32(number));
+            to.put(ids.len() as u32);
+            to.put_all(ids);
         }
     }
     to.0
@@ -211,17 +209,17 @@ fn numbers_of_samples_that_cannot_be_are_damaged() {
     // Sums of some samples before a chunk of one more. Without samples, an id of an older picture may remain.
     for (count, samples, is_possible) in [(2, 1, true), (2, 2, false), (1, 5, true), (0, 0, false)] {
         let mut to = Writer::default();
-        to.u32(1);
+        to.put(1u32);
         for _ in 0..8 * 8 {
-            (0..12).for_each(|_| to.f32(0.0));
-            to.u32(count);
-            (0..2).for_each(|_| to.f32(0.0));
-            to.u32(0);
-            (0..kept.values()).for_each(|_| to.f32(0.0));
-            [1, 7, samples].into_iter().for_each(|number| to.u32(number));
+            to.put([0f32; 12]);
+            to.put::<u32>(count);
+            to.put([0f32; 2]);
+            to.put(0u32);
+            (0..kept.values()).for_each(|_| to.put(0f32));
+            to.put::<[u32; 3]>([1, 7, samples]);
         }
         for _ in 0..BLOCKS {
-            (0..6).for_each(|_| to.u32(0));
+            to.put([0u32; 6]);
         }
         to.0.extend(&bytes_of_chunk(kept, 1..2, &[[7, 1]])[4..]);
         let read = Film::with_layers(8, 8, kept).read_tile(tile, &mut Reader(&to.0));

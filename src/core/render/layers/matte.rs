@@ -1,14 +1,18 @@
 //! The ids in a pixel, from which a cryptomatte is made.
 
-/// The most ids per pixel. Further ids are dropped while they have fewer samples than those stored.
+use bytemuck::{Pod, Zeroable};
+
+/// The number of ids that a pixel remembers. Those that come when all places are taken are left out while they have
+/// fewer samples.
 const PLACES: usize = 8;
 
 /// The ids in one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Matte([MatteEntry; PLACES]);
 
-/// An id, and the number of samples that hit it; the entry is free if that is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// An id, and the number of samples that met it; the place is free if there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct MatteEntry {
     /// The instance or the material.
     pub id: u32,

@@ -19,6 +19,7 @@ mod shares;
 #[cfg(test)]
 mod tests;
 
+use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use super::blocks::{BLOCK, PerBlock, blocks_of};
@@ -47,8 +48,9 @@ const NEAREST: f32 = 0.5;
 /// The approximate number of blocks by which the power is chosen.
 const JUDGES: usize = 1 << 15;
 
-/// Statistics of the first samples of a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What the first samples of a block have found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 struct Found {
     /// The mean over the pixels of the squared difference of the samples' halves, relative to a pixel's luminance or to
     /// the block's if that is greater.
@@ -204,33 +206,20 @@ impl NoiseMap {
 
     /// Writes the statistics.
     pub fn write(&self, to: &mut Writer) {
-        self.even.iter().for_each(|&samples| to.u32(samples));
-        to.u32(self.levels.len() as u32);
-        for Found { noise, luminance, cost } in self.levels.iter().flatten() {
-            [noise, luminance, cost].into_iter().for_each(|&number| to.f32(number));
-        }
+        to.put_all(&self.even);
+        to.put(self.levels.len() as u32);
+        self.levels.iter().for_each(|level| to.put_all(level));
     }
 
     /// Reads the statistics that [`Self::write`] has written for the same tiles.
     pub fn read(&mut self, from: &mut Reader) -> Result<(), Damaged> {
-        for samples in &mut self.even {
-            *samples = from.u32()?;
-        }
+        from.fill(&mut self.even)?;
         self.levels.clear();
-        for _ in 0..from.u32()? {
+        for _ in 0..from.take::<u32>()? {
             let found = |_| {
-                let found = Found {
-                    noise: from.finite()?,
-                    luminance: from.finite()?,
-                    cost: from.finite()?,
-                };
-                match [found.noise, found.luminance, found.cost]
-                    .iter()
-                    .all(|number| *number >= 0.0)
-                {
-                    true => Ok(found),
-                    false => Err(Damaged),
-                }
+                let numbers: [f32; 3] = from.take()?;
+                Damaged::unless(numbers.iter().all(|number| (0.0..=f32::MAX).contains(number)))?;
+                Ok(bytemuck::cast(numbers))
             };
             self.levels.push((0..self.blocks).map(found).collect::<Result<_, _>>()?);
         }

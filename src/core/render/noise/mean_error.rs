@@ -14,6 +14,8 @@
 //! is that of its samples' spread, which is known far better. A rare bright sample enlarges the spread and the
 //! difference alike, once it is found; light that no sample has found yet is in no estimate.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::blocks::{BLOCK, PerBlock};
 use crate::render::noise::DARK;
 use crate::render::tile::TILE;
@@ -26,11 +28,12 @@ const PATCHES: usize = (TILE / PATCH * (TILE / PATCH)) as usize;
 /// The bounds of the share of a doubling in the previous one.
 const SHARES: [f32; 2] = [0.125, 0.5];
 
-/// Statistics of a block's pixels, all of which have the same number of samples. Sums over pixels are of squares
-/// relative to the pixels' luminances.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::render) struct BlockError {
-    /// The power of two of samples at which the means were stored last; 0 before that.
+/// How the samples of a block's pixels differ, all of which have the same number of samples. Sums over pixels are of
+/// squares relative to the pixels' luminances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct BlockError {
+    /// The power of two of samples at which the means were noted last; 0 before that.
     pub noted: u32,
     /// The power of two of samples whose halves were compared last; 0 before that.
     pub level: u32,
@@ -52,6 +55,14 @@ pub(in crate::render) struct Efficiency {
     /// The ratio of each patch's squared differences to those of independent samples, converted to level 1 by
     /// [`Self::share`]; 0 while unknown.
     patches: [f32; PATCHES],
+}
+
+impl BlockError {
+    /// Whether any of its numbers is none. They may be beyond all numbers.
+    pub fn has_nan(&self) -> bool {
+        let numbers = [self.difference, self.difference_before, self.spread, self.luminance];
+        numbers.iter().any(|number| number.is_nan())
+    }
 }
 
 impl Default for Efficiency {

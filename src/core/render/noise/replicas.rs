@@ -187,32 +187,28 @@ impl Replicas {
 
     /// Writes the replicas.
     pub fn write(&self, to: &mut Writer) {
-        to.u32(self.0.len() as u32);
+        to.put(self.0.len() as u32);
         for replica in &self.0 {
-            [replica.pixel.x, replica.pixel.y, replica.samples]
-                .into_iter()
-                .for_each(|number| to.u32(number));
-            to.f64(replica.probability);
-            to.f64(replica.sum);
+            to.put(replica.pixel);
+            to.put(replica.samples);
+            to.put([replica.probability, replica.sum]);
         }
     }
 
     /// Reads the replicas that [`Self::write`] has written for a picture of `size`.
     pub fn read(from: &mut Reader, size: UVec2) -> Result<Self, Damaged> {
         let mut replicas = Vec::new();
-        for _ in 0..from.u32()? {
-            let pixel = UVec2::new(from.u32()?, from.u32()?);
-            let replica = Replica {
+        for _ in 0..from.take::<u32>()? {
+            let (pixel, samples) = (from.take::<UVec2>()?, from.take()?);
+            let [probability, sum]: [f64; 2] = from.take()?;
+            let is_possible = probability > 0.0 && probability <= 1.0 && sum.is_finite();
+            Damaged::unless(pixel.cmplt(size).all() && is_possible)?;
+            replicas.push(Replica {
                 pixel,
-                samples: from.u32()?,
-                probability: from.f64()?,
-                sum: from.f64()?,
-            };
-            let is_possible = replica.probability > 0.0 && replica.probability <= 1.0 && replica.sum.is_finite();
-            if pixel.cmpge(size).any() || !is_possible {
-                return Err(Damaged);
-            }
-            replicas.push(replica);
+                probability,
+                samples,
+                sum,
+            });
         }
         Ok(Self(replicas))
     }

@@ -58,35 +58,31 @@ pub fn write_part(
             return Err(io::Error::other("the names of the shapes are too long for a part"));
         }
         let mut start = Writer::default();
-        start.u32(FORMAT);
-        start.u32(text.len() as u32);
+        start.put([FORMAT, text.len() as u32]);
         start.0.extend(text);
-        start.u32(tiles.len() as u32);
+        start.put(tiles.len() as u32);
         state.write(&start.0)?;
         for &tile in tiles {
             let mut content = Writer::default();
             film.write_tile(tile, &mut content);
             let mut start = Writer::default();
-            [tile.x, tile.y, tile.width, tile.height]
-                .into_iter()
-                .for_each(|number| start.u32(number));
-            start.u32(content.0.len() as u32);
+            start.put([tile.x, tile.y, tile.width, tile.height, content.0.len() as u32]);
             state.write(&start.0)?;
             state.write(&content.0)?;
         }
         let mut splats = Writer::default();
         film.write_splats(&mut splats);
         let mut length = Writer::default();
-        length.u64(splats.0.len() as u64);
+        length.put(splats.0.len() as u64);
         state.write(&length.0)?;
         state.write(&splats.0)?;
         let mut end = Writer::default();
-        end.u32(job.len() as u32);
+        end.put(job.len() as u32);
         end.0.extend_from_slice(job);
         state.write(&end.0)?;
         let mut tail = Writer::default();
-        tail.u32(state.crc.sum());
-        tail.u64(state.length);
+        tail.put(state.crc.sum());
+        tail.put(state.length);
         tail.0.extend_from_slice(MAGIC);
         state.file.write_all(&tail.0)
     })
@@ -123,7 +119,7 @@ impl PartFile {
         let mut tail = [0; TAIL as usize];
         file.read_exact(&mut tail)?;
         let mut tail = Reader(&tail);
-        let (_, state_length) = (tail.u32()?, tail.u64()?);
+        let (_, state_length) = (tail.take::<u32>()?, tail.take::<u64>()?);
         if tail.0 != MAGIC {
             return Err(PartError::NoState);
         }
@@ -313,14 +309,13 @@ mod tests {
         let text = serde_json::to_vec(&header()).expect("JSON");
         for (more, is_whole) in [(0, true), (1, false), (1 << 20, false)] {
             let mut state = Writer::default();
-            state.u32(FORMAT);
-            state.u32(text.len() as u32 + more);
+            state.put([FORMAT, text.len() as u32 + more]);
             state.0.extend(&text);
             let mut crc = Crc::new();
             crc.update(&state.0);
             let length = state.0.len() as u64;
-            state.u32(crc.sum());
-            state.u64(length);
+            state.put(crc.sum());
+            state.put(length);
             state.0.extend_from_slice(MAGIC);
             std::fs::write(&path, [EXR, &state.0].concat()).expect("a writable folder");
             assert_eq!(PartFile::open(&path).is_ok(), is_whole, "{more}");

@@ -193,9 +193,9 @@ fn what_is_no_noise_is_damaged() {
         ([0.5, 1.0, -3.0], false),
     ] {
         let mut bytes = Writer::default();
-        all.iter().for_each(|_| bytes.u32(0));
-        bytes.u32(1);
-        (0..blocks).flat_map(|_| found).for_each(|number| bytes.f32(number));
+        all.iter().for_each(|_| bytes.put(0u32));
+        bytes.put(1u32);
+        (0..blocks).for_each(|_| bytes.put(found));
         let read = NoiseMap::new(&all, WIDTH).read(&mut Reader(&bytes.0));
         assert_eq!(read.is_ok(), is_possible, "{found:?}");
     }
