@@ -4,13 +4,12 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
-use crate::engine::{PackedScene, PictureNames, RenderFilm, job_state, reserve_film, resume};
+use crate::engine::{PackedScene, PictureNames, RenderFilm, active_film, job_state, reserve_film, resume};
 use crate::layer::Layer;
 use crate::render::film::Film;
 use crate::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
 use crate::render::layered_image::{Attribute, LayeredImage};
 use crate::render::part::{About, Crop, Origin, PartFile, PartHeader, write_part};
-use crate::scene::{ActiveSensor, Film as SensorFilm};
 
 /// A picture that is rendered, or a share of one, without its samples.
 pub struct Piece {
@@ -165,9 +164,7 @@ fn about(world: &World, described: &LayeredImage) -> About {
         _ => None,
     };
     let view = world.resource::<PackedScene>().view.as_ref();
-    let sensor = world.resource::<ActiveSensor>().0;
-    let film = sensor.and_then(|sensor| world.get::<SensorFilm>(sensor));
-    let storage = film.map(|film| film.storage).unwrap_or_default();
+    let storage = active_film(world).map(|film| film.storage).unwrap_or_default();
     About {
         texts: described.attributes.iter().filter_map(text).collect(),
         seed: view.map_or(0, |view| view.seed),

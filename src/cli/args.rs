@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use bevy::prelude::App;
 use clap::{Args, ValueEnum};
 use sunroom::app::threads::MOST_WORKERS;
 use sunroom::document::Severity;
 use sunroom::document::paths::settle;
 use sunroom::files::FileError;
 use sunroom::memory;
-use sunroom::scene::{SceneStatus, Trust};
+use sunroom::scene::Trust;
 
 use super::monkey::MonkeyArgs;
 use super::{parse, report};
@@ -61,11 +60,6 @@ impl MissingArgs {
             true => Severity::Warning,
             false => Severity::Error,
         }
-    }
-
-    /// Says so to an app that loads a scene.
-    pub fn apply(&self, app: &mut App) {
-        app.world_mut().resource_mut::<SceneStatus>().allows_missing = self.allow_missing;
     }
 }
 

@@ -13,9 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::App;
 use sunroom::app::baking::{BakedLevel, baked_level};
-use sunroom::app::headless::render_only;
 use sunroom::app::origin::origin;
-use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::app::threads::worker_count;
 use sunroom::bake::blueprint::Blueprint;
 use sunroom::bake::files::{self, Content};
@@ -24,14 +22,14 @@ use sunroom::bake::limits::BakeLimits;
 use sunroom::bake::manifest::BakedLight;
 use sunroom::bake::part::is_part;
 use sunroom::bake::probes::ProbeSettings;
-use sunroom::bake::progress::about_invalid;
+use sunroom::bake::progress::{Progress, about_invalid};
 use sunroom::bake::unwrap::UnwrapSettings;
 use sunroom::document::paths::settle;
-use sunroom::engine::{Limits, PackedScene, RenderState, RenderStatus, load_to_completion};
-use sunroom::files::{check_writable, is_same_file, keep_reads};
+use sunroom::engine::{Limits, PackedScene};
+use sunroom::files::{is_same_file, keep_reads};
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::export::Hidden;
-use sunroom::scene::{OpenScene, SceneStatus, read};
+use sunroom::scene::read;
 
 pub use self::args::BakeArgs;
 pub use self::shares::Shares;
@@ -39,10 +37,9 @@ pub use self::shares::Shares;
 use self::keeping::Keeper;
 use self::progress::BakeProgress;
 
-use super::check::{report_left_out, report_refusal, report_scene};
-use super::ending::{INTERRUPTED, TERMINATED};
-use super::outputs::check_scene_stays;
-use super::render::cancel_on_interrupt;
+use super::check::{is_shown, load, open};
+use super::ending::INTERRUPTED;
+use super::outputs::{check_scene_stays, check_text};
 use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};
 
@@ -52,22 +49,20 @@ pub const BAKES_WITHOUT: &str = "--no-denoise bakes without it";
 /// The end of the last share at most: a point of a volume has eight times as many samples.
 const MOST_SAMPLES_OF_SHARES: u32 = u32::MAX / 8;
 
-pub fn run(args: BakeArgs) -> ExitCode {
+pub fn run(args: &BakeArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
     args.threads.report_limit();
-    match bake(&args) {
-        Ok(code) => code,
-        Err(failure) => failure.report(),
-    }
-}
-
-fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
     let Some(samples) = &args.samples else {
         check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
         return within_folder(&args.output, || {
             args.checkpoints
                 .check("bake", |path| is_file_of_level(&args.output, path), is_part)?;
-            bake_whole(args)
+            let limits = BakeLimits {
+                samples: args.spp,
+                time: args.time,
+                noise: args.noise,
+            };
+            bake(args, [0, limits.target()], &limits)
         });
     };
     check_samples(samples, args.spp)?;
@@ -77,10 +72,14 @@ fn bake(args: &BakeArgs) -> Result<ExitCode, Failure> {
             "{name} is a folder: a share of a bake is one file"
         )));
     }
-    check_writable(&args.output).map_err(|error| format!("cannot write {name}: {error}"))?;
+    check_text(&args.output)?;
     args.checkpoints
         .check("bake", |path| is_same_file(&args.output, path), is_part)?;
-    bake_share(args, [samples.start, samples.end])
+    let limits = BakeLimits {
+        samples: Some(samples.end),
+        ..BakeLimits::default()
+    };
+    bake(args, [samples.start, samples.end], &limits)
 }
 
 /// Whether a bake into the folder may replace this file, be it there or not.
@@ -111,23 +110,80 @@ fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>
     fill()
 }
 
-/// A job, and what looks after it.
-struct Begun<'a> {
-    job: BakeJob,
-    keeper: Keeper<'a>,
-    progress: BakeProgress,
-    cancel: Arc<AtomicBool>,
+/// Bakes these samples of each texel, and writes the level or the share.
+fn bake(args: &BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<ExitCode, Failure> {
+    let cancel = args.checkpoints.cancel()?;
+    let mut progress = BakeProgress::new(args.quiet, limits);
+    let Some((mut job, mut keeper)) = begin(args, samples, &cancel, &mut progress)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    let watch = &mut |job: &BakeJob, now: &Progress| {
+        keeper.look(job, now);
+        progress.show(job, now);
+    };
+    let is_share = args.samples.is_some();
+    let is_done = match is_share {
+        true => job.gather_share(samples[1], &cancel, watch),
+        false => job.run(limits, &cancel, watch)? == BakeEnding::Done,
+    };
+    progress.end();
+    let is_saved = keeper.save(&job);
+    if (is_share || !is_done)
+        && let Some(code) = args.checkpoints.terminated(is_saved, "gathered")
+    {
+        return Ok(code);
+    }
+    let kept = args.checkpoints.checkpoint.as_ref().filter(|_| is_saved);
+    let interrupted = |message: String| {
+        report::error(message);
+        Ok(ExitCode::from(INTERRUPTED))
+    };
+    if !is_share && !is_done {
+        if let Some(message) = why_unfinished(&job, &args.output, kept) {
+            return interrupted(message);
+        }
+        job.finish_so_far(&mut |job, now| progress.show(job, now))?;
+        progress.end();
+    }
+    let place = args.output.display();
+    let interruption = match is_share {
+        true => {
+            keeper.write(&job, &args.output)?;
+            format!("interrupted; {place} has what was gathered, for --resume")
+        }
+        false => {
+            let baked = job.baked().ok_or("there is nothing to write")?;
+            files::write(&args.output, job.blueprint(), baked)?;
+            let samples = counted(baked.samples, "sample");
+            let more = kept.map_or_else(String::new, |path| {
+                format!("; {} has what was gathered", path.display())
+            });
+            format!(
+                "interrupted; the lightmaps in {place} have {samples} per texel, and probes that were not finished are left out{more}"
+            )
+        }
+    };
+    report_invalid(job.invalid_samples());
+    if !is_done {
+        return interrupted(interruption);
+    }
+    if !args.quiet {
+        let what = if is_share { "share" } else { "level" };
+        report::line(format_args!("the {what} is in {place}"));
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Prepares the bake of so many samples of each texel, and lets it go on with a checkpoint; None if the scene is
 /// refused, which has been reported.
-fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<Option<Begun<'a>>, Failure> {
-    let cancel = cancel_on_interrupt()?;
-    if args.checkpoints.checkpoint.is_some() {
-        note_termination(cancel.clone());
-    }
+fn begin<'a>(
+    args: &'a BakeArgs,
+    samples: [u32; 2],
+    cancel: &Arc<AtomicBool>,
+    progress: &mut BakeProgress,
+) -> Result<Option<(BakeJob, Keeper<'a>)>, Failure> {
     keep_reads();
-    let Some(mut app) = packed(args, &cancel)? else {
+    let Some(mut app) = packed(args, cancel)? else {
         return Ok(None);
     };
     let Some(level) = level(args)? else {
@@ -158,8 +214,7 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
         is_seen: false,
         discards: Arc::default(),
     };
-    let mut progress = BakeProgress::new(args.quiet, limits);
-    let mut job = BakeJob::prepare(source, &settings(args), &cancel, &mut |now, words| {
+    let mut job = BakeJob::prepare(source, &settings(args), cancel, &mut |now, words| {
         progress.prepare(now, words)
     })?;
     progress.end();
@@ -178,89 +233,28 @@ fn begin<'a>(args: &'a BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Resu
     if !args.quiet {
         report::line(summary(job.blueprint()));
     }
-    Ok(Some(Begun {
-        job,
-        keeper,
-        progress,
-        cancel,
-    }))
+    Ok(Some((job, keeper)))
 }
 
-/// Bakes into a folder that is there.
-fn bake_whole(args: &BakeArgs) -> Result<ExitCode, Failure> {
-    let limits = BakeLimits {
-        samples: args.spp,
-        time: args.time,
-        noise: args.noise,
-    };
-    let Some(begun) = begin(args, [0, limits.target()], &limits)? else {
-        return Ok(ExitCode::FAILURE);
-    };
-    let Begun {
-        mut job,
-        mut keeper,
-        mut progress,
-        cancel,
-    } = begun;
-    let ending = job.run(&limits, &cancel, &mut |job, now| {
-        keeper.look(job, now);
-        progress.show(job, now);
-    })?;
-    progress.end();
-    let is_saved = keeper.save(&job);
-    let kept = args.checkpoints.checkpoint.as_ref().filter(|_| is_saved);
-    if ending == BakeEnding::Cancelled {
-        if let Some(path) = kept.filter(|_| is_terminated()) {
-            report::line(format_args!("terminated; {} has what was gathered", path.display()));
-            return Ok(ExitCode::from(TERMINATED));
-        }
-        if let Some(path) = kept.filter(|_| job.light().samples() == 0) {
-            let path = path.display();
-            report::error(format_args!(
-                "interrupted before the first samples of all texels; {path} has what was gathered, and no lightmap is written"
-            ));
-            return Ok(ExitCode::from(INTERRUPTED));
-        }
-        let there = Content::of_folder(&args.output);
-        if let Some(there) = there.filter(|there| !job.content().may_replace(there)) {
-            report::error(stays(&args.output, job.content(), there, kept));
-            return Ok(ExitCode::from(INTERRUPTED));
-        }
-        job.finish_so_far(&mut |job, now| progress.show(job, now))?;
-        progress.end();
-    }
-    let Some(baked) = job.baked() else {
-        return Err("there is nothing to write".into());
-    };
-    files::write(&args.output, job.blueprint(), baked)?;
-    report_invalid(job.invalid_samples());
-    let place = args.output.display();
-    if ending == BakeEnding::Cancelled {
-        let samples = counted(baked.samples, "sample");
-        let more = kept.map_or_else(String::new, |path| {
-            format!("; {} has what was gathered", path.display())
-        });
-        report::error(format_args!(
-            "interrupted; the lightmaps in {place} have {samples} per texel, and probes that were not finished are left out{more}"
+/// The message about an interrupted bake that has no light yet, or that does not replace the level in its folder; None
+/// if its light is written. `kept` is its checkpoint.
+fn why_unfinished(job: &BakeJob, folder: &Path, kept: Option<&PathBuf>) -> Option<String> {
+    if let Some(path) = kept.filter(|_| job.light().samples() == 0) {
+        let path = path.display();
+        return Some(format!(
+            "interrupted before the first samples of all texels; {path} has what was gathered, and no lightmap is written"
         ));
-        return Ok(ExitCode::from(INTERRUPTED));
     }
-    if !args.quiet {
-        report::line(format_args!("the level is in {place}"));
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-/// The message about an interrupted bake that does not replace the level in its folder. `kept` is its checkpoint.
-fn stays(folder: &Path, gathered: Content, there: Content, kept: Option<&PathBuf>) -> String {
+    let gathered = job.content();
+    let there = Content::of_folder(folder).filter(|there| !gathered.may_replace(there))?;
     let end = match kept {
         Some(path) => format!("{} has what was gathered", path.display()),
         None => "nothing is written".to_owned(),
     };
-    format!(
+    Some(format!(
         "interrupted with {gathered}: {} keeps its level, which has {there}; {end}",
         folder.display()
-    )
+    ))
 }
 
 /// A line about the lightmaps.
@@ -275,49 +269,6 @@ fn summary(blueprint: &Blueprint) -> String {
         blueprint.texels_per_unit,
         counted(blueprint.places.texels.len(), "texel"),
     )
-}
-
-/// Gathers a share and writes its file.
-fn bake_share(args: &BakeArgs, samples: [u32; 2]) -> Result<ExitCode, Failure> {
-    let limits = BakeLimits {
-        samples: Some(samples[1]),
-        ..BakeLimits::default()
-    };
-    let Some(begun) = begin(args, samples, &limits)? else {
-        return Ok(ExitCode::FAILURE);
-    };
-    let Begun {
-        mut job,
-        mut keeper,
-        mut progress,
-        cancel,
-    } = begun;
-    let is_finished = job.gather_share(samples[1], &cancel, &mut |job, now| {
-        keeper.look(job, now);
-        progress.show(job, now);
-    });
-    progress.end();
-    let is_saved = keeper.save(&job);
-    if let Some(path) = args
-        .checkpoints
-        .checkpoint
-        .as_ref()
-        .filter(|_| is_saved && is_terminated())
-    {
-        report::line(format_args!("terminated; {} has what was gathered", path.display()));
-        return Ok(ExitCode::from(TERMINATED));
-    }
-    keeper.write_share(&job, &args.output)?;
-    report_invalid(job.invalid_samples());
-    let place = args.output.display();
-    if !is_finished {
-        report::error(format_args!("interrupted; {place} has what was gathered, for --resume"));
-        return Ok(ExitCode::from(INTERRUPTED));
-    }
-    if !args.quiet {
-        report::line(format_args!("the share is in {place}"));
-    }
-    Ok(ExitCode::SUCCESS)
 }
 
 fn report_invalid(samples: u64) {
@@ -371,36 +322,15 @@ fn settings(args: &BakeArgs) -> BakeSettings {
 
 /// The app with the scene as it is rendered; None if it is refused, which has been reported.
 fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Failure> {
-    let trust = args.trust.trust(&args.scene.scene)?;
-    let open = OpenScene {
-        path: args.scene.scene.clone(),
-        defines: args.scene.defines.defines.clone(),
-        ..OpenScene::default()
-    };
-    let mut app: App = render_only(open, args.threads.threads);
-    app.insert_resource(trust);
-    args.missing.apply(&mut app);
+    let scene = &args.scene.scene;
+    let trust = args.trust.trust(scene)?;
+    let mut app = open(scene, &args.scene.defines, trust, &args.missing, args.threads.threads);
     let limits = Limits {
         cancel: cancel.clone(),
         ..Limits::default()
     };
-    let loaded = load_to_completion(&mut app, &limits);
-    let status = app.world().resource::<SceneStatus>();
-    if !report_scene(status, args.strict) {
-        report_refusal(status, &args.scene.scene);
-        return Ok(None);
-    }
-    if !loaded? {
-        return Err("interrupted while the scene was being loaded: nothing is written".into());
-    }
-    let engine = app.world().resource::<RenderStatus>();
-    if engine.state != RenderState::Failed && !report_left_out(engine, &args.scene.scene, args.strict) {
-        if engine.shortages.is_empty() {
-            report::refused_for_warnings(&args.scene.scene);
-        }
-        return Ok(None);
-    }
-    Ok(Some(app))
+    let is_good = load(&mut app, &limits, scene, args.strict)? && is_shown(&app, scene, args.strict);
+    Ok(is_good.then_some(app))
 }
 
 /// The level and the probes as they are in the file of the scene; None if it is refused, which has been reported.

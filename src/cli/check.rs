@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bevy::prelude::World;
+use bevy::prelude::{App, World};
 use clap::Args;
 use sunroom::app::baking::probe_faults;
 use sunroom::app::headless::render_only;
-use sunroom::engine::{Limits, RenderStatus, load_to_completion};
-use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
+use sunroom::engine::{Limits, RenderState, RenderStatus, load_to_completion};
+use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, Trust, cameras};
 
 use super::args::{DefineArgs, MemoryArgs, MissingArgs, TrustArgs};
-use super::report::{self, counted};
+use super::report::{self, Failure, counted};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -31,10 +31,10 @@ pub struct CheckArgs {
     strict: bool,
 }
 
-pub fn run(args: CheckArgs) -> ExitCode {
+pub fn run(args: &CheckArgs) -> ExitCode {
     args.memory.apply();
     // One with errors does not keep those after it from being looked at.
-    let faulty = args.scenes.iter().filter(|scene| !check(scene, &args)).count();
+    let faulty = args.scenes.iter().filter(|scene| !check(scene, args)).count();
     match faulty {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
@@ -50,16 +50,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
             return false;
         }
     };
-    let mut app = render_only(
-        OpenScene {
-            path: scene.to_owned(),
-            defines: args.defines.defines.clone(),
-            ..OpenScene::default()
-        },
-        Some(1),
-    );
-    app.insert_resource(trust);
-    args.missing.apply(&mut app);
+    let mut app = open(scene, &args.defines, trust, &args.missing, Some(1));
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
     let faults = probe_faults(app.world_mut());
@@ -134,6 +125,47 @@ fn list_cameras(world: &mut World) {
     }
 }
 
+/// An app that will load a scene to render it.
+pub fn open(scene: &Path, defines: &DefineArgs, trust: Trust, missing: &MissingArgs, threads: Option<i32>) -> App {
+    let open = OpenScene {
+        path: scene.to_owned(),
+        defines: defines.defines.clone(),
+        ..OpenScene::default()
+    };
+    let mut app = render_only(open, threads);
+    app.insert_resource(trust);
+    app.world_mut().resource_mut::<SceneStatus>().allows_missing = missing.allow_missing;
+    app
+}
+
+/// Loads the scene of an app; false if it is refused, which has been reported.
+pub fn load(app: &mut App, limits: &Limits, scene: &Path, strict: bool) -> Result<bool, Failure> {
+    let loaded = load_to_completion(app, limits);
+    let status = app.world().resource::<SceneStatus>();
+    if !report_scene(status, strict) {
+        if !status.has_errors() && report::acceptable(&status.all_diagnostics(), false) {
+            report::refused_for_warnings(scene);
+        } else if status.lacks_only_files() {
+            report::refused_for_missing(scene);
+        }
+        return Ok(false);
+    }
+    match loaded? {
+        true => Ok(true),
+        false => Err("interrupted while the scene was being loaded: nothing is written".into()),
+    }
+}
+
+/// Whether so much of a loaded scene can be shown that it is rendered. What cannot be is reported.
+pub fn is_shown(app: &App, scene: &Path, strict: bool) -> bool {
+    let engine = app.world().resource::<RenderStatus>();
+    let is_shown = engine.state == RenderState::Failed || report_left_out(engine, scene, strict);
+    if !is_shown && engine.shortages.is_empty() {
+        report::refused_for_warnings(scene);
+    }
+    is_shown
+}
+
 /// Prints all messages about a loaded scene; false if it has too many problems to continue.
 pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     let all = status.all_diagnostics();
@@ -141,17 +173,8 @@ pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     report::acceptable(&all, strict) && !status.has_errors()
 }
 
-/// Prints the last line about a scene that [`report_scene`] refuses, where more is to be said than that it has errors.
-pub fn report_refusal(status: &SceneStatus, scene: &Path) {
-    if !status.has_errors() && report::acceptable(&status.all_diagnostics(), false) {
-        report::refused_for_warnings(scene);
-    } else if status.lacks_only_files() {
-        report::refused_for_missing(scene);
-    }
-}
-
 /// Prints what was read but cannot be shown; false if that is too much to continue.
-pub fn report_left_out(status: &RenderStatus, scene: &Path, strict: bool) -> bool {
+fn report_left_out(status: &RenderStatus, scene: &Path, strict: bool) -> bool {
     let shown = scene.display();
     for message in &status.errors {
         match status.shortages.contains(message) {

@@ -18,7 +18,7 @@ use sunroom::scene::{FileKind, SceneDescription};
 
 use super::args::{MemoryArgs, MissingArgs, SceneArgs, TrustArgs};
 use super::outputs::check_scene_stays;
-use super::report;
+use super::report::{self, Failure};
 
 #[derive(Args)]
 pub struct ConvertArgs {
@@ -41,21 +41,16 @@ pub struct ConvertArgs {
     strict: bool,
 }
 
-pub fn run(args: ConvertArgs) -> ExitCode {
+pub fn run(args: &ConvertArgs) -> Result<ExitCode, Failure> {
     // Relative paths in the scene count from the folder of the file.
     if args.output == Path::new("-") {
-        return report::error("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml");
+        return Err("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml".into());
     }
     args.memory.apply();
     keep_reads();
-    let access = match args.trust.trust(&args.scene.scene) {
-        Ok(trust) => trust.access(&settle(&args.scene.scene)),
-        Err(error) => return report::error(error),
-    };
-    let mut document = match load_document(&settle(&args.scene.scene), &args.scene.defines.defines, access) {
-        Ok(document) => document,
-        Err(error) => return report::error(error),
-    };
+    let path = settle(&args.scene.scene);
+    let access = args.trust.trust(&args.scene.scene)?.access(&path);
+    let mut document = load_document(&path, &args.scene.defines.defines, access)?;
     let scene = read::read(&mut document);
     let mut lacks_meshes = false;
     if !document.diagnostics.has_errors() {
@@ -72,17 +67,15 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         } else if lacks_meshes {
             report::refused_for_missing(&args.scene.scene);
         }
-        return ExitCode::FAILURE;
+        return Ok(ExitCode::FAILURE);
     }
     // It would lose what only the old file has: comments, includes, `$name`s.
     if is_same_file(&args.scene.scene, &args.output) {
-        return report::error("this would replace the scene it is made from; give another name");
+        return Err("this would replace the scene it is made from; give another name".into());
     }
-    if let Err(error) = check_scene_stays([&args.output]) {
-        return report::error(error);
-    }
+    check_scene_stays([&args.output])?;
     if is_export(&args.output) {
-        return export_to(&scene, &document.access, &args);
+        return export_to(&scene, &document.access, args);
     }
     let extensions = match args.portable {
         true => {
@@ -91,10 +84,8 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         }
         false => Extensions::Keep,
     };
-    match write::write_anew(&scene, &args.output, extensions) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::error(error),
-    }
+    write::write_anew(&scene, &args.output, extensions)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Whether the errors are those of meshes that are not there.
@@ -118,11 +109,8 @@ fn report_one_sky(scene: &SceneDescription) {
 }
 
 /// Writes the scene as glTF. What is lost is told, and refused with `--strict`.
-fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> ExitCode {
-    let export = match export(scene, &Hidden::default(), &args.output, access) {
-        Ok(export) => export,
-        Err(error) => return report::error(error),
-    };
+fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> Result<ExitCode, Failure> {
+    let export = export(scene, &Hidden::default(), &args.output, access)?;
     for message in &export.messages {
         report::line(format_args!("warning: {message}"));
     }
@@ -131,10 +119,8 @@ fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> E
     }
     if args.strict && !export.messages.is_empty() {
         report::refused_for_warnings(&args.output);
-        return ExitCode::FAILURE;
+        return Ok(ExitCode::FAILURE);
     }
-    match export.write() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::error(error),
-    }
+    export.write()?;
+    Ok(ExitCode::SUCCESS)
 }

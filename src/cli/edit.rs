@@ -9,39 +9,31 @@ use sunroom::app::editor::session::options::SettlingOptions;
 use sunroom::app::windowed::{self, WindowOptions};
 
 use super::args::{EditArgs, SettlingArgs, SettlingFormat};
-use super::{outputs, report};
+use super::outputs;
+use super::report::Failure;
 
 /// The sample scene that opens if none is named.
 const FIRST_SCENE: &str = "cornell-box.xml";
 
-pub fn run(args: EditArgs) -> ExitCode {
+pub fn run(args: EditArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
     args.threads.report_limit();
     let all = args.scene.iter().chain(&args.monkey.more_scenes);
     if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
-        return report::error(format_args!("{}: there is no such file", scene.display()));
+        return Err(format!("{}: there is no such file", scene.display()).into());
     }
-    if let Some(Err(error)) = args.screenshot.as_deref().map(outputs::check_text) {
-        return report::error(error);
-    }
+    args.screenshot.as_deref().map_or(Ok(()), outputs::check_text)?;
     let read: Vec<PathBuf> = args.scene.iter().chain(&args.script).cloned().collect();
-    if let Err(error) = outputs::check_inputs_stay(args.screenshot.as_slice(), &read, "what is opened") {
-        return report::error(error);
-    }
-    let measure_settling = match settling(args.settling) {
-        Ok(options) => options,
-        Err(error) => return report::error(error),
-    };
+    outputs::check_inputs_stay(args.screenshot.as_slice(), &read, "what is opened")?;
+    let measure_settling = settling(args.settling)?;
     let begins = args.scene.is_none();
     let scene = args.scene.or_else(first_scene);
     let monkey = args.monkey.options(scene.as_ref());
     if args.monkey.no_window
         && let Some(options) = monkey
     {
-        return match Monkey::new(options) {
-            Ok(monkey) => run_windowless(monkey, args.threads.threads),
-            Err(error) => report::error(format_args!("the monkey's files cannot be written: {error}")),
-        };
+        let monkey = Monkey::new(options).map_err(|error| format!("the monkey's files cannot be written: {error}"))?;
+        return Ok(run_windowless(monkey, args.threads.threads));
     }
     let options = WindowOptions {
         // The monkey opens copies.
@@ -62,7 +54,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         denoise: args.denoise,
         timeout: args.timeout,
     };
-    windowed::run(options).unwrap_or_else(report::error)
+    Ok(windowed::run(options)?)
 }
 
 /// The options of the measurement, if it is asked for; makes the folder for its pictures.

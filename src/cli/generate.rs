@@ -8,7 +8,8 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 use sunroom::files::{FileSet, WriteError};
 
-use super::{outputs, report};
+use super::outputs;
+use super::report::Failure;
 
 #[derive(Args)]
 pub struct CompletionsArgs {
@@ -22,22 +23,18 @@ pub struct ManArgs {
     folder: PathBuf,
 }
 
-pub fn completions(mut program: Command, args: CompletionsArgs) -> ExitCode {
+pub fn completions(mut program: Command, args: &CompletionsArgs) -> Result<ExitCode, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut program, "sunroom", &mut script);
-    match outputs::print(&script) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::error(format_args!("standard output: {error}")),
-    }
+    outputs::print(&script).map_err(|error| format!("standard output: {error}"))?;
+    Ok(ExitCode::SUCCESS)
 }
 
-pub fn man(program: Command, args: ManArgs) -> ExitCode {
+pub fn man(program: Command, args: &ManArgs) -> Result<ExitCode, Failure> {
     let mut program = program.disable_help_subcommand(true);
     program.build();
-    match write_pages(&program, &args.folder) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::error(error),
-    }
+    write_pages(&program, &args.folder)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the pages of a command and of those below it, all or none.

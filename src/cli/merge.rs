@@ -57,16 +57,9 @@ pub struct MergeArgs {
     quiet: bool,
 }
 
-pub fn run(args: &MergeArgs) -> ExitCode {
+pub fn run(args: &MergeArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
     args.threads.report_limit();
-    match merge(args) {
-        Ok(code) => code,
-        Err(failure) => failure.report(),
-    }
-}
-
-fn merge(args: &MergeArgs) -> Result<ExitCode, Failure> {
     if args.parts.iter().any(|part| is_part(part)) {
         if let Some(option) = args.display.given().or(args.file.given()) {
             let message = format!("{option} is for pictures, and the shares of a bake make a level");

@@ -20,7 +20,6 @@ mod generate;
 mod limits;
 mod merge;
 mod monkey;
-mod named_outputs;
 mod outputs;
 mod parse;
 mod picture_args;
@@ -32,7 +31,6 @@ mod share;
 mod stats;
 mod submit;
 mod tev;
-mod watch;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -43,6 +41,7 @@ use sunroom::memory;
 use sunroom::render::denoise;
 
 use args::EditArgs;
+use report::Failure;
 
 /// A small level editor whose viewport is a path tracer.
 #[derive(Parser)]
@@ -100,20 +99,21 @@ pub fn run() -> ExitCode {
     if let Some(Err(message)) = memory::budget_of_variable() {
         return report::wrong_usage(format_args!("{}: {message}", memory::VARIABLE));
     }
-    let code = match cli.command {
+    let done = match cli.command {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),
-        Some(Command::Render(args)) => render::run(*args),
+        Some(Command::Render(args)) => render::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Submit(args)) => submit::run(&args),
-        Some(Command::Bake(args)) => bake::run(*args),
-        Some(Command::Check(args)) => check::run(args),
-        Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Bake(args)) => bake::run(&args),
+        Some(Command::Check(args)) => Ok(check::run(&args)),
+        Some(Command::Convert(args)) => convert::run(&args),
         Some(Command::Diff(args)) => diff::run(&args),
-        Some(Command::Bench(args)) => bench::run(args),
-        Some(Command::Completions(args)) => generate::completions(Cli::command(), args),
-        Some(Command::Man(args)) => generate::man(Cli::command(), args),
+        Some(Command::Bench(args)) => bench::run(&args),
+        Some(Command::Completions(args)) => generate::completions(Cli::command(), &args),
+        Some(Command::Man(args)) => generate::man(Cli::command(), &args),
     };
+    let code = done.unwrap_or_else(Failure::report);
     denoise::end_all();
     code
 }
@@ -139,13 +139,11 @@ fn no_command() -> Option<String> {
 }
 
 #[cfg(feature = "window")]
-fn edit(args: EditArgs) -> ExitCode {
+fn edit(args: EditArgs) -> Result<ExitCode, Failure> {
     edit::run(args)
 }
 
 #[cfg(not(feature = "window"))]
-fn edit(_: EditArgs) -> ExitCode {
-    report::error(
-        "this program was built without a window (cargo feature `window`); `sunroom render` works without one",
-    )
+fn edit(_: EditArgs) -> Result<ExitCode, Failure> {
+    Err("this program was built without a window (cargo feature `window`); `sunroom render` works without one".into())
 }

@@ -4,14 +4,19 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use bevy::prelude::World;
+use sunroom::engine::active_film;
 use sunroom::files::{SameFiles, check_writable, is_same_file, recorded_reads};
+use sunroom::layer::Layer;
 use sunroom::render::image_io::{
-    FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
+    ExrCompression, FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
 };
 use sunroom::render::layered_image::LayeredImage;
 use sunroom::scene::export::ExportError;
+use sunroom::scene::{IntegratorSettings, PictureFormat};
 
 use super::report::{self, Failure};
+use super::sequence::SequenceArgs;
 
 /// What an input of `sunroom merge` is, for [`check_inputs_stay`].
 pub const PART: &str = "one of the parts";
@@ -79,6 +84,45 @@ pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces
+/// a file, which may be a picture that the scene shows.
+pub fn default_output(world: &World, scene: &Path, sequence: &SequenceArgs) -> Result<PathBuf, Failure> {
+    let format = active_film(world).and_then(|film| film.storage.file);
+    let path = scene.with_extension(format.unwrap_or(PictureFormat::OpenExr).extension());
+    let first = sequence.first_outputs(std::slice::from_ref(&path))?;
+    check_pictures(&first)?;
+    match first.iter().find(|path| path.exists()) {
+        Some(taken) => {
+            let taken = taken.display();
+            Err(Failure::Usage(format!(
+                "{taken} is there already: name a file with `-o`"
+            )))
+        }
+        None => Ok(path),
+    }
+}
+
+/// An error if the compression would damage a layer, before anything is rendered.
+pub fn check_compression(world: &World, compression: ExrCompression, outputs: &[PathBuf]) -> Result<(), Failure> {
+    let layers = world.resource::<IntegratorSettings>().layers;
+    if !outputs.iter().any(|path| is_exr(path)) {
+        return Ok(());
+    }
+    let is_damaged = |layer: &Layer| match layer {
+        Layer::CryptoObject | Layer::CryptoMaterial => !compression.keeps_floats(),
+        // Whole numbers are kept.
+        Layer::ObjectId | Layer::MaterialId => false,
+        _ => compression.takes_y_for_luminance() && layer.channels_in_pictures().contains(&"Y"),
+    };
+    let Some(layer) = layers.iter().find(is_damaged) else {
+        return Ok(());
+    };
+    let (layer, compression) = (layer.name(), compression.name());
+    Err(Failure::Usage(format!(
+        "the layer `{layer}` would be damaged by the compression `{compression}`: choose one without loss, such as `zip`"
+    )))
+}
+
 /// Tries the file that a text will be written to.
 pub fn check_text(path: &Path) -> Result<(), String> {
     check_writable(path).map_err(|error| format!("cannot write {}: {error}", path.display()))
@@ -109,11 +153,6 @@ pub fn write_each(outputs: &[PathBuf], write: impl Fn(&Path) -> Result<(), Image
 /// Whether the name of the file is that of an EXR file.
 pub fn is_exr(path: &Path) -> bool {
     FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr)
-}
-
-/// Whether an EXR file is among the outputs.
-pub fn has_exr(outputs: &[PathBuf]) -> bool {
-    outputs.iter().any(|path| is_exr(path))
 }
 
 /// Writes a picture that no output has to a temporary file, and says where it is.

@@ -48,8 +48,8 @@ impl DisplayArgs {
 #[derive(Args)]
 pub struct FileArgs {
     /// Precision of the colours in EXR files [default: the scene's, or float]
-    #[arg(long, value_enum, value_name = "TYPE")]
-    exr_type: Option<ExrType>,
+    #[arg(long, value_name = "TYPE", value_parser = one_of(&[("half", true), ("float", false)]))]
+    exr_type: Option<bool>,
     /// Compression of EXR files [default: the scene's, or zip]
     #[arg(long, value_name = "NAME", value_parser = named(&ExrCompression::ALL, ExrCompression::name))]
     compression: Option<ExrCompression>,
@@ -61,20 +61,12 @@ pub struct FileArgs {
     jpeg_quality: Option<u8>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum ExrType {
-    Half,
-    Float,
-}
-
 impl FileArgs {
     /// The options for a film that asks to be stored in its own way. Arguments count before the film.
     pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
         let of_film = file_options(storage, display);
         FileOptions {
-            exr_half: self
-                .exr_type
-                .map_or(of_film.exr_half, |precision| precision == ExrType::Half),
+            exr_half: self.exr_type.unwrap_or(of_film.exr_half),
             exr_compression: self.compression.unwrap_or(of_film.exr_compression),
             png_16_bits: self.png_bits.as_deref() == Some("16"),
             jpeg_quality: self.jpeg_quality.unwrap_or(of_film.jpeg_quality),
@@ -94,8 +86,22 @@ impl FileArgs {
     }
 }
 
+/// Accepts these names for their values.
+pub fn one_of<T: Copy + Send + Sync + 'static>(
+    values: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(values.iter().map(|(name, _)| *name));
+    names.map(|chosen| {
+        values
+            .iter()
+            .find(|(name, _)| *name == chosen)
+            .expect("it is one of them")
+            .1
+    })
+}
+
 /// Accepts the names of these values.
-fn named<T: Copy + Send + Sync + 'static>(
+pub fn named<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {

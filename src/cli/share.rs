@@ -1,20 +1,27 @@
 //! Shares of a picture, checkpoints, and taking up what a checkpoint has.
 
+use std::fmt::Display;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::app::checkpoint::Piece;
+use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::origin::{self, origin};
+use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::bake::part::is_part;
-use sunroom::engine::{OpenShutter, PackedScene, RenderControl};
+use sunroom::engine::{OpenShutter, PackedScene, RenderControl, active_film};
+use sunroom::render::denoise::end_all;
 use sunroom::render::film::Film;
 use sunroom::render::part::{Crop, Origin, PartError, PartFile};
 use sunroom::render::passes::{chunk_of, is_cut};
-use sunroom::scene::{ActiveSensor, Film as SensorFilm};
 
+use super::ending::{INTERRUPTED, TERMINATED};
 use super::outputs::{self, is_exr, is_stdout};
 use super::parse;
 use super::report::{self, Failure};
@@ -52,6 +59,31 @@ impl CheckpointArgs {
         self.checkpoint.is_some() || self.resume.is_some()
     }
 
+    /// The flag that asks work for an orderly end. The first interrupt sets it, as does SIGTERM where there is a file of
+    /// checkpoints; a second interrupt ends the process.
+    pub fn cancel(&self) -> Result<Arc<AtomicBool>, Failure> {
+        let cancel = Arc::new(AtomicBool::new(false));
+        let flag = cancel.clone();
+        on_interrupt(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                end_all();
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+        })?;
+        if self.checkpoint.is_some() {
+            note_termination(cancel.clone());
+        }
+        Ok(cancel)
+    }
+
+    /// The exit code of work that was terminated and whose checkpoint has what was `done` (rendered, gathered), which is
+    /// said; None otherwise.
+    pub fn terminated(&self, is_saved: bool, done: &str) -> Option<ExitCode> {
+        let path = self.checkpoint.as_ref().filter(|_| is_saved && is_terminated())?;
+        report::line(format_args!("terminated; {} has what was {done}", path.display()));
+        Some(ExitCode::from(TERMINATED))
+    }
+
     /// Refuses a file of checkpoints that is an output as well, that cannot be written, or that has something else than
     /// a checkpoint, which would be lost. `is_checkpoint` tells whether a file is a checkpoint of such a `work` (a
     /// picture, a bake), be it of another scene.
@@ -80,6 +112,54 @@ impl CheckpointArgs {
             .into()),
             false => Ok(()),
         }
+    }
+}
+
+/// Writes checkpoints of work from time to time.
+pub struct Checkpoints<'a> {
+    args: &'a CheckpointArgs,
+    last: Instant,
+    /// The rays of the work at the last checkpoint, and at the last attempt at one.
+    saved: Option<u64>,
+    tried: Option<u64>,
+}
+
+impl<'a> Checkpoints<'a> {
+    pub fn new(args: &'a CheckpointArgs) -> Self {
+        let last = Instant::now();
+        Self {
+            args,
+            last,
+            saved: None,
+            tried: None,
+        }
+    }
+
+    /// Whether the time for the next one has come.
+    pub fn are_due(&self) -> bool {
+        self.args.checkpoint.is_some() && self.last.elapsed() >= self.args.every
+    }
+
+    /// Whether one was tried to be written of the work as it is, which has traced so many rays.
+    pub fn were_tried(&self, rays: u64) -> bool {
+        self.tried == Some(rays)
+    }
+
+    /// Writes one, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there
+    /// is one of the work as it is.
+    pub fn save<E: Display>(&mut self, rays: u64, write: impl FnOnce(&Path) -> Result<(), E>) -> bool {
+        let Some(path) = &self.args.checkpoint else {
+            return false;
+        };
+        if self.saved != Some(rays) {
+            let result = write(path);
+            (self.last, self.tried) = (Instant::now(), Some(rays));
+            match result {
+                Ok(()) => self.saved = Some(rays),
+                Err(error) => report::line(format_args!("warning: {error}{}", earlier_stays(path))),
+            }
+        }
+        self.saved == Some(rays)
     }
 }
 
@@ -188,10 +268,7 @@ pub fn begin(
     let crop = shares.crop.unwrap_or(Crop::whole(size[0], size[1]));
     crop.check(size[0], size[1]).map_err(Failure::Usage)?;
     let range = shares.samples.clone().unwrap_or(0..samples);
-    let sensor = world.resource::<ActiveSensor>().0;
-    let is_adaptive = sensor
-        .and_then(|sensor| world.get::<SensorFilm>(sensor))
-        .is_some_and(|film| film.adaptive);
+    let is_adaptive = active_film(world).is_some_and(|film| film.adaptive);
     if shares.is_given() && is_adaptive {
         let message = "the scene asks for adaptive sampling, which decides by the noise of the whole picture: its samples cannot be divided into parts";
         return Err(Failure::Usage(message.to_owned()));
@@ -253,7 +330,7 @@ impl Share {
 }
 
 /// The end of a message about a checkpoint that cannot be written: it says that an earlier one stays, if there is one.
-pub fn earlier_stays(path: &Path) -> &'static str {
+fn earlier_stays(path: &Path) -> &'static str {
     match path.metadata().is_ok_and(|about| about.len() > 0) {
         true => "; the checkpoint before it stays",
         false => "",

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::prelude::World;
 use serde::Serialize;
-use sunroom::engine::{AutoStatus, GuideStatus, RenderStatus};
+use sunroom::engine::{AutoStatus, BvhStatus, GuideStatus, RenderControl, RenderFilm, RenderStatus};
+use sunroom::scene::SamplerSettings;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StatsFormat {
@@ -24,18 +26,18 @@ pub struct Stats {
     /// The estimated relative noise; None where all is black or pixels have a single sample.
     pub noise: Option<f32>,
     /// What the integrator `auto` stands for; None where another one is asked for.
-    pub auto: Option<Auto>,
+    pub auto: Option<AutoStatus>,
     pub seed: u32,
     pub threads: usize,
     pub denoised: bool,
     pub triangles: u64,
     pub load_ms: f64,
-    pub bvh: Bvh,
+    pub bvh: BvhStatus,
     pub render_ms: f64,
     pub denoise_ms: f64,
     pub rays: u64,
     /// The guide of paths; None without one.
-    pub guide: Option<Guide>,
+    pub guide: Option<GuideStatus>,
     pub mrays_per_s: f64,
     pub msamples_per_s: f64,
     /// Samples that were not finite and counted as black.
@@ -47,73 +49,37 @@ pub struct Stats {
     pub outputs: Vec<PathBuf>,
 }
 
-/// The choice of the integrator `auto`.
-#[derive(Serialize)]
-pub struct Auto {
-    pub integrator: &'static str,
-    /// The variance of `path` over that of `bdpt` for the same cost, by the pilot; None without a pilot.
-    pub gain: Option<f32>,
-    /// The same over that of guided paths; None if they were not tried.
-    pub gain_of_guide: Option<f32>,
-    /// The share of the light that `path` never finds.
-    pub missed: f32,
-    /// The rays that the pilot has learnt a guide with, which are not among those of the render.
-    pub guide_rays: u64,
-}
-
-impl From<AutoStatus> for Auto {
-    fn from(status: AutoStatus) -> Self {
-        Self {
-            integrator: status.integrator,
-            gain: status.choice.gain,
-            gain_of_guide: status.choice.gain_of_guide,
-            missed: status.choice.missed,
-            guide_rays: status.guide_rays,
-        }
-    }
-}
-
-/// What paths were guided by.
-#[derive(Serialize)]
-pub struct Guide {
-    /// The rays that it was learnt with, which are among those of the render.
-    pub rays: u64,
-    pub bytes: u64,
-}
-
-impl From<GuideStatus> for Guide {
-    fn from(status: GuideStatus) -> Self {
-        Self {
-            rays: status.rays,
-            bytes: status.bytes,
-        }
-    }
-}
-
-#[derive(Serialize)]
-pub struct Bvh {
-    pub build_ms: f64,
-    pub nodes: u64,
-    pub leaves: u64,
-    pub max_depth: u32,
-    pub sah: f64,
-    pub bytes: u64,
-}
-
-impl Bvh {
-    pub fn of(status: &RenderStatus) -> Self {
-        Self {
-            build_ms: status.bvh.build_ms,
-            nodes: status.bvh.nodes,
-            leaves: status.bvh.leaves,
-            max_depth: status.bvh.max_depth,
-            sah: status.bvh.sah_cost,
-            bytes: status.bvh.bytes,
-        }
-    }
-}
-
 impl Stats {
+    /// The figures of the picture that is rendered, without those that the engine does not know.
+    pub fn of(world: &World) -> Self {
+        let (status, film) = (world.resource::<RenderStatus>(), &world.resource::<RenderFilm>().film);
+        Self {
+            scene: PathBuf::new(),
+            width: film.width(),
+            height: film.height(),
+            // A share counts the samples of the whole picture.
+            spp: status.samples.saturating_sub(status.first),
+            noise: status.noise,
+            auto: status.auto,
+            seed: world.resource::<SamplerSettings>().seed,
+            threads: world.resource::<RenderControl>().threads.get(),
+            denoised: false,
+            triangles: status.triangles,
+            load_ms: 0.0,
+            bvh: status.bvh,
+            render_ms: status.seconds * 1e3,
+            denoise_ms: 0.0,
+            rays: status.rays,
+            guide: status.guide,
+            mrays_per_s: status.mrays_per_s,
+            msamples_per_s: status.msamples_per_s,
+            invalid_samples: status.invalid_samples,
+            clamped_light: status.clamped.map(|limit| limit.removed),
+            peak_memory_bytes: peak_memory_bytes(),
+            outputs: Vec::new(),
+        }
+    }
+
     /// The last event of a render.
     pub fn event(&self) -> serde_json::Result<serde_json::Value> {
         let mut event = serde_json::to_value(self)?;
@@ -145,7 +111,7 @@ impl Stats {
             self.bvh.build_ms,
             self.bvh.nodes,
             self.bvh.max_depth,
-            self.bvh.sah,
+            self.bvh.sah_cost,
             self.bvh.bytes as f64 / 1e6,
             self.render_ms,
             self.mrays_per_s,

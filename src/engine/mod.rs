@@ -54,7 +54,7 @@ pub(crate) use pack::material::pack_loose;
 pub(crate) use pack::medium::pack_medium_without_files;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
-pub use resolution::{fit, full_size};
+pub use resolution::{active_film, fit, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
 pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, Outdated, RenderState, RenderStatus};

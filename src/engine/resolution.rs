@@ -1,10 +1,17 @@
 //! The number of pixels of a picture: the film's, or as many as fit into the area where it is shown.
 
 use bevy::math::UVec2;
+use bevy::prelude::World;
 
 use super::control::RenderControl;
 use crate::render::view::View;
-use crate::scene::Film;
+use crate::scene::{ActiveSensor, Film};
+
+/// The film of the camera in use.
+pub fn active_film(world: &World) -> Option<&Film> {
+    let sensor = world.resource::<ActiveSensor>().0?;
+    world.get::<Film>(sensor)
+}
 
 /// The largest size in pixels that has the proportions of `size` and fits into `room`, rounded down and at least 1 x 1.
 /// It may be larger than `size`.

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use bevy::prelude::*;
+use serde::Serialize;
 
 use super::stop_condition::StopReason;
 use crate::render::auto::Choice;
@@ -126,7 +127,7 @@ pub enum Outdated {
 }
 
 /// The guide of a picture's paths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct GuideStatus {
     /// The rays by which it was learnt, as part of [`RenderStatus::rays`]: 0 if it comes from an earlier picture or
     /// from a pilot.
@@ -171,17 +172,19 @@ impl RenderStatus {
     }
 }
 
-/// The choice of the integrator `auto`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the integrator `auto` stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AutoStatus {
     /// The name of the integrator, as in files.
     pub integrator: &'static str,
-    /// Whether its pilot is running.
+    /// Whether its pilot is under way.
+    #[serde(skip)]
     pub is_searching: bool,
-    /// The rays by which pilots have learnt the scene's guide. They are not part of [`RenderStatus::rays`].
-    pub guide_rays: u64,
-    /// The choice. Before it is made it is path tracing, without a gain.
+    /// The choice. Before there is one it is path tracing, without a gain.
+    #[serde(flatten)]
     pub choice: Choice,
+    /// The rays that pilots have learnt the guide of the scene with. They are no part of [`RenderStatus::rays`].
+    pub guide_rays: u64,
 }
 
 /// The state of the engine.
@@ -204,9 +207,11 @@ pub enum RenderState {
     Failed,
 }
 
-/// The statistics of all acceleration structures of the scene (each mesh counted once).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The acceleration structures of the scene together (each mesh counted once).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BvhStatus {
+    /// Time spent building what is now in use, milliseconds.
+    pub build_ms: f64,
     /// The number of inner nodes.
     pub nodes: u64,
     /// The number of leaves with primitives.
@@ -214,11 +219,10 @@ pub struct BvhStatus {
     /// The depth of the deepest mesh hierarchy plus that of the scene's.
     pub max_depth: u32,
     /// Surface area heuristic cost of the largest hierarchy.
+    #[serde(rename = "sah")]
     pub sah_cost: f64,
     /// The memory in bytes.
     pub bytes: u64,
-    /// The build time of the structures in use, in milliseconds.
-    pub build_ms: f64,
 }
 
 /// The last latencies, in milliseconds.

@@ -16,7 +16,8 @@ use std::process::ExitCode;
 use clap::{Args, Subcommand};
 use sunroom::files::keep_reads;
 
-use super::{outputs, report};
+use super::outputs;
+use super::report::Failure;
 use args::{CommonArgs, RayBenchArgs, RenderBenchArgs};
 use results::{Error, Results};
 
@@ -35,7 +36,7 @@ enum Subject {
     Rays(RayBenchArgs),
 }
 
-pub fn run(args: BenchArgs) -> ExitCode {
+pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     let common = match &args.subject {
         None => &args.renders.common,
         Some(Subject::Rays(args)) => &args.common,
@@ -43,7 +44,7 @@ pub fn run(args: BenchArgs) -> ExitCode {
     common.memory.apply();
     common.threads.report_limit();
     keep_reads();
-    let outcome = match &args.subject {
+    let wrong = match &args.subject {
         None => renders::Plan::new(&args.renders).and_then(|plan| {
             let planned = plan.subjects();
             compared(&args.renders.common, plan.scenes(), &planned, || plan.measure())
@@ -52,11 +53,10 @@ pub fn run(args: BenchArgs) -> ExitCode {
             let planned = plan.subjects();
             compared(&args.common, &plan.files(), &planned, || plan.measure())
         }),
-    };
-    match outcome {
-        Ok(0) => ExitCode::SUCCESS,
-        Ok(wrong) => report::error(format_args!("wrong answers: {wrong}; are these rays of another mesh?")),
-        Err(error) => report::error(error),
+    }?;
+    match wrong {
+        0 => Ok(ExitCode::SUCCESS),
+        _ => Err(format!("wrong answers: {wrong}; are these rays of another mesh?").into()),
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Light {
     /// First and last exposure in stops; None if pictures of a display were compared.
     pub flip_exposures: Option<[f32; 2]>,
     /// None if neither picture knows its variance.
-    pub z: Option<Z>,
+    pub z: Option<ZScores>,
 }
 
 /// How two layers of numbers differ that are no colours.
@@ -53,25 +53,6 @@ pub struct Data {
     pub component_means: [Vec<f64>; 2],
     /// The greatest difference of a component.
     pub greatest_difference: f32,
-}
-
-#[derive(Clone, Copy, Serialize)]
-pub struct Z {
-    pub mean: f32,
-    pub rms: f32,
-    pub beyond_three: f32,
-    pub count: u64,
-}
-
-impl From<ZScores> for Z {
-    fn from(scores: ZScores) -> Self {
-        Self {
-            mean: scores.mean,
-            rms: scores.rms,
-            beyond_three: scores.beyond_three,
-            count: scores.count,
-        }
-    }
 }
 
 impl Figures {
@@ -147,7 +128,7 @@ impl Light {
             flip: (flip_sum / seen.flip.len() as f64) as f32,
             flip_greatest: seen.flip.iter().copied().fold(0.0, f32::max),
             flip_exposures: seen.exposures.map(|exposures| [exposures.start, exposures.stop]),
-            z: scores(pair).map(Z::from),
+            z: scores(pair),
         }
     }
 

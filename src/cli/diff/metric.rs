@@ -1,9 +1,12 @@
 //! Figures by which a script decides.
 
+use clap::ValueEnum;
+
 use super::figures::Figures;
 
 /// The figures that can be limited.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+#[value(rename_all = "lower")]
 enum Metric {
     Mean,
     Mse,
@@ -15,26 +18,9 @@ enum Metric {
 }
 
 impl Metric {
-    const ALL: [Self; 7] = [
-        Self::Mean,
-        Self::Mse,
-        Self::RelMse,
-        Self::Flip,
-        Self::Z,
-        Self::Psnr,
-        Self::Ssim,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Mse => "mse",
-            Self::RelMse => "relmse",
-            Self::Flip => "flip",
-            Self::Z => "z",
-            Self::Psnr => "psnr",
-            Self::Ssim => "ssim",
-        }
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// Whether greater values mean pictures that are more alike.
@@ -83,25 +69,25 @@ impl Threshold {
     }
 
     fn parse(text: &str, is_likeness: bool) -> Result<Self, String> {
-        let possible = Metric::ALL.iter().filter(|metric| metric.is_likeness() == is_likeness);
-        let names: Vec<&str> = possible.map(|metric| metric.name()).collect();
         let (name, value) = text.split_once('=').ok_or("expected METRIC=VALUE")?;
-        let metric = Metric::ALL
-            .into_iter()
-            .find(|metric| metric.name().eq_ignore_ascii_case(name));
-        let metric = match metric {
-            Some(metric) if metric.is_likeness() == is_likeness => metric,
-            Some(_) if is_likeness => {
+        let metric = match Metric::from_str(name, true) {
+            Ok(metric) if metric.is_likeness() == is_likeness => metric,
+            Ok(_) if is_likeness => {
                 return Err(format!(
                     "a small `{name}` means that pictures are alike: use --fail-above"
                 ));
             }
-            Some(_) => {
+            Ok(_) => {
                 return Err(format!(
                     "a great `{name}` means that pictures are alike: use --fail-below"
                 ));
             }
-            None => return Err(format!("there is no figure `{name}`: expected {}", names.join(", "))),
+            Err(_) => {
+                let possible = Metric::value_variants().iter();
+                let possible = possible.filter(|metric| metric.is_likeness() == is_likeness);
+                let names: Vec<String> = possible.map(|metric| metric.name()).collect();
+                return Err(format!("there is no figure `{name}`: expected {}", names.join(", ")));
+            }
         };
         let limit = value.trim().parse().ok().filter(|limit: &f32| limit.is_finite());
         let limit = limit.ok_or_else(|| format!("`{value}` is not a number"))?;

@@ -22,7 +22,8 @@ use self::metric::Threshold;
 use self::pair::Pair;
 use super::args::MemoryArgs;
 use super::picture_args::DisplayArgs;
-use super::{outputs, parse, report};
+use super::report::{self, Failure};
+use super::{outputs, parse};
 
 #[derive(Args)]
 pub struct DiffArgs {
@@ -58,12 +59,12 @@ pub struct DiffArgs {
     memory: MemoryArgs,
 }
 
-pub fn run(args: &DiffArgs) -> ExitCode {
+pub fn run(args: &DiffArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
     match diff(args) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => report::wrong_usage(error),
+        Ok(true) => Ok(ExitCode::SUCCESS),
+        Ok(false) => Ok(ExitCode::FAILURE),
+        Err(error) => Err(Failure::Usage(error.to_string())),
     }
 }
 

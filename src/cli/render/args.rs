@@ -3,26 +3,29 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sunroom::layer::{Layers, layer_names};
-use sunroom::scene::PathPlugin;
+use sunroom::scene::{AccelMethod, PathPlugin, Sequence, Strategy};
 
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
-use crate::cli::picture_args::{DisplayArgs, FileArgs};
+use crate::cli::picture_args::{DisplayArgs, FileArgs, named, one_of};
 use crate::cli::sequence::SequenceArgs;
 use crate::cli::share::{CheckpointArgs, ShareArgs};
 use crate::cli::stats::StatsFormat;
 
-/// The names of integrators as in files.
-fn integrator_names() -> impl TypedValueParser<Value = PathPlugin> {
-    let names = PathPlugin::ALL.map(PathPlugin::name);
-    PossibleValuesParser::new(names).map(|name| {
-        let plugin = PathPlugin::ALL.into_iter().find(|plugin| plugin.name() == name);
-        plugin.unwrap_or_default()
-    })
-}
+/// The methods by which acceleration structures are built, by their names.
+pub const ACCELS: [(&str, AccelMethod); 3] = [
+    ("linear", AccelMethod::Linear),
+    ("median", AccelMethod::Median),
+    ("sah", AccelMethod::Sah),
+];
+const STRATEGIES: [(&str, Strategy); 3] = [
+    ("bsdf", Strategy::Bsdf),
+    ("light", Strategy::Light),
+    ("mis", Strategy::Mis),
+];
+const SAMPLERS: [(&str, Sequence); 2] = [("sobol", Sequence::Sobol), ("independent", Sequence::Independent)];
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -86,12 +89,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME[,NAME...]", value_parser = parse::layers, help = layers_help())]
     pub aov: Vec<Layers>,
     /// Acceleration structure
-    #[arg(long, value_enum, default_value_t = Accel::Sah)]
-    pub accel: Accel,
+    #[arg(long, default_value = "sah", value_parser = one_of(&ACCELS))]
+    pub accel: AccelMethod,
     /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside
     /// these), ptracer (paths from the lights alone) or auto (path, guided path or bdpt, whichever pays for the
     /// scene)
-    #[arg(long, value_name = "NAME", value_parser = integrator_names())]
+    #[arg(long, value_name = "NAME", value_parser = named(&PathPlugin::ALL, PathPlugin::name))]
     pub integrator: Option<PathPlugin>,
     /// Clamp what is brighter than this percentile of the samples, such as 99.9: less noise, and too little light
     #[arg(long, value_name = "PERCENTILE", value_parser = parse::percentile)]
@@ -101,15 +104,15 @@ pub struct RenderArgs {
     #[arg(long)]
     pub guided: bool,
     /// How light is looked for by path, volpath and volpathmis
-    #[arg(long, value_enum)]
-    pub strategy: Option<StrategyName>,
+    #[arg(long, value_parser = one_of(&STRATEGIES))]
+    pub strategy: Option<Strategy>,
     /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations
     #[arg(long)]
     pub schlick: bool,
     /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default:
     /// sobol]
-    #[arg(long, value_enum)]
-    pub sampler: Option<SamplerName>,
+    #[arg(long, value_parser = one_of(&SAMPLERS))]
+    pub sampler: Option<Sequence>,
     #[command(flatten)]
     pub display: DisplayArgs,
     #[command(flatten)]
@@ -126,26 +129,6 @@ pub struct RenderArgs {
     /// No progress
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Accel {
-    Linear,
-    Median,
-    Sah,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum StrategyName {
-    Bsdf,
-    Light,
-    Mis,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum SamplerName {
-    Sobol,
-    Independent,
 }
 
 /// The text of `--help` about `--aov`.

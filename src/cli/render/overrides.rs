@@ -1,13 +1,12 @@
 //! The options of the command line that override the file.
 
 use bevy::prelude::*;
-use sunroom::engine::RenderControl;
+use sunroom::engine::{RenderControl, active_film};
 use sunroom::scene::{
-    ActiveSensor, Crop, Film as SensorFilm, IntegratorSettings, Medium, SamplerSettings, Sequence, Strategy,
-    find_camera,
+    ActiveSensor, Crop, Film as SensorFilm, IntegratorSettings, Medium, SamplerSettings, Strategy, find_camera,
 };
 
-use super::args::{RenderArgs, SamplerName, StrategyName};
+use super::args::RenderArgs;
 use crate::cli::report::{self, Failure};
 
 /// Applies the options of the command line, which override the file.
@@ -30,26 +29,15 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     integrator.clamp_percentile = args.clamp.or(integrator.clamp_percentile);
     integrator.guided |= args.guided;
     integrator.layers = args.aov.iter().fold(integrator.layers, |all, layers| all.and(*layers));
-    match args.strategy {
-        Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
-        Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
-        Some(StrategyName::Mis) => integrator.strategy = Strategy::Mis,
-        None => {}
-    }
+    integrator.strategy = args.strategy.unwrap_or(integrator.strategy);
     if args.guided
         && let Some(reason) = why_unguided(&integrator, has_media)
     {
         report::line(format_args!("warning: --guided has no effect {reason}"));
     }
     let mut sampler = world.resource_mut::<SamplerSettings>();
-    if let Some(seed) = args.seed {
-        sampler.seed = seed;
-    }
-    match args.sampler {
-        Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
-        Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
-        None => {}
-    }
+    sampler.seed = args.seed.unwrap_or(sampler.seed);
+    sampler.sequence = args.sampler.unwrap_or(sampler.sequence);
     if args.adaptive {
         world.resource_mut::<RenderControl>().adaptive = Some(true);
     }
@@ -63,11 +51,7 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
         let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
         world.insert_resource(ActiveSensor(Some(camera)));
     }
-    let window = world
-        .resource::<ActiveSensor>()
-        .0
-        .and_then(|sensor| world.get::<SensorFilm>(sensor))
-        .map(SensorFilm::window);
+    let window = active_film(world).map(SensorFilm::window);
     let sides = match args.size {
         Some((width, height)) => [Some(width), Some(height)],
         None => [args.width, args.height],

@@ -12,16 +12,15 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use sunroom::app::headless::render_only;
 use sunroom::document::paths::settle;
 use sunroom::document::{Document, Value};
-use sunroom::engine::{Limits, load_to_completion};
+use sunroom::engine::Limits;
 use sunroom::files::{self, record_reads, recorded_reads};
 use sunroom::render::part;
 use sunroom::render::passes::chunks_in;
+use sunroom::scene::Trust;
 use sunroom::scene::assets::parts_cache::is_part;
 use sunroom::scene::assets::scene_asset::load_document;
-use sunroom::scene::{OpenScene, SceneStatus, Trust};
 
 pub use self::args::SubmitArgs;
 
@@ -29,7 +28,7 @@ use self::args::System;
 use self::plan::{Plan, Whole};
 use self::work::Work;
 use super::bake::BAKES_WITHOUT;
-use super::check::{report_refusal, report_scene};
+use super::check::{load, open};
 use super::outputs;
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser, counted};
 
@@ -60,15 +59,8 @@ impl System {
 const TASK: &str = include_str!("../../../farm/task");
 const MERGE: &str = include_str!("../../../farm/merge");
 
-pub fn run(args: &SubmitArgs) -> ExitCode {
+pub fn run(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
-    match submit(args) {
-        Ok(code) => code,
-        Err(failure) => failure.report(),
-    }
-}
-
-fn submit(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     if args.output.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
         let message = format!(
             "{} is not empty; a job needs a folder of its own",
@@ -163,23 +155,10 @@ struct Job {
 fn gather(args: &SubmitArgs, work: &Work) -> Result<Option<Job>, Failure> {
     let path = settle(&args.scene.scene);
     record_reads();
-    let mut app = render_only(
-        OpenScene {
-            path: path.clone(),
-            defines: args.scene.defines.defines.clone(),
-            ..OpenScene::default()
-        },
-        Some(1),
-    );
-    app.insert_resource(Trust::Everything);
-    args.missing.apply(&mut app);
-    let loaded = load_to_completion(&mut app, &Limits::default());
-    let status = app.world().resource::<SceneStatus>();
-    if !report_scene(status, false) {
-        report_refusal(status, &args.scene.scene);
+    let mut app = open(&path, &args.scene.defines, Trust::Everything, &args.missing, Some(1));
+    if !load(&mut app, &Limits::default(), &args.scene.scene, false)? {
         return Ok(None);
     }
-    loaded?;
     let document = load_document(&path, &args.scene.defines.defines, Trust::Everything.access(&path))?;
     // The document of a glTF file names its parts in the user's cache. Every machine makes these for itself.
     let is_own_part = |file: &Path| document.imported && is_part(file);

@@ -9,8 +9,7 @@ use bevy::prelude::World;
 use clap::Parser;
 use sunroom::bake::limits::USUAL_SAMPLES;
 use sunroom::bake::part::read_part;
-use sunroom::engine::{RenderControl, full_size};
-use sunroom::scene::{ActiveSensor, Film};
+use sunroom::engine::{RenderControl, active_film, full_size};
 
 use super::args::{SubmitArgs, System};
 use crate::cli::bake::{self, BakeArgs};
@@ -84,9 +83,7 @@ impl Work {
             }
         };
         apply_overrides(world, options)?;
-        let sensor = world.resource::<ActiveSensor>().0;
-        let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
-        let film = film.ok_or_else(|| format!("{} has no camera", args.scene.scene.display()))?;
+        let film = active_film(world).ok_or_else(|| format!("{} has no camera", args.scene.scene.display()))?;
         let size = full_size(film, world.resource::<RenderControl>()).to_array();
         Ok((args.spp.unwrap_or(film.sample_count), size))
     }

@@ -10,7 +10,6 @@ use super::lightmap::{Lightmaps, TexelSum};
 use super::limits::BakeLimits;
 use super::part::{PartHeader, PartLight, write_part};
 use crate::memory;
-use crate::render::part::Origin;
 use crate::render::passes::chunks_in;
 
 impl BakeJob {
@@ -66,26 +65,14 @@ impl BakeJob {
     }
 
     /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on
-    /// with. `samples` are those that are asked for, and `samples_of_whole` is the number that the whole bake has,
-    /// if that is known.
-    pub fn save(
-        &self,
-        path: &Path,
-        origin: &Origin,
-        samples: [u32; 2],
-        samples_of_whole: Option<u32>,
-        is_share: bool,
-    ) -> io::Result<()> {
-        let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, samples[1]));
-        let is_finished = self.lights.iter().zip(ends).all(|(light, end)| light.reached() >= end);
+    /// with. `of` says what it is of; whether the file has all of that is found here.
+    pub fn save(&self, path: &Path, of: &PartHeader) -> io::Result<()> {
+        let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, of.samples[1]));
         let header = PartHeader {
-            origin: origin.clone(),
-            samples,
-            samples_of_whole,
-            is_finished,
-            is_share,
+            is_finished: self.lights.iter().zip(ends).all(|(light, end)| light.reached() >= end),
+            ..of.clone()
         };
-        let blueprint = is_share.then_some(&self.blueprint);
+        let blueprint = of.is_share.then_some(&self.blueprint);
         write_part(path, &header, blueprint, &self.lights, &self.spent)
     }
 }

@@ -3,10 +3,12 @@
 //! The pixels of two unbiased pictures have z-scores of mean 0 and of root mean square 1; 0.27 % of them are beyond 3
 //! if the noise is Gaussian. So z-scores tell a real difference from noise, which errors alone cannot.
 
+use serde::Serialize;
+
 use crate::color::Rgb;
 
-/// Statistics of the z-scores of all components whose variance is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Figures of the z-scores of all components whose variance is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ZScores {
     /// The mean, which bias shifts away from 0.
     pub mean: f32,

@@ -1,5 +1,7 @@
 //! The methods that `auto` chooses from, and the choice by the gains that a pilot has estimated.
 
+use serde::Serialize;
+
 use crate::render::view::{Integrator, PathSettings};
 
 /// The gain from which on bidirectional path tracing is chosen.
@@ -21,9 +23,10 @@ pub enum Method {
 }
 
 /// The choice for a scene and a view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Choice {
-    /// The most efficient method for the scene.
+    /// The method that pays for the scene.
+    #[serde(skip)]
     pub method: Method,
     /// The gain of bidirectional path tracing: the variance of path tracing over its variance, at equal cost. None
     /// without a pilot.
