@@ -5,18 +5,16 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::World;
-use sunroom::engine::active_film;
 use sunroom::files::{SameFiles, check_writable, is_same_file, recorded_reads};
 use sunroom::layer::Layer;
 use sunroom::render::image_io::{
     ExrCompression, FileFormat, FileOptions, ImageIoError, encode_layered, write_layered, write_to_temporary_folder,
 };
 use sunroom::render::layered_image::LayeredImage;
+use sunroom::scene::IntegratorSettings;
 use sunroom::scene::export::ExportError;
-use sunroom::scene::{IntegratorSettings, PictureFormat};
 
 use super::report::{self, Failure};
-use super::sequence::SequenceArgs;
 
 /// What an input of `sunroom merge` is, for [`check_inputs_stay`].
 pub const PART: &str = "one of the parts";
@@ -82,24 +80,6 @@ pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
         })?;
     }
     Ok(())
-}
-
-/// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces
-/// a file, which may be a picture that the scene shows.
-pub fn default_output(world: &World, scene: &Path, sequence: &SequenceArgs) -> Result<PathBuf, Failure> {
-    let format = active_film(world).and_then(|film| film.storage.file);
-    let path = scene.with_extension(format.unwrap_or(PictureFormat::OpenExr).extension());
-    let first = sequence.first_outputs(std::slice::from_ref(&path))?;
-    check_pictures(&first)?;
-    match first.iter().find(|path| path.exists()) {
-        Some(taken) => {
-            let taken = taken.display();
-            Err(Failure::Usage(format!(
-                "{taken} is there already: name a file with `-o`"
-            )))
-        }
-        None => Ok(path),
-    }
 }
 
 /// An error if the compression would damage a layer, before anything is rendered.

@@ -3,6 +3,7 @@
 mod args;
 mod overrides;
 mod picture;
+mod rendering;
 mod watch;
 
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 use sunroom::app::signals::note_show;
-use sunroom::engine::{Limits, PackedScene, active_film, load_to_completion, open_shutter};
+use sunroom::engine::{Limits, PackedScene, load_to_completion, open_shutter};
 use sunroom::files::keep_reads;
 use sunroom::layer::{Layer, Layers};
 use sunroom::scene::{IntegratorSettings, KeepSource, SamplerSettings, SceneFile};
@@ -22,10 +23,11 @@ pub use self::overrides::apply_overrides;
 
 use self::args::ACCELS;
 use self::picture::{Picture, file_options};
+use self::rendering::samples_of_film;
 use super::check::{is_shown, load, open};
 use super::display_server;
 use super::ending::INTERRUPTED;
-use super::outputs::{self, check_compression, default_output, has_file};
+use super::outputs::{self, check_compression, has_file};
 use super::progress::{InSequence, Progress};
 use super::report::{Failure, RENDERS_WITHOUT, check_denoiser};
 use super::sequence::{TurningCamera, frame_path};
@@ -65,7 +67,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     }
     let named = match args.output.is_empty() {
-        true => vec![default_output(app.world(), scene, &args.sequence)?],
+        true => vec![args.sequence.default_output(app.world(), scene)?],
         false => args.output.clone(),
     };
     outputs::check_scene_stays(args.checkpoints.checkpoint.as_deref())?;
@@ -160,11 +162,6 @@ fn frames(app: &mut App, args: &RenderArgs, named: &[PathBuf], limits: &Limits) 
         code = ExitCode::from(INTERRUPTED);
     }
     Ok(code)
-}
-
-/// The samples per pixel that the active camera asks for.
-fn samples_of_film(world: &World) -> u32 {
-    active_film(world).map_or(1, |film| film.sample_count)
 }
 
 /// Refuses options that do not go together.

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::document::{TransformOp, Value};
-use sunroom::engine::PackedScene;
+use sunroom::engine::{PackedScene, active_film};
 use sunroom::render::shutter::Shutter;
-use sunroom::scene::{ActiveSensor, Authored, Sensor, ToWorld, Turntable, show_moment};
+use sunroom::scene::{ActiveSensor, Authored, PictureFormat, Sensor, ToWorld, Turntable, show_moment};
 
-use super::outputs::is_stdout;
+use super::outputs::{check_pictures, is_stdout};
 use super::report::Failure;
 use super::share::Settings;
 
@@ -104,6 +104,24 @@ impl SequenceArgs {
             return Err(Failure::Usage("frames cannot go to standard output".to_owned()));
         }
         Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
+    }
+
+    /// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces
+    /// a file, which may be a picture that the scene shows.
+    pub fn default_output(&self, world: &World, scene: &Path) -> Result<PathBuf, Failure> {
+        let format = active_film(world).and_then(|film| film.storage.file);
+        let path = scene.with_extension(format.unwrap_or(PictureFormat::OpenExr).extension());
+        let first = self.first_outputs(std::slice::from_ref(&path))?;
+        check_pictures(&first)?;
+        match first.iter().find(|path| path.exists()) {
+            Some(taken) => {
+                let taken = taken.display();
+                Err(Failure::Usage(format!(
+                    "{taken} is there already: name a file with `-o`"
+                )))
+            }
+            None => Ok(path),
+        }
     }
 
     /// The files of the last picture, whose names may be longer than those of the first.

@@ -59,8 +59,8 @@ impl CheckpointArgs {
         self.checkpoint.is_some() || self.resume.is_some()
     }
 
-    /// The flag that asks work for an orderly end. The first interrupt sets it, as does SIGTERM where there is a file of
-    /// checkpoints; a second interrupt ends the process.
+    /// The flag that asks work for an orderly end. The first interrupt sets it, as does SIGTERM where there is a file
+    /// of checkpoints; a second interrupt ends the process.
     pub fn cancel(&self) -> Result<Arc<AtomicBool>, Failure> {
         let cancel = Arc::new(AtomicBool::new(false));
         let flag = cancel.clone();
@@ -76,8 +76,8 @@ impl CheckpointArgs {
         Ok(cancel)
     }
 
-    /// The exit code of work that was terminated and whose checkpoint has what was `done` (rendered, gathered), which is
-    /// said; None otherwise.
+    /// The exit code of work that was terminated and whose checkpoint has what was `done` (rendered, gathered), which
+    /// is said; None otherwise.
     pub fn terminated(&self, is_saved: bool, done: &str) -> Option<ExitCode> {
         let path = self.checkpoint.as_ref().filter(|_| is_saved && is_terminated())?;
         report::line(format_args!("terminated; {} has what was {done}", path.display()));
@@ -145,8 +145,8 @@ impl<'a> Checkpoints<'a> {
         self.tried == Some(rays)
     }
 
-    /// Writes one, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether there
-    /// is one of the work as it is.
+    /// Writes one, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether
+    /// there is one of the work as it is.
     pub fn save<E: Display>(&mut self, rays: u64, write: impl FnOnce(&Path) -> Result<(), E>) -> bool {
         let Some(path) = &self.args.checkpoint else {
             return false;
