@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{Affine3A, Quat, UVec3, Vec2, Vec3};
 use sunroom::accel::{Blas, Primitive, SplitMethod};
-use sunroom::bake::gathering::{Gathering, Site};
 use sunroom::bake::lightmap::Lightmaps;
 use sunroom::bake::placement::{PlacementError, around, check_sight, is_enclosed, seeing};
 use sunroom::bake::prefilter::Prefiltered;
@@ -16,6 +15,7 @@ use sunroom::bake::volume::Grid;
 use sunroom::color::Rgb;
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::LightSource;
+use sunroom::render::gathering::{Gathering, Site};
 use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::{Strategy, View};

@@ -13,9 +13,9 @@ use std::sync::atomic::AtomicBool;
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
-use super::gathering::{Gathering, Site};
 use super::texels::{Texel, Texels};
 use crate::color::{Rgb, luminance};
+use crate::render::gathering::{Gathering, Site};
 use crate::render::noise::DARK;
 use crate::render::passes::{chunk_of, chunks_in};
 use crate::sampling::Sampler;

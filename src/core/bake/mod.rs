@@ -22,7 +22,6 @@ pub mod cube;
 pub mod error;
 pub mod files;
 pub mod finish;
-pub mod gathering;
 pub mod glimpse;
 pub mod in_sight;
 pub mod job;

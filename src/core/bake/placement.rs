@@ -5,10 +5,10 @@ use std::sync::atomic::AtomicBool;
 use glam::{Affine3A, Mat3A, Vec3};
 
 use super::cube::windows;
-use super::gathering::Gathering;
 use super::lightmap::Lightmaps;
 use super::volume::Grid;
 use crate::math::{Aabb, Ray};
+use crate::render::gathering::Gathering;
 use crate::render::scene::RenderScene;
 
 /// No side of a box around a level is smaller than so much of its longest one.

@@ -3,7 +3,6 @@
 use glam::{Affine3A, UVec3, Vec3};
 
 use super::error::{BakeError, ProbeError};
-use super::gathering::Gathering;
 use super::lightmap::Lightmaps;
 use super::placement::{around, check, check_sight, is_enclosed, seeing};
 use super::prefilter::{Prefiltered, SIZES};
@@ -15,7 +14,8 @@ use crate::color::Rgb;
 use crate::math::Aabb;
 use crate::memory::{self, Reservation};
 use crate::render::denoise::DenoiseError;
-use crate::render::probe_radiance::Window;
+use crate::render::gathering::Gathering;
+use crate::render::outlook::Window;
 
 /// Bytes for each place while a probe is made, at most: its place, its sums, and pictures with their levels.
 const TEXEL_BYTES: u64 = 320;

@@ -4,9 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{UVec2, Vec2, Vec3};
 
-use super::gathering::Gathering;
 use crate::color::Rgb;
-use crate::render::irradiance::{IrradianceJob, ReceivedLight, Receiver, trace_irradiance};
+use crate::render::gathering::{Gathering, Site};
+use crate::render::irradiance::{ReceivedLight, Receiver};
 use crate::sampling::{Sampler, warp};
 
 /// The points of a surface that are asked, and the paths from each on either side.
@@ -52,7 +52,7 @@ fn place_in([a, b, c]: &[Vec3; 3], u: Vec2) -> Vec3 {
 /// Whether light comes to one of these points with the normals of their triangles, on the side of that sign.
 fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32, cancel: &AtomicBool) -> bool {
     let side = if sign > 0.0 { 1 } else { 2 };
-    let jobs: Vec<IrradianceJob> = (0..)
+    let sites: Vec<(Receiver, Sampler)> = (0..)
         .zip(places)
         .flat_map(|(point, &(position, normal))| {
             let normal = sign * normal;
@@ -62,12 +62,13 @@ fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32, cancel: &At
                 normal,
                 geometric_normal: normal,
             };
-            (0..PATHS).map(move |index| IrradianceJob {
-                receiver,
-                sampler: sampler(gathering, point, side, index),
-            })
+            (0..PATHS).map(move |index| (receiver, sampler(gathering, point, side, index)))
         })
         .collect();
-    let samples = trace_irradiance(gathering.scene, gathering.view, ReceivedLight::All, &jobs, cancel);
-    samples.is_some_and(|samples| samples.iter().any(|sample| sample.irradiance != Rgb::ZERO))
+    let all = Gathering {
+        light: ReceivedLight::All,
+        ..gathering.clone()
+    };
+    let samples = Site::trace(&all, &sites, cancel);
+    samples.is_some_and(|samples| samples.iter().any(|sample| sample.light != Rgb::ZERO))
 }

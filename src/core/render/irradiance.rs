@@ -11,11 +11,10 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 use super::dimensions::BounceDraw;
-use super::lanes;
+use super::gathering::{Arrived, Gathering, Site};
 use super::path::{Departure, Scatterer};
 use super::path_state::{Arrival, PathState};
-use super::scene::RenderScene;
-use super::view::{PathSettings, View};
+use super::view::PathSettings;
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightTable};
 use crate::math::{Frame, Ray, offset_origin};
@@ -46,18 +45,7 @@ pub enum ReceivedLight {
     WithoutPunctual,
 }
 
-/// One sample of the irradiance at a receiver.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct IrradianceSample {
-    /// The estimate, linear Rec. 709.
-    pub irradiance: Rgb,
-    /// Whether the path first hits the back of a surface.
-    pub meets_back: bool,
-    /// Rays traced, shadow rays included.
-    pub rays: u32,
-}
-
-/// A receiver as the first vertex of a path, with a cosine in place of a BSDF.
+/// A receiver as the first vertex of a path, which has the cosine in place of a bsdf.
 struct Vertex<'a> {
     receiver: &'a Receiver,
     light: ReceivedLight,
@@ -100,72 +88,44 @@ impl Receiver {
     }
 }
 
-/// One of the samples at a receiver.
-#[derive(Clone, Copy, Debug)]
-pub struct IrradianceJob {
-    /// The receiver.
-    pub receiver: Receiver,
-    /// The random numbers.
-    pub sampler: Sampler,
-}
-
-/// Traces samples of irradiance in the scene, with the settings and the medium of `view`; its camera is not used. The
-/// samples are in the order of the jobs. None if `cancel` was set in the meantime.
-pub fn trace_irradiance(
-    scene: &RenderScene,
-    view: &View,
-    light: ReceivedLight,
-    jobs: &[IrradianceJob],
-    cancel: &AtomicBool,
-) -> Option<Vec<IrradianceSample>> {
-    let settings = view.integrator.settings();
-    if settings.is_last(1) {
-        return Some(vec![IrradianceSample::default(); jobs.len()]);
+impl Site for Receiver {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+        let begin = |site: &Self, sampler, settings: &_| site.begin(gathering, sampler, settings);
+        gathering.trace(sites, begin, cancel)
     }
-    let begun: Vec<PathState> = jobs
-        .iter()
-        .map(|job| begin(scene, view, &settings, light, job))
-        .collect();
-    let ended = lanes::trace_begun(scene, view, &settings, &begun, cancel)?;
-    let samples = ended.into_iter().map(|ended| IrradianceSample {
-        irradiance: ended.radiance,
-        meets_back: ended.meets_back,
-        rays: ended.rays,
-    });
-    Some(samples.collect())
+
+    fn at(self, position: Vec3) -> Self {
+        Self { position, ..self }
+    }
 }
 
-/// The path after it has left its receiver.
-fn begin(
-    scene: &RenderScene,
-    view: &View,
-    settings: &PathSettings,
-    light: ReceivedLight,
-    job: &IrradianceJob,
-) -> PathState {
-    let IrradianceJob { receiver, sampler } = job;
-    let vertex = Vertex {
-        receiver,
-        light,
-        reference: LightReference {
-            position: receiver.position,
-            normal: Some(receiver.normal),
-        },
-    };
-    let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)).to_array());
-    let wi = Frame::from_normal(receiver.normal).to_world(local);
-    let medium = view.medium.filter(|_| settings.media);
-    let mut path = PathState::new(Ray::new(receiver.leave(wi), wi), *sampler, medium);
-    path.depth = 1;
-    path.is_straight = false;
-    path.sample_light(scene, settings, &vertex, &mut ());
-    let cosine = receiver.cosine(wi);
-    // Directions below the surface contribute nothing.
-    path.throughput = if cosine > 0.0 { Rgb::splat(PI) } else { Rgb::ZERO };
-    path.arrival = Arrival {
-        is_sampled: true,
-        pdf: cosine * FRAC_1_PI,
-        from: vertex.reference,
-    };
-    path
+impl Receiver {
+    /// A path that has left the place.
+    fn begin(&self, gathering: &Gathering, sampler: Sampler, settings: &PathSettings) -> PathState {
+        let Gathering { scene, view, light } = *gathering;
+        let vertex = Vertex {
+            receiver: self,
+            light,
+            reference: LightReference {
+                position: self.position,
+                normal: Some(self.normal),
+            },
+        };
+        let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)).to_array());
+        let wi = Frame::from_normal(self.normal).to_world(local);
+        let medium = view.medium.filter(|_| settings.media);
+        let mut path = PathState::new(Ray::new(self.leave(wi), wi), sampler, medium);
+        path.depth = 1;
+        path.is_straight = false;
+        path.sample_light(scene, settings, &vertex, &mut ());
+        let cosine = self.cosine(wi);
+        // What goes below the surface brings nothing.
+        path.throughput = if cosine > 0.0 { Rgb::splat(PI) } else { Rgb::ZERO };
+        path.arrival = Arrival {
+            is_sampled: true,
+            pdf: cosine * FRAC_1_PI,
+            from: vertex.reference,
+        };
+        path
+    }
 }

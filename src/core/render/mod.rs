@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod film;
 pub mod filter;
 mod fireflies;
+pub mod gathering;
 pub mod gbuffer;
 pub mod guide;
 mod headlight;

@@ -9,11 +9,9 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 use super::dimensions::BounceDraw;
-use super::lanes;
+use super::gathering::{Arrived, Gathering, Site};
 use super::path_state::PathState;
-use super::scene::RenderScene;
-use super::view::View;
-use crate::color::Rgb;
+use super::view::PathSettings;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 
@@ -43,53 +41,21 @@ impl Window {
     }
 }
 
-/// One of the samples of the radiance through a window.
-#[derive(Clone, Copy, Debug)]
-pub struct RadianceJob {
-    /// The window.
-    pub window: Window,
-    /// The random numbers.
-    pub sampler: Sampler,
-}
-
-/// One sample of the radiance through a window.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RadianceSample {
-    /// The radiance, linear Rec. 709.
-    pub radiance: Rgb,
-    /// Whether the path first hits the back of a surface.
-    pub meets_back: bool,
-    /// Rays traced, shadow rays included.
-    pub rays: u32,
-}
-
-/// Traces samples of radiance in the scene, with the settings and the medium of `view`; its camera is not used. The
-/// samples are in the order of the jobs. None if `cancel` was set in the meantime.
-pub fn trace_radiance(
-    scene: &RenderScene,
-    view: &View,
-    jobs: &[RadianceJob],
-    cancel: &AtomicBool,
-) -> Option<Vec<RadianceSample>> {
-    let settings = view.integrator.settings();
-    if settings.is_last(1) {
-        return Some(vec![RadianceSample::default(); jobs.len()]);
+impl Site for Window {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+        let begin = |window: &Self, sampler: Sampler, settings: &PathSettings| {
+            let at = sampler.at_2d(BounceDraw::Direction.at(1));
+            let direction = (window.corner + at.x * window.across + at.y * window.down).normalize();
+            let medium = gathering.view.medium.filter(|_| settings.media);
+            let mut path = PathState::new(Ray::new(window.from, direction), sampler, medium);
+            path.depth = 1;
+            path.is_straight = false;
+            path
+        };
+        gathering.trace(sites, begin, cancel)
     }
-    let medium = view.medium.filter(|_| settings.media);
-    let begin = |RadianceJob { window, sampler }: &RadianceJob| {
-        let at = sampler.at_2d(BounceDraw::Direction.at(1));
-        let direction = (window.corner + at.x * window.across + at.y * window.down).normalize();
-        let mut path = PathState::new(Ray::new(window.from, direction), *sampler, medium);
-        path.depth = 1;
-        path.is_straight = false;
-        path
-    };
-    let begun: Vec<PathState> = jobs.iter().map(begin).collect();
-    let ended = lanes::trace_begun(scene, view, &settings, &begun, cancel)?;
-    let samples = ended.into_iter().map(|ended| RadianceSample {
-        radiance: ended.radiance,
-        meets_back: ended.meets_back,
-        rays: ended.rays,
-    });
-    Some(samples.collect())
+
+    fn at(self, _: Vec3) -> Self {
+        self
+    }
 }

@@ -11,11 +11,11 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use sunroom::accel::Primitive;
-use sunroom::bake::gathering::Gathering;
 use sunroom::bake::lightmap::Lightmaps;
 use sunroom::bake::texels::{BakeSurface, Texels, covered_texels};
 use sunroom::color::{Rgb, luminance};
 use sunroom::light::LightSource;
+use sunroom::render::gathering::Gathering;
 use sunroom::render::irradiance::ReceivedLight;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::{Strategy, View};

@@ -3,9 +3,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::PathBatch;
-use super::context::{Coherence, Context, EndedPath, STEPS_TO_CANCEL, Samples};
+use super::context::{Coherence, Context, STEPS_TO_CANCEL, Samples};
 use crate::color::Rgb;
 use crate::math::lanes::{LANES, each_lane};
+use crate::render::gathering::Arrived;
 use crate::render::path::PathSample;
 use crate::render::path_state::PathState;
 
@@ -17,7 +18,7 @@ pub(super) fn trace<const MEDIA: bool>(
     context: &Context,
     begun: &[PathState],
     cancel: &AtomicBool,
-) -> Option<Vec<EndedPath>> {
+) -> Option<Vec<Arrived>> {
     let mut batch = PathBatch::<MEDIA>::new(context.view);
     let mut samples = Samples {
         list: vec![(PathSample::default(), 1.0); begun.len()],
@@ -44,16 +45,12 @@ pub(super) fn trace<const MEDIA: bool>(
                 new |= 1 << lane;
             }
             if batch.active == 0 {
-                let ended = samples
-                    .list
-                    .iter()
-                    .zip(&backs)
-                    .map(|((sample, _), meets_back)| EndedPath {
-                        radiance: sample.radiance,
-                        meets_back: *meets_back,
-                        rays: sample.rays,
-                    });
-                return Some(ended.collect());
+                let arrived = |((sample, _), meets_back): (&(PathSample, f32), bool)| Arrived {
+                    light: sample.radiance,
+                    meets_back,
+                    rays: sample.rays,
+                };
+                return Some(samples.list.iter().zip(backs).map(arrived).collect());
             }
             batch.trace(Coherence::Incoherent, context, &mut samples);
             for lane in each_lane(new & batch.active) {

@@ -3,7 +3,6 @@
 use glam::UVec2;
 
 use crate::accel::{Hit, Obstacles, RayLanes, Tlas};
-use crate::color::Rgb;
 use crate::light::{LightId, SoleLight};
 use crate::math::lanes::LANES;
 use crate::medium::MediumId;
@@ -18,17 +17,6 @@ use crate::render::view::{PathSettings, View};
 pub(in crate::render) struct Job {
     pub pixel: UVec2,
     pub index: u32,
-}
-
-/// The result of a path that was begun elsewhere.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in crate::render) struct EndedPath {
-    /// The radiance that it has found.
-    pub radiance: Rgb,
-    /// Whether the first surface hit since then showed its back.
-    pub meets_back: bool,
-    /// Rays traced, shadow rays included.
-    pub rays: u32,
 }
 
 /// The results of paths, by job.

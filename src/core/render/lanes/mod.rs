@@ -24,11 +24,12 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub(super) use self::context::{EndedPath, Job, Samples};
+pub(super) use self::context::{Job, Samples};
 
 use self::batch::PathBatch;
 use self::context::{Coherence, Context, STEPS_TO_CANCEL};
 use super::bidirectional::arrivals;
+use super::gathering::Arrived;
 use super::guide::{Field, PhotonPaths};
 use super::path_state::PathState;
 use super::scene::RenderScene;
@@ -93,7 +94,7 @@ pub(super) fn trace_begun(
     settings: &PathSettings,
     begun: &[PathState],
     cancel: &AtomicBool,
-) -> Option<Vec<EndedPath>> {
+) -> Option<Vec<Arrived>> {
     let context = Context {
         scene,
         view,
