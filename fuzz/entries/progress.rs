@@ -1,6 +1,6 @@
 //! Checkpoints and shares of pictures and of bakes.
 
-use std::io::Write as _;
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -19,11 +19,14 @@ use super::{beginning_with, crc};
 pub fn bake(bytes: &[u8]) -> bool {
     static POOL: LazyLock<ThreadPool> =
         LazyLock::new(|| ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
-    let mut file = beginning_with(b"SUNBAKE\n\x02\0\0\0", bytes);
-    if let Some((content, place)) = file.split_last_chunk_mut::<4>() {
-        *place = crc(content).to_le_bytes();
-    }
-    let part = match decode_part(&file) {
+    const MARK: &[u8; 8] = b"SUNBAKE\n";
+    let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
+    let state = beginning_with(
+        b"\x06\0\0\0",
+        bytes.split_last_chunk::<TAIL>().map_or(bytes, |(state, _)| state),
+    );
+    let file = with_state(MARK, &state);
+    let part = match decode_part(&mut Cursor::new(&file.0)) {
         Ok(part) => part,
         Err(error) => {
             let _ = error.to_string();
@@ -33,7 +36,7 @@ pub fn bake(bytes: &[u8]) -> bool {
     let mut written = Vec::new();
     let (header, blueprint, light) = &part;
     let result = encode_part(&mut written, header, blueprint.as_ref(), &light.lights, &light.spent);
-    assert!(result.is_ok() && decode_part(&written).is_ok_and(|again| again == part));
+    assert!(result.is_ok() && decode_part(&mut Cursor::new(written)).is_ok_and(|again| again == part));
     let (_, Some(mut blueprint), light) = part else {
         return false;
     };
@@ -54,11 +57,7 @@ pub fn bake(bytes: &[u8]) -> bool {
 /// should have. What is read is the same after it was written and read again. Returns whether it was written.
 pub fn part(bytes: &[u8]) -> bool {
     const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-    let mut state = Writer(EXR.to_vec());
-    state.0.extend_from_slice(bytes);
-    state.put(crc(bytes));
-    state.put(bytes.len() as u64);
-    state.0.extend_from_slice(b"SUNROOM+");
+    let state = with_state(&EXR, bytes);
     let file = tempfile::NamedTempFile::new().expect("a temporary folder");
     file.as_file().write_all(&state.0).expect("a temporary folder");
     let Some((header, film, job)) = read_part(file.path()) else {
@@ -81,6 +80,18 @@ pub fn part(bytes: &[u8]) -> bool {
     };
     assert!(content(&film) == content(&film_again), "the film is another one");
     true
+}
+
+/// The checksum, the length and the mark behind a state.
+const TAIL: usize = 4 + 8 + 8;
+
+/// A file with a state, and with the checksum and the length that it should have.
+fn with_state(front: &[u8], state: &[u8]) -> Writer {
+    let mut file = Writer([front, state].concat());
+    file.put(crc(state));
+    file.put(state.len() as u64);
+    file.put(*b"SUNROOM+");
+    file
 }
 
 /// The header, the film and the job of a part that is small.

@@ -1,26 +1,22 @@
 //! Checkpoints and shares of a bake: the exact sums of the samples so far, from which a bake goes on, or which are put
 //! together.
 //!
-//! The file is `SUNBAKE` and a line feed, the version of the format, what the bake is of, in a share everything that
-//! its files need but the light, the sums, and a checksum of all of it. Numbers are stored least significant byte
-//! first.
+//! The file is `SUNBAKE` and a line feed, and behind that a state as pictures have it: what the bake is of, in a share
+//! everything that its files need but the light, and the sums.
 
-use std::io;
+use std::io::{self, Read, Seek, Take, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use flate2::Crc;
 use serde::{Deserialize, Serialize};
 
 use super::blueprint::Blueprint;
 use super::lightmap::{BLOCK, Lightmaps, TexelSum};
 use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
-use crate::render::bytes::{Damaged, Reader, SummedFile, Writer};
-use crate::render::part::Origin;
+use crate::render::bytes::{Damaged, Reader, Writer};
+use crate::render::part::{FORMAT, Origin, PartError as StateError, StateWriter, open_state, write_state};
 
 const MAGIC: &[u8; 8] = b"SUNBAKE\n";
-/// The version of the format. That of the samples is [`Origin::SAMPLES`].
-const FORMAT: u32 = 2;
 /// Bytes of the sums of a texel.
 const TEXEL: usize = 4 * 8 + 4;
 
@@ -55,6 +51,8 @@ pub struct PartLight {
 pub enum PartError {
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Io(#[from] io::Error),
     #[error("it is no checkpoint or share of a bake, which begins with `SUNBAKE`")]
     Foreign,
     #[error("it was written by another version of Sunroom: its format is {0}, and this version reads {FORMAT}")]
@@ -69,11 +67,20 @@ impl From<Damaged> for PartError {
     }
 }
 
+impl From<StateError> for PartError {
+    fn from(error: StateError) -> Self {
+        match error {
+            StateError::Io(error) => Self::Io(error),
+            _ => Self::Damaged,
+        }
+    }
+}
+
 /// Whether a file begins as a checkpoint or share of a bake does.
 pub fn is_part(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     let file = files::open(path, LARGEST_DATA);
-    file.is_ok_and(|mut file| io::Read::read_exact(&mut file, &mut start).is_ok()) && start == *MAGIC
+    file.is_ok_and(|mut file| file.read_exact(&mut start).is_ok()) && start == *MAGIC
 }
 
 /// Writes a file in one step: after a failure the old one is there. A share has a blueprint.
@@ -89,32 +96,24 @@ pub fn write_part(
 
 /// Writes the content of a file. A share has a blueprint.
 pub fn encode(
-    file: &mut dyn io::Write,
+    file: &mut dyn Write,
     header: &PartHeader,
     blueprint: Option<&Blueprint>,
     lights: &[Lightmaps],
     spent: &[Duration],
 ) -> io::Result<()> {
-    let mut file = SummedFile::new(file);
-    let text = serde_json::to_vec(header)?;
-    let mut start = Writer::default();
-    start.0.extend_from_slice(MAGIC);
-    start.put(FORMAT);
-    start.put(text.len() as u64);
-    start.0.extend(text);
-    if let Some(blueprint) = blueprint {
-        blueprint.write(&mut start);
-    }
-    start.put(lights.len() as u32);
-    file.write(&start.0)?;
-    for (light, spent) in lights.iter().zip(spent) {
-        write_light(light, *spent, &mut file)?;
-    }
-    let sum = file.crc.sum();
-    file.file.write_all(&sum.to_le_bytes())
+    file.write_all(MAGIC)?;
+    write_state(file, header, |state| {
+        let mut bytes = Writer::default();
+        blueprint.into_iter().for_each(|blueprint| blueprint.write(&mut bytes));
+        bytes.put(lights.len() as u32);
+        state.write(&bytes.0)?;
+        let mut lights = lights.iter().zip(spent);
+        lights.try_for_each(|(light, spent)| write_light(light, *spent, state))
+    })
 }
 
-fn write_light(light: &Lightmaps, spent: Duration, file: &mut SummedFile) -> io::Result<()> {
+fn write_light(light: &Lightmaps, spent: Duration, file: &mut StateWriter) -> io::Result<()> {
     let mut start = Writer::default();
     start.put(light.texel_count() as u64);
     start.put([light.first, light.groups.len() as u32]);
@@ -162,10 +161,8 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
         rays,
         invalid,
     };
-    match (0..count).all(|texel| light.is_possible(texel)) {
-        true => Ok((light, spent)),
-        false => Err(Damaged),
-    }
+    Damaged::unless((0..count).all(|texel| light.is_possible(texel)))?;
+    Ok((light, spent))
 }
 
 fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
@@ -178,8 +175,8 @@ fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
 
 /// Reads what a file is of.
 pub fn read_header(path: &Path) -> Result<PartHeader, PartError> {
-    let file = files::read(path, LARGEST_DATA)?;
-    Ok(header(&mut Reader(content(&file)?))?)
+    let mut file = files::open(path, LARGEST_DATA)?;
+    Ok(open(&mut file)?.0)
 }
 
 /// What a file has: a share has a blueprint.
@@ -187,14 +184,16 @@ pub type Part = (PartHeader, Option<Blueprint>, PartLight);
 
 /// Reads a whole file.
 pub fn read_part(path: &Path) -> Result<Part, PartError> {
-    decode(&files::read(path, LARGEST_DATA)?)
+    decode(&mut files::open(path, LARGEST_DATA)?)
 }
 
 /// Reads the content of a file. All of its numbers are finite, and it takes no more memory than a small multiple of its
 /// length.
-pub fn decode(file: &[u8]) -> Result<Part, PartError> {
-    let mut bytes = Reader(content(file)?);
-    let header = header(&mut bytes)?;
+pub fn decode(file: &mut (impl Read + Seek)) -> Result<Part, PartError> {
+    let (header, mut state) = open(file)?;
+    let mut content = Vec::new();
+    state.read_to_end(&mut content)?;
+    let mut bytes = Reader(&content);
     let blueprint = match header.is_share {
         true => Some(Blueprint::read(&mut bytes)?),
         false => None,
@@ -213,36 +212,22 @@ pub fn decode(file: &[u8]) -> Result<Part, PartError> {
                 light.first == first && (light.reached() >= end || !header.is_finished)
             })
     });
-    match fits && bytes.0.is_empty() && !lights.is_empty() {
-        true => Ok((header, blueprint, PartLight { lights, spent })),
-        false => Err(PartError::Damaged),
-    }
+    Damaged::unless(fits && bytes.0.is_empty() && !lights.is_empty())?;
+    Ok((header, blueprint, PartLight { lights, spent }))
 }
 
-/// What is between the version and the checksum.
-fn content(file: &[u8]) -> Result<&[u8], PartError> {
-    let rest = file.strip_prefix(MAGIC).ok_or(PartError::Foreign)?;
-    let format = Reader(rest).take()?;
+/// What a file is of, and its content.
+fn open<F: Read + Seek>(file: &mut F) -> Result<(PartHeader, Take<&mut F>), PartError> {
+    let mut start = Vec::new();
+    file.take(MAGIC.len() as u64 + 4).read_to_end(&mut start)?;
+    let format = start.strip_prefix(MAGIC).ok_or(PartError::Foreign)?;
+    let format = Reader(format).take()?;
     if format != FORMAT {
         return Err(PartError::Format(format));
     }
-    let (summed, sum) = file.split_at_checked(file.len() - 4).ok_or(Damaged)?;
-    let mut crc = Crc::new();
-    crc.update(summed);
-    let content = summed.get(MAGIC.len() + 4..).ok_or(Damaged)?;
-    match Reader(sum).take::<u32>()? == crc.sum() {
-        true => Ok(content),
-        false => Err(PartError::Damaged),
-    }
-}
-
-fn header(bytes: &mut Reader) -> Result<PartHeader, Damaged> {
-    let length = usize::try_from(bytes.take::<u64>()?).map_err(|_| Damaged)?;
-    let header: PartHeader = serde_json::from_slice(bytes.bytes(length)?).map_err(|_| Damaged)?;
-    match header.samples[0] < header.samples[1] {
-        true => Ok(header),
-        false => Err(Damaged),
-    }
+    let (header, state) = open_state::<PartHeader, _>(file)?;
+    Damaged::unless(header.samples[0] < header.samples[1])?;
+    Ok((header, state))
 }
 
 #[cfg(test)]

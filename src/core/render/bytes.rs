@@ -1,11 +1,9 @@
 //! Numbers as bytes, for the exact state of a picture ([`crate::render::part`]): as memory has them, which is with the
 //! least significant byte first on all processors that Sunroom is built for.
 
-use std::io::{self, Write};
 use std::time::Duration;
 
 use bytemuck::{AnyBitPattern, NoUninit, Pod};
-use flate2::Crc;
 
 /// Bytes to which numbers are written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,35 +21,7 @@ impl Writer {
     }
 }
 
-/// A file that is being written, with the checksum (flate2's CRC) and the length so far.
-pub struct SummedFile<'a> {
-    /// The file. Direct writes are not included in the checksum.
-    pub file: &'a mut dyn Write,
-    /// The checksum.
-    pub crc: Crc,
-    /// The number of bytes.
-    pub length: u64,
-}
-
-impl<'a> SummedFile<'a> {
-    /// A file with an empty checksum.
-    pub fn new(file: &'a mut dyn Write) -> Self {
-        Self {
-            file,
-            crc: Crc::new(),
-            length: 0,
-        }
-    }
-
-    /// Writes bytes and adds them to the checksum.
-    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.crc.update(bytes);
-        self.length += bytes.len() as u64;
-        self.file.write_all(bytes)
-    }
-}
-
-/// The largest valid count.
+/// The most that can have been counted.
 const MOST_COUNTED: u64 = 1 << 60;
 /// The longest valid duration in seconds.
 const LONGEST: f64 = 1e9;

@@ -1,11 +1,16 @@
 //! Checkpoints and shares of bakes that are damaged: each is told from a whole one, whatever is wrong with it. The fuzz
 //! entry `bake` looks behind the checksum.
 
+use std::io::Cursor;
 use std::path::Path;
 
-use sunroom_core::bake::part::{PartError, decode};
+use sunroom_core::bake::part::{self, Part, PartError};
 
 use crate::ROOT;
+
+fn decode(file: &[u8]) -> Result<Part, PartError> {
+    part::decode(&mut Cursor::new(file))
+}
 
 /// The files of the corpus: a checkpoint, and shares with and without probes.
 fn whole() -> Vec<Vec<u8>> {
@@ -19,10 +24,11 @@ fn whole() -> Vec<Vec<u8>> {
 }
 
 fn summed(file: &mut [u8]) {
-    let (content, place) = file.split_last_chunk_mut::<4>().expect("a checksum");
+    // Behind the mark of a bake, and before the length and the mark of the state.
+    let (content, tail) = file.split_last_chunk_mut::<20>().expect("a checksum");
     let mut sum = flate2::Crc::new();
-    sum.update(content);
-    *place = sum.sum().to_le_bytes();
+    sum.update(&content[8..]);
+    tail[..4].copy_from_slice(&sum.sum().to_le_bytes());
 }
 
 /// Every few places of a file, and all of those at its beginning.

@@ -7,12 +7,14 @@
 mod cover;
 mod file;
 mod origin;
+mod state;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::cover::{CoverError, check_cover};
 pub use self::file::{PartError, PartFile, write_part};
 pub use self::origin::{FileDigest, Origin};
+pub(crate) use self::state::{FORMAT, StateWriter, open_state, write_state};
 
 use super::layers::FilmLayers;
 use super::tile::{TILE, Tile, tiles};
