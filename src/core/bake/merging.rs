@@ -6,7 +6,7 @@ use super::blueprint::Blueprint;
 use super::lightmap::Lightmaps;
 use super::part::{PartError, PartHeader, read_header, read_part};
 use crate::memory::{self, Reservation, Shortage};
-use crate::render::part::FileDigest;
+use crate::render::part::{Fault, FileDigest, fault};
 
 /// The reason why shares make no bake.
 #[derive(Debug, thiserror::Error)]
@@ -26,14 +26,8 @@ pub enum MergeError {
     Foreign { name: String, first: String, text: String },
     #[error("{name} is a share of another bake than {first}: its texels or probes are others")]
     Other { name: String, first: String },
-    #[error("{first} and {second} both have samples {}..{}", .samples[0], .samples[1])]
-    Overlap {
-        first: String,
-        second: String,
-        samples: [u32; 2],
-    },
-    #[error("no share has samples {}..{}", .samples[0], .samples[1])]
-    Gap { samples: [u32; 2] },
+    #[error(transparent)]
+    Samples(#[from] Fault),
     #[error("the lightmaps: {0}")]
     Memory(#[from] Shortage),
 }
@@ -135,23 +129,6 @@ fn check(parts: &[(String, &PathBuf, PartHeader)], force: bool) -> Result<(), Me
             });
         }
     }
-    let mut sorted: Vec<(&String, [u32; 2])> = parts.iter().map(|(name, _, header)| (name, header.samples)).collect();
-    sorted.sort_by_key(|(_, samples)| *samples);
-    let (mut reached, mut last) = (0, first_name);
-    for (name, [start, end]) in sorted {
-        if start > reached {
-            return Err(MergeError::Gap {
-                samples: [reached, start],
-            });
-        }
-        if start < reached {
-            return Err(MergeError::Overlap {
-                first: last.clone(),
-                second: name.clone(),
-                samples: [start, end.min(reached)],
-            });
-        }
-        (reached, last) = (end, name);
-    }
-    Ok(())
+    let samples = parts.iter().map(|(name, _, header)| (name, header.samples));
+    Ok(fault("share", samples, 0)?)
 }

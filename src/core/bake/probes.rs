@@ -15,7 +15,7 @@ use crate::math::Aabb;
 use crate::memory::{self, Reservation};
 use crate::render::denoise::DenoiseError;
 use crate::render::gathering::Gathering;
-use crate::render::outlook::Window;
+use crate::render::probe_radiance::Window;
 
 /// Bytes for each place while a probe is made, at most: its place, its sums, and pictures with their levels.
 const TEXEL_BYTES: u64 = 320;

@@ -1,7 +1,6 @@
 //! The exact state of a film tile by tile as bytes, for parts and checkpoints ([`crate::render::part`]).
 
 use super::Film;
-use crate::render::blocks::BLOCKS;
 use crate::render::bytes::{Damaged, Reader, Writer};
 use crate::render::layers::{FilmLayers, LayerSums, Matte, MatteEntry};
 use crate::render::noise::blocks::BLOCKS;

@@ -32,7 +32,7 @@ const SHARES: [f32; 2] = [0.125, 0.5];
 /// squares relative to the pixels' luminances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct BlockError {
+pub(in crate::render) struct BlockError {
     /// The power of two of samples at which the means were noted last; 0 before that.
     pub noted: u32,
     /// The power of two of samples whose halves were compared last; 0 before that.

@@ -3,27 +3,60 @@
 use super::{Crop, PartHeader};
 use crate::render::tile::{Tile, tiles};
 
-/// The reason why parts are not a whole picture. `place` is the rectangle around the pixels that it is about.
+/// What is wrong with the samples that parts have of one place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CoverError {
+#[allow(missing_docs, reason = "the messages say what the fields mean")]
+pub enum Fault {
     /// Two parts have the same samples.
-    #[error("{first} and {second} both have samples {}..{} of {}", .samples[0], .samples[1], place_in_words(place))]
-    #[allow(missing_docs, reason = "the message says what the fields mean")]
+    #[error("{first} and {second} both have samples {}..{}", .samples[0], .samples[1])]
     Overlap {
         first: String,
         second: String,
         samples: [u32; 2],
-        place: Crop,
     },
-    /// No part has these samples.
-    #[error("no part has samples {}..{} of {}", .samples[0], .samples[1], place_in_words(place))]
-    #[allow(missing_docs, reason = "the message says what the fields mean")]
-    Gap { samples: [u32; 2], place: Crop },
+    /// No part has these samples. `part` is what parts are called.
+    #[error("no {part} has samples {}..{}", .samples[0], .samples[1])]
+    Gap { part: &'static str, samples: [u32; 2] },
 }
 
-fn place_in_words(place: &Crop) -> String {
-    let Crop { x, y, width, height } = place;
-    format!("the {width} x {height} pixels at {x},{y}")
+/// The first fault of parts with these names and samples, which are to have those from 0 to `end` once each. A `part` is
+/// called so in messages.
+pub fn fault<'a>(
+    part: &'static str,
+    parts: impl Iterator<Item = (&'a String, [u32; 2])>,
+    end: u32,
+) -> Result<(), Fault> {
+    let mut parts: Vec<_> = parts.collect();
+    parts.sort_by_key(|(_, samples)| *samples);
+    let (mut reached, mut last) = (0, None);
+    for (name, [start, stop]) in parts {
+        if let Some(last) = last.filter(|_| start < reached) {
+            return Err(Fault::Overlap {
+                first: String::clone(last),
+                second: name.clone(),
+                samples: [start, stop.min(reached)],
+            });
+        }
+        if start > reached {
+            let samples = [reached, start];
+            return Err(Fault::Gap { part, samples });
+        }
+        (reached, last) = (stop, Some(name));
+    }
+    let samples = [reached, end];
+    match reached < end {
+        true => Err(Fault::Gap { part, samples }),
+        false => Ok(()),
+    }
+}
+
+/// The reason why parts are not a whole picture. `place` is the rectangle around the pixels that it is about.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{fault} of the {} x {} pixels at {},{}", .place.width, .place.height, .place.x, .place.y)]
+#[allow(missing_docs, reason = "the message says what the fields mean")]
+pub struct CoverError {
+    pub fault: Fault,
+    pub place: Crop,
 }
 
 /// Checks that every pixel of the picture has all samples from 0 on exactly once. Each part has the name of its file.
@@ -35,74 +68,30 @@ pub fn check_cover(parts: &[(String, PartHeader)]) -> Result<(), CoverError> {
     let end = parts.iter().map(|(_, part)| part.samples[1]).max().unwrap_or(0);
     let mut error: Option<CoverError> = None;
     for tile in tiles(first.width, first.height) {
-        let Some(found) = fault_of_tile(parts, tile, end) else {
+        let here = parts.iter().filter(|(_, part)| part.crop.has(tile));
+        let Err(fault) = fault("part", here.map(|(name, part)| (name, part.samples)), end) else {
             continue;
         };
+        let Tile { x, y, width, height } = tile;
         match &mut error {
-            None => error = Some(found),
-            Some(known) => known.extend(&found),
+            None => {
+                let place = Crop { x, y, width, height };
+                error = Some(CoverError { fault, place });
+            }
+            Some(known) if known.fault == fault => {
+                let place = known.place;
+                let [left, top] = [place.x.min(x), place.y.min(y)];
+                known.place = Crop {
+                    x: left,
+                    y: top,
+                    width: (place.x + place.width).max(x + width) - left,
+                    height: (place.y + place.height).max(y + height) - top,
+                };
+            }
+            Some(_) => {}
         }
     }
     error.map_or(Ok(()), Err)
-}
-
-fn fault_of_tile(parts: &[(String, PartHeader)], tile: Tile, end: u32) -> Option<CoverError> {
-    let Tile { x, y, width, height } = tile;
-    let place = Crop { x, y, width, height };
-    let mut here: Vec<&(String, PartHeader)> = parts.iter().filter(|(_, part)| part.crop.has(tile)).collect();
-    here.sort_by_key(|(_, part)| part.samples);
-    let (mut reached, mut last) = (0, None);
-    for (name, part) in here {
-        let [start, stop] = part.samples;
-        match last {
-            Some(last) if start < reached => {
-                return Some(CoverError::Overlap {
-                    first: String::clone(last),
-                    second: name.clone(),
-                    samples: [start, stop.min(reached)],
-                    place,
-                });
-            }
-            _ if start > reached => {
-                let samples = [reached, start];
-                return Some(CoverError::Gap { samples, place });
-            }
-            _ => (reached, last) = (stop, Some(name)),
-        }
-    }
-    let samples = [reached, end];
-    (reached < end).then_some(CoverError::Gap { samples, place })
-}
-
-impl CoverError {
-    /// Extends the place if the other error is the same elsewhere.
-    fn extend(&mut self, other: &Self) {
-        let mut same = other.clone();
-        let place = *self.place();
-        *same.place_mut() = place;
-        if same == *self {
-            let other = other.place();
-            let [left, top] = [place.x.min(other.x), place.y.min(other.y)];
-            *self.place_mut() = Crop {
-                x: left,
-                y: top,
-                width: (place.x + place.width).max(other.x + other.width) - left,
-                height: (place.y + place.height).max(other.y + other.height) - top,
-            };
-        }
-    }
-
-    fn place(&self) -> &Crop {
-        match self {
-            Self::Overlap { place, .. } | Self::Gap { place, .. } => place,
-        }
-    }
-
-    fn place_mut(&mut self) -> &mut Crop {
-        match self {
-            Self::Overlap { place, .. } | Self::Gap { place, .. } => place,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ mod state;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::cover::{CoverError, check_cover};
+pub use self::cover::{CoverError, Fault, check_cover, fault};
 pub use self::file::{PartError, PartFile, write_part};
 pub use self::origin::{FileDigest, Origin};
 pub(crate) use self::state::{FORMAT, StateWriter, open_state, write_state};
