@@ -1,10 +1,8 @@
 //! Reads MTL material libraries, the companions of OBJ files.
 //!
-//! The `tobj` crate reads the statements. It stops the whole library at the first one it does not like (and panics at a
-//! colour of one or two numbers, which the format allows), so each line is looked at first: what is sound goes to it in
-//! canonical form, the rest is a warning.
+//! The `tobj` crate reads the statements that it knows. It gets them one by one: in a whole library it stops at the
+//! first statement that it does not understand, without saying where. Such a statement is a warning here.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use glam::Vec3;
@@ -40,26 +38,47 @@ pub fn default_material(name: &str) -> MtlMaterial {
 /// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another
 /// colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
 pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
-    let Statements { text, mut maps } = sound_statements(&decode(bytes), library, warnings);
     let library_name = library.replace('\\', "/");
     let folder = Path::new(&library_name).parent().unwrap_or(Path::new(""));
-    for map in maps.iter_mut().flat_map(MtlMaps::iter_mut) {
-        map.file = folder.join(&map.file);
-    }
-    match tobj::load_mtl_buf(&mut text.as_bytes()) {
-        Ok((materials, _)) => {
-            let materials = materials.iter().zip(maps);
-            let materials: Vec<MtlMaterial> = materials.map(|(material, maps)| convert(material, maps)).collect();
-            for material in &materials {
-                warn_of_oddities(material, library, warnings);
+    let mut materials: Vec<MtlMaterial> = Vec::new();
+    let mut given = Given::default();
+    let mut has_material = false;
+    for (number, line) in (1u64..).zip(decode(bytes).trim_start_matches('\u{feff}').lines()) {
+        let mut warn = |message: &str| warnings.add(format_args!("{library} line {number}"), message);
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if keyword == "newmtl" {
+            has_material = !rest.trim().is_empty();
+            if has_material && materials.len() == MOST_MATERIALS {
+                warn("further materials are ignored");
+                break;
             }
-            materials
+            match has_material {
+                true => materials.push(default_material(rest.trim())),
+                false => warn("a material without a name is ignored"),
+            }
+            given = Given::default();
+            continue;
         }
-        Err(error) => {
-            warnings.add(library, &format!("the material library is ignored: {error}"));
-            Vec::new()
+        let Some(material) = materials.last_mut().filter(|_| has_material) else {
+            continue;
+        };
+        if is_texture(keyword) {
+            match (material.maps.slot(keyword), parse_map(rest, folder)) {
+                (Some(slot), Some(map)) => *slot = Some(map),
+                _ => warn(&format!("the texture statement `{keyword}` is ignored")),
+            }
+            continue;
+        }
+        let values = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
+        if read_statement(material, &mut given, keyword, &values.collect::<Vec<_>>()).is_none() {
+            warn(&format!("{} is not understood and ignored", excerpt(line.as_bytes())));
         }
     }
+    for material in &materials {
+        warn_of_oddities(material, library, warnings);
+    }
+    materials
 }
 
 /// Warns of what is hardly meant, and of what is not kept.
@@ -80,71 +99,54 @@ fn warn_of_oddities(material: &MtlMaterial, library: &str, warnings: &mut Warnin
     }
 }
 
-struct Statements {
-    /// One per line, every number finite and in range.
-    text: String,
-    /// The maps of each material.
-    maps: Vec<MtlMaps>,
+/// The values of a material that others give way to.
+#[derive(Default)]
+struct Given {
+    kd: bool,
+    d: bool,
 }
 
-/// The statements that make sense.
-fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> Statements {
-    let mut sound = String::with_capacity(text.len());
-    let mut all_maps: Vec<MtlMaps> = Vec::new();
-    let mut has_material = false;
-    for (number, line) in (1u64..).zip(text.trim_start_matches('\u{feff}').lines()) {
-        let mut warn = |message: &str| warnings.add(format_args!("{library} line {number}"), message);
-        let line = line.trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        if keyword == "newmtl" {
-            has_material = !rest.trim().is_empty();
-            if has_material && all_maps.len() == MOST_MATERIALS {
-                warn("further materials are ignored");
-                break;
-            }
-            if has_material {
-                let _ = writeln!(sound, "newmtl {}", rest.trim());
-                all_maps.push(MtlMaps::default());
-            } else {
-                warn("a material without a name is ignored");
-            }
-            continue;
-        }
-        if keyword.is_empty() || keyword.starts_with('#') || !has_material {
-            continue;
-        }
-        if is_texture(keyword) {
-            match (all_maps.last_mut().and_then(|maps| maps.slot(keyword)), parse_map(rest)) {
-                (Some(slot), Some(map)) => *slot = Some(map),
-                _ => warn(&format!("the texture statement `{keyword}` is ignored")),
-            }
-            continue;
-        }
-        let values: Vec<&str> = rest
-            .split_whitespace()
-            .take_while(|word| !word.starts_with('#'))
-            .collect();
-        let written = match keyword {
-            "Kd" | "Ks" | "Ke" => color(&values).map(|[r, g, b]| writeln!(sound, "{keyword} {r} {g} {b}")),
-            "Tf" => filter(&values).map(|[r, g, b]| writeln!(sound, "Tf {r} {g} {b}")),
-            "Ns" => number_in(&values, 0.0, f32::MAX).map(|value| writeln!(sound, "Ns {value}")),
-            "Ni" => number_in(&values, f32::MIN_POSITIVE, f32::MAX).map(|value| writeln!(sound, "Ni {value}")),
-            "d" if values.first() == Some(&"-halo") => {
-                number_in(&values[1..], 0.0, 1.0).map(|d| writeln!(sound, "d {d}"))
-            }
-            "d" | "Tr" | "Pr" | "Pm" => number_in(&values, 0.0, 1.0).map(|value| writeln!(sound, "{keyword} {value}")),
-            "illum" => number_in(&values, 0.0, 10.0).map(|model| writeln!(sound, "illum {}", model as u8)),
-            // Ambient light and the like have no meaning for a path tracer.
-            _ => continue,
-        };
-        if written.is_none() {
-            warn(&format!("{} is not understood and ignored", excerpt(line.as_bytes())));
-        }
+/// Takes over a statement that is no texture. None if it makes no sense.
+fn read_statement(material: &mut MtlMaterial, given: &mut Given, keyword: &str, values: &[&str]) -> Option<()> {
+    let halo = values.strip_prefix(&["-halo"]).filter(|_| keyword == "d");
+    let values = halo.unwrap_or(values);
+    let read = || read_by_tobj(keyword, values);
+    let number = |least: f32, most: f32| within(values.first()?.parse().ok(), least, most);
+    match keyword {
+        "Kd" => material.kd = color(read()?.diffuse)?,
+        "Ks" => material.ks = color(read()?.specular)?,
+        "Ke" => material.ke = color(read()?.emissive)?,
+        "Ns" => material.ns = within(read()?.shininess, 0.0, f32::MAX)?,
+        "Ni" => material.ni = within(read()?.optical_density, f32::MIN_POSITIVE, f32::MAX)?,
+        "d" => material.d = within(read()?.dissolve, 0.0, 1.0)?,
+        // The crate knows none of these, and no `illum 2.0`. `Tr` is the complement of `d`, and older.
+        "Tr" if given.d => _ = number(0.0, 1.0)?,
+        "Tr" => material.d = 1.0 - number(0.0, 1.0)?,
+        "Tf" => material.tf = filter(values)?,
+        "Pr" => material.pr = Some(number(0.0, 1.0)?),
+        "Pm" => material.pm = Some(number(0.0, 1.0)?),
+        "illum" => material.illum = Some(number(0.0, 10.0)? as u8),
+        // Ambient light and the like have no meaning for a path tracer.
+        _ => {}
     }
-    Statements {
-        text: sound,
-        maps: all_maps,
+    given.kd |= keyword == "Kd";
+    given.d |= keyword == "d";
+    if matches!(keyword, "Ks" | "Ke") && !given.kd {
+        material.kd = Vec3::ZERO;
     }
+    Some(())
+}
+
+/// Reads a statement into a material of its own.
+fn read_by_tobj(keyword: &str, values: &[&str]) -> Option<tobj::Material> {
+    let values = match keyword.starts_with('K') {
+        // The crate panics at colours of fewer numbers.
+        true => three(values)?.join(" "),
+        false => values.join(" "),
+    };
+    let text = format!("newmtl _\n{keyword} {values}");
+    let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).ok()?;
+    materials.into_iter().next()
 }
 
 fn is_texture(keyword: &str) -> bool {
@@ -152,61 +154,29 @@ fn is_texture(keyword: &str) -> bool {
     keyword.starts_with("map_") || matches!(keyword.as_str(), "bump" | "norm" | "disp" | "decal" | "refl")
 }
 
-/// Reads a colour. One number stands for three equal ones; values are not negative. Spectral files and XYZ are not
-/// read.
-fn color(values: &[&str]) -> Option<[f32; 3]> {
-    let number = |text: &&str| number_in(&[*text], 0.0, f32::MAX);
-    match values {
-        [grey] => Some([number(grey)?; 3]),
-        [r, g, b, ..] => Some([number(r)?, number(g)?, number(b)?]),
+/// The numbers of a colour. One number stands for three equal ones. Spectral files and XYZ are not read.
+fn three<'a>(values: &[&'a str]) -> Option<[&'a str; 3]> {
+    match *values {
+        [grey] => Some([grey; 3]),
+        [r, g, b, ..] => Some([r, g, b]),
         _ => None,
     }
 }
 
-/// Reads a transmission filter, a colour that is at most white.
-fn filter(values: &[&str]) -> Option<[f32; 3]> {
-    color(values).filter(|color| color.iter().all(|channel| *channel <= 1.0))
+/// A colour that is not negative.
+fn color(channels: Option<[f32; 3]>) -> Option<Vec3> {
+    let color = Vec3::from(channels?);
+    (color.is_finite() && color.min_element() >= 0.0).then_some(color)
 }
 
-fn number_in(values: &[&str], least: f32, most: f32) -> Option<f32> {
-    let value: f32 = values.first()?.parse().ok()?;
-    (least..=most).contains(&value).then_some(value)
+/// A transmission filter, a colour that is at most white.
+fn filter(values: &[&str]) -> Option<Vec3> {
+    let [r, g, b] = three(values)?.map(|value| value.parse().ok());
+    color(Some([r?, g?, b?])).filter(|color| color.max_element() <= 1.0)
 }
 
-fn convert(material: &tobj::Material, maps: MtlMaps) -> MtlMaterial {
-    let absent = default_material(&material.name);
-    let extra = |name: &str| material.unknown_param.get(name);
-    let extension = |name: &str| extra(name).and_then(|text| text.parse::<f32>().ok());
-    let has_color = material.specular.is_some() || material.emissive.is_some();
-    MtlMaterial {
-        kd: match material.diffuse {
-            Some(kd) => Vec3::from(kd),
-            None if has_color => Vec3::ZERO,
-            None => absent.kd,
-        },
-        ks: material.specular.map_or(absent.ks, Vec3::from),
-        ke: material.emissive.map_or(absent.ke, Vec3::from),
-        ns: material.shininess.unwrap_or(absent.ns),
-        ni: material.optical_density.unwrap_or(absent.ni),
-        // `Tr` is the complement, and older; `d` counts if both are given.
-        d: material
-            .dissolve
-            .or(extension("Tr").map(|tr| 1.0 - tr))
-            .unwrap_or(absent.d),
-        tf: extra("Tf").and_then(|text| triple(text)).unwrap_or(absent.tf),
-        illum: material.illumination_model,
-        pr: extension("Pr"),
-        pm: extension("Pm"),
-        maps,
-        ..absent
-    }
-}
-
-/// The three numbers of a colour, as [`sound_statements`] writes them.
-fn triple(text: &str) -> Option<Vec3> {
-    let mut numbers = text.split_whitespace().map(|number| number.parse().ok());
-    let mut next = || numbers.next()?;
-    Some(Vec3::new(next()?, next()?, next()?))
+fn within(value: Option<f32>, least: f32, most: f32) -> Option<f32> {
+    value.filter(|value| (least..=most).contains(value))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Parses texture statements of MTL: `map_Kd -s 2 2 2 -o 0.5 0 -clamp on wood floor.png`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::Vec2;
 
@@ -60,8 +60,8 @@ impl MtlMaps {
     }
 }
 
-/// Parses what follows the keyword: options, then a name that may have blanks. None without a name.
-pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
+/// Parses what follows the keyword: options, then a name in `folder`, which may have blanks. None without a name.
+pub(super) fn parse_map(text: &str, folder: &Path) -> Option<MtlMap> {
     let mut map = MtlMap {
         file: PathBuf::new(),
         scale: Vec2::ONE,
@@ -106,8 +106,9 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
         }
     }
     // This is for libraries that were made on Windows.
-    map.file = rest.trim_matches('"').replace('\\', "/").into();
-    (!map.file.as_os_str().is_empty()).then_some(map)
+    let name = rest.trim_matches('"').replace('\\', "/");
+    map.file = folder.join(&name);
+    (!name.is_empty()).then_some(map)
 }
 
 #[cfg(test)]
@@ -116,6 +117,7 @@ mod tests {
 
     #[test]
     fn options_and_names_with_blanks() {
+        let parse_map = |text: &str| super::parse_map(text, Path::new(""));
         let parse = |text: &str| parse_map(text).unwrap();
         assert_eq!(parse("a b.png").file, PathBuf::from("a b.png"));
         assert_eq!(parse("  \"tex\\a.png\" ").file, PathBuf::from("tex/a.png"));
