@@ -7,10 +7,10 @@ mod materials;
 
 use std::collections::HashMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use self::materials::{Material, Pbr, Specular, SpecularGlossiness, TextureInfo, Transmission};
+pub use self::materials::*;
 use crate::files::checksum;
 
 #[derive(Debug, Default, Deserialize)]
@@ -80,11 +80,13 @@ pub struct Light {
     pub spot: Spot,
 }
 
-#[derive(Debug, Deserialize)]
+/// The half angles of a spot's cone in radians.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Spot {
-    /// Half angles in radians.
+    /// The angle within which it has its full strength, less than the outer one.
     pub inner_cone_angle: f32,
+    /// The angle at which it ends, at most pi / 2.
     pub outer_cone_angle: f32,
 }
 
@@ -97,9 +99,10 @@ impl Default for Spot {
     }
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, Serialize)]
 #[serde(default)]
 pub struct Scene {
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub nodes: Vec<usize>,
 }
 
@@ -148,8 +151,10 @@ impl Default for Visibility {
     }
 }
 
-#[derive(Debug, Deserialize)]
+/// A light of a node.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct NodeLight {
+    /// The index of the light.
     pub light: usize,
 }
 
@@ -185,10 +190,11 @@ fn triangles() -> u32 {
     4
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub struct Texture {
     pub source: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sampler: Option<usize>,
 }
 
@@ -202,11 +208,19 @@ pub struct Image {
     pub extras: Value,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring
+/// texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Sampler {
+    /// 9728 (nearest) or 9729 (linear).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mag_filter: Option<u32>,
+    /// 33071 (clamp), 33648 (mirror) or 10497 (repeat).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wrap_s: Option<u32>,
+    /// 33071 (clamp), 33648 (mirror) or 10497 (repeat).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wrap_t: Option<u32>,
 }
 
@@ -217,22 +231,32 @@ pub struct Camera {
     pub orthographic: Option<Orthographic>,
 }
 
-#[derive(Debug, Deserialize)]
+/// A perspective camera.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Perspective {
+    /// Width over height.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect_ratio: Option<f32>,
-    /// Radians.
+    /// The field of view along y in radians.
     pub yfov: f32,
+    /// The distance of the near plane.
     pub znear: f32,
+    /// The distance of the far plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub zfar: Option<f32>,
 }
 
-/// An orthographic camera; `xmag` and `ymag` are half the extent of the picture.
-#[derive(Debug, Deserialize)]
+/// An orthographic camera.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Orthographic {
+    /// Half the width of the picture.
     pub xmag: f32,
+    /// Half the height of the picture.
     pub ymag: f32,
+    /// The distance of the near plane.
     pub znear: f32,
+    /// The distance of the far plane.
     pub zfar: f32,
 }
 

@@ -167,10 +167,10 @@ impl Stage<'_> {
             Lens::Pinhole | Lens::Thin { .. } => {
                 let along_x = sensor.fov_axis.horizontal(sensor.fov, aspect);
                 let perspective = Perspective {
-                    aspect_ratio: aspect,
+                    aspect_ratio: Some(aspect),
                     yfov: FovAxis::Y.of_horizontal(along_x, aspect).to_radians(),
                     znear: near,
-                    zfar: far.max(near * 1.001),
+                    zfar: Some(far.max(near * 1.001)),
                 };
                 Projection::Perspective { perspective }
             }

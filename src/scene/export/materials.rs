@@ -362,8 +362,10 @@ impl MaterialWriter<'_, '_> {
         }
         let extensions = &mut material.extensions;
         if look.specular < 1.0 {
-            let specular_factor = look.specular;
-            extensions.specular = Some(Specular { specular_factor });
+            extensions.specular = Some(Specular {
+                specular_factor: look.specular,
+                ..Specular::default()
+            });
         }
         if look.index != USUAL_INDEX && look.specular > 0.0 {
             extensions.ior = Some(IndexOfRefraction { ior: look.index });
@@ -372,6 +374,7 @@ impl MaterialWriter<'_, '_> {
             extensions.sheen = Some(Sheen {
                 sheen_color_factor: look.sheen.clamp(Rgb::ZERO, Rgb::ONE).to_array(),
                 sheen_roughness_factor: SHEEN_ROUGHNESS,
+                ..Sheen::default()
             });
         }
         self.layers(
@@ -414,6 +417,7 @@ impl MaterialWriter<'_, '_> {
                 clearcoat_factor: factor.x.clamp(0.0, 1.0),
                 clearcoat_texture: self.texture(red(plane)).map(|(info, _)| info),
                 clearcoat_roughness_factor: clearcoat_roughness.clamp(0.0, 1.0),
+                ..Clearcoat::default()
             });
         }
     }

@@ -155,6 +155,7 @@ impl<'a> Pictures<'a> {
         let info = TextureInfo {
             index: writer.add_texture(picture, sampler),
             tex_coord: 0,
+            scale: 1.0,
             extensions: TextureExtensions {
                 transform: transform_of(&lie.to_uv).filter(|_| lie.to_uv != Affine2::IDENTITY),
             },
@@ -381,6 +382,7 @@ fn transform_of(map: &Affine2) -> Option<TextureTransform> {
         offset: map.translation.to_array(),
         rotation: -angle,
         scale: [x.length(), y.dot(Vec2::from_angle(angle).perp())],
+        tex_coord: None,
     })
 }
 

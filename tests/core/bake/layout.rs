@@ -13,6 +13,14 @@ use sunroom::gltf::write::model::{Mesh, Node, Pose, Primitive as GltfPrimitive};
 
 use super::{covered, patch};
 
+/// White, and unlike the usual material no metal.
+fn paper() -> Pbr {
+    Pbr {
+        metallic_factor: 0.0,
+        ..Pbr::default()
+    }
+}
+
 /// Cubes of one mesh: two of one size, one of another, one mirrored, one that is clear, and one that moves.
 fn cubes() -> GltfWriter {
     let mut writer = GltfWriter::default();
@@ -24,7 +32,7 @@ fn cubes() -> GltfWriter {
     let material = |color: f32, double_sided| GltfMaterial {
         pbr_metallic_roughness: Pbr {
             base_color_factor: [color, color, color, 1.0],
-            ..Pbr::default()
+            ..paper()
         },
         double_sided,
         ..GltfMaterial::default()
@@ -226,6 +234,7 @@ fn each_side_of_a_square_is_one_chart() {
     let attributes = writer.add_vertices(&square, None).expect("few vertices");
     let indices = writer.add_triangles(&square.triangles, 4).expect("few triangles");
     let material = writer.add_material(GltfMaterial {
+        pbr_metallic_roughness: paper(),
         double_sided: true,
         ..GltfMaterial::default()
     });
@@ -267,7 +276,7 @@ fn lightmaps_have_their_coordinates_after_others() {
             .add_triangles(&mesh.triangles, mesh.positions.len())
             .expect("few triangles");
         let material = Some(writer.add_material(GltfMaterial {
-            pbr_metallic_roughness: Pbr::default(),
+            pbr_metallic_roughness: paper(),
             ..GltfMaterial::default()
         }));
         let mesh = writer.add_mesh(Mesh {

@@ -1,9 +1,9 @@
-//! The materials of a glTF file, and how they use textures.
+//! The materials of a glTF file, and how they use textures. Layers are the same in files that are read and written.
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 #[derive(Debug, Default, Deserialize)]
@@ -20,13 +20,21 @@ pub struct Material {
     pub extensions: MaterialExtensions,
 }
 
-#[derive(Debug, Deserialize)]
+/// The metallic-roughness model.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Pbr {
+    /// Linear Rec. 709 with alpha.
     pub base_color_factor: [f32; 4],
+    /// sRGB with alpha.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_color_texture: Option<TextureInfo>,
+    /// 0 to 1.
     pub metallic_factor: f32,
+    /// 0 to 1.
     pub roughness_factor: f32,
+    /// Roughness in green, metallic in blue.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub metallic_roughness_texture: Option<TextureInfo>,
 }
 
@@ -42,33 +50,42 @@ impl Default for Pbr {
     }
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// The layers that are extensions.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub struct MaterialExtensions {
-    #[serde(rename = "KHR_materials_emissive_strength")]
+    /// A factor on the light that is sent out.
+    #[serde(rename = "KHR_materials_emissive_strength", skip_serializing_if = "Option::is_none")]
     pub emissive_strength: Option<EmissiveStrength>,
-    #[serde(rename = "KHR_materials_transmission")]
+    /// Light that goes through.
+    #[serde(rename = "KHR_materials_transmission", skip_serializing_if = "Option::is_none")]
     pub transmission: Option<Transmission>,
-    #[serde(rename = "KHR_materials_volume")]
+    /// What is inside of the surface.
+    #[serde(rename = "KHR_materials_volume", skip_serializing_if = "Option::is_none")]
     pub volume: Option<Volume>,
-    #[serde(rename = "KHR_materials_ior")]
+    /// The index of refraction.
+    #[serde(rename = "KHR_materials_ior", skip_serializing_if = "Option::is_none")]
     pub ior: Option<IndexOfRefraction>,
-    #[serde(rename = "KHR_materials_clearcoat")]
+    /// A clear layer of lacquer.
+    #[serde(rename = "KHR_materials_clearcoat", skip_serializing_if = "Option::is_none")]
     pub clearcoat: Option<Clearcoat>,
-    #[serde(rename = "KHR_materials_sheen")]
+    /// The glow of cloth.
+    #[serde(rename = "KHR_materials_sheen", skip_serializing_if = "Option::is_none")]
     pub sheen: Option<Sheen>,
-    #[serde(rename = "KHR_materials_specular")]
+    /// The strength of the mirror image of what is no metal.
+    #[serde(rename = "KHR_materials_specular", skip_serializing_if = "Option::is_none")]
     pub specular: Option<Specular>,
-    #[serde(rename = "KHR_materials_unlit")]
+    /// A colour without light and shadow.
+    #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
     pub unlit: Option<Value>,
-    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
-    pub specular_glossiness: Option<SpecularGlossiness>,
-    /// All others, by name.
-    #[serde(flatten)]
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness", skip_serializing)]
+    pub(in crate::gltf) specular_glossiness: Option<SpecularGlossiness>,
+    /// All others that a file has, by name. They are not read.
+    #[serde(flatten, skip_serializing)]
     pub unread: BTreeMap<String, IgnoredAny>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct SpecularGlossiness {
     pub diffuse_factor: [f32; 4],
@@ -90,31 +107,44 @@ impl Default for SpecularGlossiness {
     }
 }
 
-#[derive(Debug, Deserialize)]
+/// KHR_materials_emissive_strength.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct EmissiveStrength {
+    /// At least 0.
     #[serde(default = "super::one")]
     pub emissive_strength: f32,
 }
 
-#[derive(Debug, Deserialize)]
+/// KHR_materials_transmission.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
-#[derive(Default)]
 pub struct Transmission {
+    /// The share of light, 0 to 1.
     pub transmission_factor: f32,
+    /// The same in red.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub transmission_texture: Option<TextureInfo>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// KHR_materials_volume.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Volume {
+    /// How thick it is for programs that do not trace light through it; above 0.
     pub thickness_factor: f32,
+    /// After this distance light has the attenuation colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub attenuation_distance: Option<f32>,
+    /// Linear Rec. 709.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub attenuation_color: Option<[f32; 3]>,
 }
 
-#[derive(Debug, Deserialize)]
+/// KHR_materials_ior.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct IndexOfRefraction {
+    /// At least 1.
     #[serde(default = "glass")]
     pub ior: f32,
 }
@@ -123,62 +153,97 @@ fn glass() -> f32 {
     1.5
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// KHR_materials_clearcoat.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Clearcoat {
+    /// 0 to 1.
     pub clearcoat_factor: f32,
+    /// The same in red.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_texture: Option<TextureInfo>,
+    /// 0 to 1.
     pub clearcoat_roughness_factor: f32,
+    /// The same in green.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_roughness_texture: Option<TextureInfo>,
+    /// Normals of the layer in tangent space.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_normal_texture: Option<TextureInfo>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// KHR_materials_sheen.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Sheen {
+    /// Linear Rec. 709.
     pub sheen_color_factor: [f32; 3],
+    /// sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sheen_color_texture: Option<TextureInfo>,
+    /// 0 to 1.
     pub sheen_roughness_factor: f32,
+    /// The same in alpha.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sheen_roughness_texture: Option<TextureInfo>,
 }
 
-#[derive(Debug, Deserialize)]
+/// KHR_materials_specular.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Specular {
+    /// A factor on the reflectance, 0 to 1.
     #[serde(default = "super::one")]
     pub specular_factor: f32,
+    /// The same in alpha.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_texture: Option<TextureInfo>,
+    /// The colour of the reflectance head on, linear Rec. 709; white if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color_factor: Option<[f32; 3]>,
+    /// The same, sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color_texture: Option<TextureInfo>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// A texture as a material uses it.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct TextureInfo {
+    /// The index of the texture.
     pub index: usize,
-    #[serde(default)]
+    /// The set of texture coordinates.
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub tex_coord: usize,
-    /// The scale of a normal texture.
-    #[serde(default = "super::one")]
+    /// The scale of a normal texture. It is not written.
+    #[serde(default = "super::one", skip_serializing)]
     pub scale: f32,
-    #[serde(default)]
+    /// How it lies.
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub extensions: TextureExtensions,
 }
 
-#[derive(Clone, Debug, Default, Deserialize)]
+/// The extensions of a texture's use.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub struct TextureExtensions {
-    #[serde(rename = "KHR_texture_transform")]
+    /// Applied to the coordinates before the look-up.
+    #[serde(rename = "KHR_texture_transform", skip_serializing_if = "Option::is_none")]
     pub transform: Option<TextureTransform>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// KHR_texture_transform: a scale, then a turn, then a shift of the coordinates.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct TextureTransform {
+    /// The shift.
     pub offset: [f32; 2],
     /// Radians, counter-clockwise in the picture.
     pub rotation: f32,
+    /// The factors.
     pub scale: [f32; 2],
+    /// The set of texture coordinates, in place of that of the texture.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tex_coord: Option<usize>,
 }
 
@@ -191,4 +256,9 @@ impl Default for TextureTransform {
             tex_coord: None,
         }
     }
+}
+
+/// Whether a value is the one that is meant where the file does not say any.
+pub fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-/// Whether a value is the one that is meant where the file does not say any.
-pub(super) fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
+use crate::gltf::schema::is_usual;
+pub use crate::gltf::schema::{
+    Clearcoat, EmissiveStrength, IndexOfRefraction, MaterialExtensions, Pbr, Sheen, Specular, TextureExtensions,
+    TextureInfo, TextureTransform, Transmission, Volume,
+};
 
 /// A material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -36,166 +37,6 @@ pub struct Material {
     /// Further layers.
     #[serde(skip_serializing_if = "is_usual")]
     pub extensions: MaterialExtensions,
-}
-
-/// The metallic-roughness model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Pbr {
-    /// Linear Rec. 709 with alpha.
-    pub base_color_factor: [f32; 4],
-    /// sRGB with alpha.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub base_color_texture: Option<TextureInfo>,
-    /// 0 to 1.
-    pub metallic_factor: f32,
-    /// 0 to 1.
-    pub roughness_factor: f32,
-    /// Roughness in green, metallic in blue.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub metallic_roughness_texture: Option<TextureInfo>,
-}
-
-impl Default for Pbr {
-    fn default() -> Self {
-        Self {
-            base_color_factor: [1.0; 4],
-            base_color_texture: None,
-            metallic_factor: 0.0,
-            roughness_factor: 1.0,
-            metallic_roughness_texture: None,
-        }
-    }
-}
-
-/// The layers that are extensions.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct MaterialExtensions {
-    /// A factor on the light that is sent out.
-    #[serde(rename = "KHR_materials_emissive_strength", skip_serializing_if = "Option::is_none")]
-    pub emissive_strength: Option<EmissiveStrength>,
-    /// Light that goes through.
-    #[serde(rename = "KHR_materials_transmission", skip_serializing_if = "Option::is_none")]
-    pub transmission: Option<Transmission>,
-    /// What is inside of the surface.
-    #[serde(rename = "KHR_materials_volume", skip_serializing_if = "Option::is_none")]
-    pub volume: Option<Volume>,
-    /// The index of refraction.
-    #[serde(rename = "KHR_materials_ior", skip_serializing_if = "Option::is_none")]
-    pub ior: Option<IndexOfRefraction>,
-    /// A clear layer of lacquer.
-    #[serde(rename = "KHR_materials_clearcoat", skip_serializing_if = "Option::is_none")]
-    pub clearcoat: Option<Clearcoat>,
-    /// The glow of cloth.
-    #[serde(rename = "KHR_materials_sheen", skip_serializing_if = "Option::is_none")]
-    pub sheen: Option<Sheen>,
-    /// The strength of the mirror image of what is no metal.
-    #[serde(rename = "KHR_materials_specular", skip_serializing_if = "Option::is_none")]
-    pub specular: Option<Specular>,
-}
-
-/// KHR_materials_emissive_strength.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct EmissiveStrength {
-    /// At least 0.
-    pub emissive_strength: f32,
-}
-
-/// KHR_materials_transmission.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Transmission {
-    /// The share of light, 0 to 1.
-    pub transmission_factor: f32,
-    /// The same in red.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transmission_texture: Option<TextureInfo>,
-}
-
-/// KHR_materials_volume.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Volume {
-    /// How thick it is for programs that do not trace light through it; above 0.
-    pub thickness_factor: f32,
-    /// After this distance light has the attenuation colour.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub attenuation_distance: Option<f32>,
-    /// Linear Rec. 709.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub attenuation_color: Option<[f32; 3]>,
-}
-
-/// KHR_materials_ior.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct IndexOfRefraction {
-    /// At least 1.
-    pub ior: f32,
-}
-
-/// KHR_materials_clearcoat.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Clearcoat {
-    /// 0 to 1.
-    pub clearcoat_factor: f32,
-    /// The same in red.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub clearcoat_texture: Option<TextureInfo>,
-    /// 0 to 1.
-    pub clearcoat_roughness_factor: f32,
-}
-
-/// KHR_materials_sheen.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Sheen {
-    /// Linear Rec. 709.
-    pub sheen_color_factor: [f32; 3],
-    /// 0 to 1.
-    pub sheen_roughness_factor: f32,
-}
-
-/// KHR_materials_specular.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Specular {
-    /// A factor on the reflectance, 0 to 1.
-    pub specular_factor: f32,
-}
-
-/// A texture as a material uses it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct TextureInfo {
-    /// The index of the texture.
-    pub index: usize,
-    /// The set of texture coordinates.
-    #[serde(skip_serializing_if = "is_usual")]
-    pub tex_coord: usize,
-    /// How it lies.
-    #[serde(skip_serializing_if = "is_usual")]
-    pub extensions: TextureExtensions,
-}
-
-/// The extensions of a texture's use.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct TextureExtensions {
-    /// Applied to the coordinates before the look-up.
-    #[serde(rename = "KHR_texture_transform", skip_serializing_if = "Option::is_none")]
-    pub transform: Option<TextureTransform>,
-}
-
-/// KHR_texture_transform: a scale, then a turn, then a shift of the coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TextureTransform {
-    /// The shift.
-    pub offset: [f32; 2],
-    /// Radians, counter-clockwise in the picture.
-    pub rotation: f32,
-    /// The factors.
-    pub scale: [f32; 2],
 }
 
 impl Material {

@@ -136,7 +136,7 @@ impl GltfWriter {
     /// Adds a way to look at a picture, unless there is an equal one.
     pub fn add_texture(&mut self, picture: usize, sampler: Sampler) -> usize {
         let sampler = (sampler != Sampler::default()).then(|| push_new(&mut self.root.samplers, sampler));
-        let source = picture;
+        let source = Some(picture);
         push_new(&mut self.root.textures, Texture { source, sampler })
     }
 

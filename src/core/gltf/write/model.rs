@@ -5,8 +5,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::material::{Material, MaterialExtensions, TextureInfo, is_usual};
+use super::material::{Material, MaterialExtensions, TextureInfo};
 use crate::files::checksum;
+pub(super) use crate::gltf::schema::Texture;
+pub use crate::gltf::schema::{NodeLight, Orthographic, Perspective, Sampler, Spot};
+use crate::gltf::schema::{Scene, is_usual};
 
 /// The whole file.
 #[derive(Debug, Default, Serialize)]
@@ -67,12 +70,6 @@ pub(super) struct RootExtensions {
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub(super) struct Lights {
     pub lights: Vec<Light>,
-}
-
-#[derive(Debug, Default, Serialize)]
-pub(super) struct Scene {
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub nodes: Vec<usize>,
 }
 
 /// A node: a place in the world with what stands there.
@@ -147,13 +144,6 @@ pub struct NodeExtensions {
     pub light: Option<NodeLight>,
 }
 
-/// A light of a node.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NodeLight {
-    /// The index of the light.
-    pub light: usize,
-}
-
 /// A light of KHR_lights_punctual, which shines along -z of its node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Light {
@@ -169,16 +159,6 @@ pub struct Light {
     /// The cone of a spot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spot: Option<Spot>,
-}
-
-/// The half angles of a spot's cone in radians.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Spot {
-    /// The angle within which it has its full strength, less than the outer one.
-    pub inner_cone_angle: f32,
-    /// The angle at which it ends, at most pi / 2.
-    pub outer_cone_angle: f32,
 }
 
 /// A mesh: what stands at a node.
@@ -203,29 +183,6 @@ pub struct Primitive {
     /// The index of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<usize>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Texture {
-    pub source: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sampler: Option<usize>,
-}
-
-/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring
-/// texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Sampler {
-    /// 9728 (nearest) or 9729 (linear).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mag_filter: Option<u32>,
-    /// 33071 (clamp), 33648 (mirror) or 10497 (repeat).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wrap_s: Option<u32>,
-    /// 33071 (clamp), 33648 (mirror) or 10497 (repeat).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -279,33 +236,6 @@ pub enum Projection {
         /// The numbers.
         orthographic: Orthographic,
     },
-}
-
-/// A perspective camera.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Perspective {
-    /// Width over height.
-    pub aspect_ratio: f32,
-    /// The field of view along y in radians.
-    pub yfov: f32,
-    /// The distance of the near plane.
-    pub znear: f32,
-    /// The distance of the far plane.
-    pub zfar: f32,
-}
-
-/// An orthographic camera.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Orthographic {
-    /// Half the width of the picture.
-    pub xmag: f32,
-    /// Half the height of the picture.
-    pub ymag: f32,
-    /// The distance of the near plane.
-    pub znear: f32,
-    /// The distance of the far plane.
-    pub zfar: f32,
 }
 
 #[derive(Debug, Default, Serialize)]
