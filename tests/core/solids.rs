@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::ply::load_ply;
-use sunroom::geometry::solid::{Hole, ply, prism, stairs, wall};
+use sunroom::geometry::solid::{Hole, prism, stairs, to_ply, wall};
 
 fn hole(from: f32, sill: f32, width: f32, height: f32) -> Hole {
     Hole {
@@ -160,7 +160,7 @@ fn pictures_stand_upright_on_walls() {
 #[test]
 fn written_meshes_are_read_back_bit_for_bit() {
     let mesh = wall(4.0, 2.5, 0.2, &[hole(1.1, 0.9, 1.2, 1.3)]);
-    let read = load_ply(ply::to_ply(&mesh).as_bytes()).expect("a good file").mesh;
+    let read = load_ply(to_ply(&mesh).as_bytes()).expect("a good file").mesh;
     assert!(read.positions == mesh.positions && read.normals == mesh.normals);
     assert!(read.uvs == mesh.uvs && read.triangles == mesh.triangles);
 }

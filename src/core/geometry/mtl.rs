@@ -1,22 +1,23 @@
-//! Reads MTL material libraries, the companions of OBJ files.
+//! Reads MTL material libraries, the companions of OBJ files, and says what their materials are meant to be.
 //!
 //! The `tobj` crate reads the statements that it knows. It gets them one by one: in a whole library it stops at the
 //! first statement that it does not understand, without saying where. Such a statement is a warning here.
 
+use std::collections::HashSet;
+use std::io;
 use std::path::Path;
 
 use glam::Vec3;
 
 use super::mesh::MtlMaterial;
-use super::mesh_file::{Warnings, decode, excerpt};
+use super::mesh_file::{Place, Warnings, decode, excerpt};
 use super::mtl_map::{MtlMaps, parse_map};
-use super::mtl_model::MtlModel;
 
 /// The most materials of a library that are read: triangles count them with sixteen bits.
-pub(super) const MOST_MATERIALS: usize = 1 << 16;
+const MOST_MATERIALS: usize = 1 << 16;
 
 /// The material of triangles whose `usemtl` names none that exists: the grey that Mitsuba gives shapes without a bsdf.
-pub fn default_material(name: &str) -> MtlMaterial {
+pub(super) fn default_material(name: &str) -> MtlMaterial {
     MtlMaterial {
         name: name.to_owned(),
         kd: Vec3::splat(0.5),
@@ -37,7 +38,7 @@ pub fn default_material(name: &str) -> MtlMaterial {
 ///
 /// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another
 /// colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
-pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
+fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
     let library_name = library.replace('\\', "/");
     let folder = Path::new(&library_name).parent().unwrap_or(Path::new(""));
     let mut materials: Vec<MtlMaterial> = Vec::new();
@@ -177,6 +178,116 @@ fn filter(values: &[&str]) -> Option<Vec3> {
 
 fn within(value: Option<f32>, least: f32, most: f32) -> Option<f32> {
     value.filter(|value| (least..=most).contains(value))
+}
+
+/// A diffuse colour up to this is written by exporters that avoid zero.
+const AS_GOOD_AS_BLACK: f32 = 0.02;
+
+/// The kinds of surfaces that MTL materials stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MtlModel {
+    /// Clear glass, through which light comes out in the colour `tf`.
+    Glass {
+        /// The index of refraction.
+        index: f32,
+    },
+    /// Rough metal in the colour `kd`.
+    Metal {
+        /// The square root of the spread of its facets, as the file gives it: at least [`MtlModel::LEAST_ROUGHNESS`]
+        /// is meant.
+        roughness: f32,
+    },
+    /// A mirror in the colour `ks`.
+    Mirror,
+    /// Diffuse `kd`.
+    Matt,
+}
+
+impl MtlModel {
+    /// The least roughness of a metal.
+    pub const LEAST_ROUGHNESS: f32 = 0.03;
+}
+
+impl MtlMaterial {
+    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Of what is no glass, the
+    /// share [`MtlMaterial::d`] is there.
+    pub fn model(&self) -> MtlModel {
+        let refracts = (self.ni - 1.0).abs() > 1e-3 && self.ni > 0.0;
+        if matches!(self.illum, Some(6 | 7)) || refracts && matches!(self.illum, Some(4 | 9)) {
+            let index = if refracts { self.ni } else { 1.5 };
+            return MtlModel::Glass { index };
+        }
+        if self.pm.is_some_and(|metallic| metallic > 0.5) {
+            let roughness = self.pr.unwrap_or(0.0);
+            return MtlModel::Metal { roughness };
+        }
+        match self.illum {
+            Some(3 | 5) if self.kd.max_element() <= AS_GOOD_AS_BLACK => MtlModel::Mirror,
+            _ => MtlModel::Matt,
+        }
+    }
+}
+
+/// The most libraries that are looked for, more than any real file names.
+const MOST_LIBRARIES: usize = 64;
+
+/// The libraries of a file while its statements are gone through.
+pub(super) struct Libraries<'l> {
+    fetch: &'l mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+    /// The names that were asked for. However often the file has a name, it is asked for once.
+    asked: HashSet<String>,
+    /// The materials so far, in the order of the statements.
+    pub materials: Vec<MtlMaterial>,
+}
+
+impl<'l> Libraries<'l> {
+    /// `fetch` gives the content of the library with a name.
+    pub fn new(fetch: &'l mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Self {
+        Self {
+            fetch,
+            asked: HashSet::new(),
+            materials: Vec::new(),
+        }
+    }
+
+    /// Reads the library or libraries of a statement: `names` is one file name, spaces and all, or if there is no such
+    /// file, several.
+    pub fn add(&mut self, names: &str, place: Place, warnings: &mut Warnings) {
+        let whole = names.trim_matches('"');
+        let Err(error) = self.read(whole, place, warnings) else {
+            return;
+        };
+        let several = names.split_whitespace().take(MOST_LIBRARIES);
+        if several.clone().count() < 2 {
+            warnings.add(place, &unreadable(whole, &error));
+            return;
+        }
+        for name in several {
+            if let Err(error) = self.read(name, place, warnings) {
+                warnings.add(place, &unreadable(name, &error));
+            }
+        }
+    }
+
+    /// Reads one library, unless it was asked for before.
+    fn read(&mut self, name: &str, place: Place, warnings: &mut Warnings) -> io::Result<()> {
+        if self.asked.contains(name) {
+            return Ok(());
+        }
+        if self.asked.len() == MOST_LIBRARIES || self.materials.len() >= MOST_MATERIALS {
+            warnings.add(place, "further material libraries are ignored");
+            return Ok(());
+        }
+        self.asked.insert(name.to_owned());
+        let bytes = (self.fetch)(name)?;
+        self.materials.extend(read_mtl(&bytes, name, warnings));
+        Ok(())
+    }
+}
+
+fn unreadable(name: &str, error: &io::Error) -> String {
+    let name = excerpt(name.as_bytes());
+    format!("the material library {name} cannot be read: {error}")
 }
 
 #[cfg(test)]

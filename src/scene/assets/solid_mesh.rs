@@ -1,8 +1,7 @@
 //! The meshes of building parts.
 
 use crate::geometry::mesh::MeshData;
-use crate::geometry::solid::ply::to_ply;
-use crate::geometry::solid::{self, Hole};
+use crate::geometry::solid::{self, Hole, to_ply};
 use crate::scene::Solid;
 
 /// The mesh of a building part in its own space: closed, with flat normals outward.

@@ -4,7 +4,7 @@ use super::level::Level;
 use super::look::Look;
 use super::looks::Looks;
 use crate::geometry::mesh::MtlMaterial;
-use crate::geometry::mtl_model::MtlModel;
+use crate::geometry::mtl::MtlModel;
 use crate::scene::Parameter;
 use crate::scene::assets::mtl_picture::mtl_picture;
 
