@@ -19,8 +19,7 @@ use sunroom::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, SPEED_RANGE, UI_SCALES,
 };
 use sunroom::app::editor::command::traits::Effect;
-use sunroom::app::editor::command::{Command, EditCommand, HistoryCommand};
-use sunroom::app::editor::command::{SceneEdit, SelectionCommand, ViewCommand};
+use sunroom::app::editor::command::{Command, EditCommand, HistoryCommand, SceneEdit, SelectionCommand, ViewCommand};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;

@@ -6,8 +6,9 @@ use bevy_egui::egui::{self, Key, Modifiers, Pos2};
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::material_tree::MaterialTree;
 use sunroom::app::editor::command::selection::Selection;
-use sunroom::app::editor::command::{Command, FileDialogKind, presets};
-use sunroom::app::editor::command::{EditCommand, FileCommand, MaterialEdit, ValueEdit};
+use sunroom::app::editor::command::{
+    Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, ValueEdit, presets,
+};
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
 use sunroom::app::editor::panels::library::{self, LibraryState};
 use sunroom::color::Rgb;

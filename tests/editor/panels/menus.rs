@@ -9,10 +9,11 @@ use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
-use sunroom::app::editor::command::panel;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
-use sunroom::app::editor::command::{Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand, ViewCommand};
+use sunroom::app::editor::command::{
+    Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand, ViewCommand, panel,
+};
 use sunroom::app::editor::input::actions::{ActionContext, find};
 use sunroom::app::editor::model::{HistoryModel, Model, Notice, Outline, StatusModel};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};

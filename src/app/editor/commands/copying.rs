@@ -7,8 +7,7 @@ use bevy::prelude::*;
 
 use super::{arranging, grouping, media_upkeep, placing, things};
 use crate::app::editor::camera::rounding;
-use crate::app::editor::command::arrange::Direction;
-use crate::app::editor::command::arrange::{LONGEST_SERIES, Series, Way};
+use crate::app::editor::command::arrange::{Direction, LONGEST_SERIES, Series, Way};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::{Edit, History, StepKind};

@@ -6,8 +6,8 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::*;
 
 use super::adding::import_chosen;
-use super::pictures::set_picture;
 use super::spot::rounded_place;
+use super::texturing::set_picture;
 use super::things::need_surface;
 use super::{materials, things, volumes};
 use crate::app::editor::camera::picking;

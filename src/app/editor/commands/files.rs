@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::{finished, grouping};
+use super::{baking, exporting, finished, full_film, grouping};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileCommand, FileDialogKind};
@@ -29,6 +29,35 @@ use crate::scene::{
     self, ActiveSensor, AuthoredScene, Film, FilmStorage, IntegratorSettings, Keys, OpenScene, Placements, SceneFile,
     SceneState, SceneStatus, SceneWatch, insert,
 };
+
+/// Does what the command says.
+pub fn apply(world: &mut World, command: FileCommand) -> Result<(), CommandError> {
+    match command {
+        FileCommand::NewScene => {
+            baking::leave_scene(world);
+            new_scene(world);
+        }
+        FileCommand::OpenScene(path) => {
+            baking::leave_scene(world);
+            open_scene(world, path);
+        }
+        FileCommand::ReloadScene => reload_scene(world)?,
+        FileCommand::RevertScene => {
+            revert_scene(world)?;
+            baking::leave_scene(world);
+        }
+        FileCommand::Save => save(world)?,
+        FileCommand::SaveScene(path) => save_to(world, &path)?,
+        FileCommand::SaveChanged(path, on_change) => save_scene(world, &path, on_change)?,
+        FileCommand::ExportScene(path) => exporting::export_now(world, &path)?,
+        FileCommand::SaveImage(path) => full_film::save_image(world, path)?,
+        FileCommand::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),
+        FileCommand::Quit => {
+            world.write_message(AppExit::Success);
+        }
+    }
+    Ok(())
+}
 
 /// The path of texts of the clipboard: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";

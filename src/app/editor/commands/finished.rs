@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::*;
 
-use super::view;
+use super::display::set_display;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
@@ -168,7 +168,7 @@ pub fn expose(world: &mut World) -> Result<(), CommandError> {
     let display = world.resource::<ViewSettings>().display;
     // The steps are coarse enough to read.
     let exposure = (10.0 * stops).round() / 10.0;
-    view::set_display(world, DisplaySettings { exposure, ..display });
+    set_display(world, DisplaySettings { exposure, ..display });
     Ok(())
 }
 

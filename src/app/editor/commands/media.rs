@@ -7,6 +7,7 @@ use super::spot;
 use super::things::{need, need_surface, replace};
 use super::world::tell;
 use crate::app::editor::camera::picking;
+use crate::app::editor::command::MediumEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::media::{Filling, MediumSide};
@@ -20,6 +21,16 @@ use crate::scene::{
     Coefficients, DeclaredIn, DocumentOrder, Emitter, ExteriorMedium, FirstNestedIn, InMedium, InteriorMedium, Locked,
     Material, Medium, PhaseFunction, SceneId, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
 };
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: MediumEdit) -> Result<(), CommandError> {
+    match command {
+        MediumEdit::UseMedium { things, side, medium } => use_medium(edit, &things, side, medium)?,
+        MediumEdit::GiveMedium { thing, side } => give(edit, thing, side)?,
+        MediumEdit::Fill { shapes, with } => fill(edit, &shapes, with)?,
+    }
+    Ok(())
+}
 
 /// The depth to which materials inside of others are looked through.
 const DEEPEST: usize = 8;

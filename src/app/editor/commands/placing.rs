@@ -5,14 +5,31 @@ use std::collections::HashSet;
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
-use super::{grouping, things};
+use super::{arranging, fitting, grouping, things};
 use crate::app::editor::camera::{picking, pose, rounding};
+use crate::app::editor::command::ArrangeEdit;
 use crate::app::editor::command::arrange::Direction;
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::history::{Edit, StepKind};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: ArrangeEdit) -> Result<(), CommandError> {
+    match command {
+        ArrangeEdit::Align(axis, side, to) => arranging::align(edit, axis, side, to)?,
+        ArrangeEdit::Distribute(axis, by) => arranging::distribute(edit, axis, by)?,
+        ArrangeEdit::FitToView(entities) => fitting::fit_to_view(edit, &entities)?,
+        ArrangeEdit::Nudge(direction) => {
+            edit.kind = StepKind::Move;
+            nudge(edit, direction)?;
+        }
+        ArrangeEdit::Drop => drop(edit)?,
+        ArrangeEdit::SnapToGrid => onto_grid(edit)?,
+    }
+    Ok(())
+}
 
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
     let units = grouping::units(edit)?;

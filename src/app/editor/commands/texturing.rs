@@ -3,12 +3,37 @@
 use bevy::math::Affine2;
 use bevy::prelude::*;
 
+use super::things::outer_materials;
+use super::uv_projection;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::texture_placing::has_textures;
+use crate::app::editor::command::{TextureEdit, texture_placing};
 use crate::app::editor::session::history::Edit;
-use crate::scene::{Material, Shape, UsesMaterial};
+use crate::app::editor::session::trust;
+use crate::document::paths::settle;
+use crate::scene::{AreaLight, ChosenPicture, Emitter, Material, MaterialUsers, Shape, SquarePath, UsesMaterial};
+use std::path::PathBuf;
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: TextureEdit) -> Result<(), CommandError> {
+    match command {
+        TextureEdit::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        } => {
+            let path = settle(&path);
+            trust::allow_chosen(edit.world, &path);
+            set_picture(edit, owner, parameter, place, path);
+        }
+        TextureEdit::PlaceTextures { owner, before, after } => place(edit, owner, before, after)?,
+        TextureEdit::ProjectTextures { shapes, projection } => uv_projection::project(edit, &shapes, projection)?,
+    }
+    Ok(())
+}
 
 /// Gives all textures of a material, or of a shape's, that have one transform of uv another one. An error if there are
 /// none.
@@ -62,6 +87,52 @@ pub(crate) fn material_parts(world: &World, owner: Entity) -> Vec<Entity> {
             }
         }
         next += 1;
+    }
+    found
+}
+
+/// The depth to which materials around a material are followed.
+const DEEPEST: usize = 8;
+
+/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture, upright on
+/// the shapes that have it. Lights have one parameter that may be a picture.
+pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
+    if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
+        let picture = upright(path.clone(), &shapes_of(edit.world, owner, DEEPEST));
+        edited.set_picture(parameter, place, &picture);
+        edit.set(owner, edited);
+    }
+    if let Some(mut edited) = edit.world.get::<AreaLight>(owner).cloned() {
+        let shape = edit.world.get::<Shape>(owner).cloned();
+        edited
+            .radiance
+            .set_picture_at(place, upright(path.clone(), shape.as_slice()));
+        edit.set(owner, edited);
+    }
+    if let Some(mut edited) = edit.world.get::<Emitter>(owner).cloned() {
+        edited.set_picture(place, path);
+        edit.set(owner, edited);
+    }
+}
+
+/// The picture turned over if all shapes would show it upside down.
+fn upright(path: PathBuf, shapes: &[Shape]) -> ChosenPicture {
+    let is_turned = !shapes.is_empty() && shapes.iter().all(Shape::shows_pictures_upside_down);
+    ChosenPicture {
+        path,
+        to_uv: texture_placing::upright(is_turned),
+    }
+}
+
+/// The shapes that have the material, or one that it is nested in.
+fn shapes_of(world: &World, material: Entity, deepest: usize) -> Vec<Shape> {
+    let users = world.get::<MaterialUsers>(material);
+    let shapes = users.into_iter().flat_map(|users| users.iter());
+    let mut found: Vec<Shape> = shapes.filter_map(|user| world.get::<Shape>(user).cloned()).collect();
+    if let Some(deepest) = deepest.checked_sub(1) {
+        for outer in outer_materials(world, material) {
+            found.extend(shapes_of(world, outer, deepest));
+        }
     }
     found
 }

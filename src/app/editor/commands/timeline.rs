@@ -11,6 +11,7 @@ use super::{grouping, note_input, view};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::timeline::TimeStep;
+use crate::app::editor::command::{TimeCommand, TimeEdit};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::Track;
@@ -20,6 +21,27 @@ use crate::scene::{
     ActiveSensor, FreeView, KeyEdit, KeyPath, Keys, SceneStatus, ToWorld, Turntable, edit_keys, place_path,
     show_moment, shown_time,
 };
+
+/// Does what the command says.
+pub fn apply(world: &mut World, command: TimeCommand) -> Result<(), CommandError> {
+    match command {
+        TimeCommand::SetTime(time) => set_time(world, time)?,
+        TimeCommand::StepTime(to) => step(world, to)?,
+        TimeCommand::SetPlaying(plays) => play(world, plays),
+        TimeCommand::SetTimeline(timeline) => world.resource_mut::<ViewSettings>().timeline = timeline.within_range(),
+        TimeCommand::ShowTimeline(shown) => world.resource_mut::<ViewSettings>().timeline_shown = Some(shown),
+    }
+    Ok(())
+}
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: TimeEdit) -> Result<(), CommandError> {
+    match command {
+        TimeEdit::AddTurntable => add_turntable(edit)?,
+        TimeEdit::Key(targets, how) => change_keys(edit, &targets, how)?,
+    }
+    Ok(())
+}
 
 /// Shows the scene at a time in seconds. Playing ends.
 pub fn set_time(world: &mut World, time: f64) -> Result<(), CommandError> {
@@ -111,7 +133,7 @@ pub(crate) fn play_on(world: &mut World) {
 
 /// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its
 /// tracks.
-pub fn edit(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
+fn change_keys(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
     let mut targets = match targets {
         [] => targets_of_selection(edit, how)?,
         targets => targets.to_vec(),

@@ -1,7 +1,6 @@
 //! What the history calls the steps: the verb of the command, and the names of the things it was about.
 
-use crate::app::editor::command::traits::Object;
-use crate::app::editor::command::traits::Subject;
+use crate::app::editor::command::traits::{Object, Subject};
 use bevy::math::Mat3A;
 use bevy::prelude::*;
 

@@ -3,36 +3,52 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::world::{control, set_resource};
-use super::{flight, seeing};
+use super::world::set_resource;
+use super::{flight, projection, seeing};
 use crate::app::editor::camera::pose::{self, view_pose};
 use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
-use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::stored_view::StoredView;
+use crate::app::editor::command::{CameraEdit, ViewCommand};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{PackedScene, ViewMode};
+use crate::engine::{PackedScene, RenderControl};
 use crate::math::Aabb;
-use crate::scene::{ActiveSensor, FreeView, KnownBounds, Lens, Sensor, Shape, ShapeKind, ToWorld};
+use crate::scene::{ActiveSensor, Film, FreeView, KnownBounds, Lens, Sensor, Shape, ShapeKind, ToWorld};
 
-/// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
-pub fn keep_step(world: &mut World) {
-    let mut settings = world.resource_mut::<ViewSettings>();
-    settings.building_step = Some(settings.length_step());
+/// Does what the command says.
+pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError> {
+    match command {
+        ViewCommand::FrameSelection => frame_selection(world)?,
+        ViewCommand::FrameAll => frame_all(world)?,
+        ViewCommand::MoveView(pose) => move_view(world, pose),
+        ViewCommand::SwitchProjection => projection::switch(world)?,
+        ViewCommand::LookThrough(entity) => look_through(world, entity),
+        ViewCommand::TurnAbout(point) => world.resource_mut::<ViewSettings>().navigation.pivot = Some(point),
+        ViewCommand::LookAlong(axis) => look_along(world, axis),
+        ViewCommand::StoreView(number) => store(world, number),
+        ViewCommand::RecallView(number) => recall(world, number)?,
+        ViewCommand::SetSpeed(speed) => world.resource_mut::<ViewSettings>().navigation.set_speed(speed),
+        ViewCommand::SetSeeing(seen) => seeing::set(world, seen),
+        ViewCommand::CutOpen => seeing::cut_open(world)?,
+        ViewCommand::Isolate(entities) => seeing::isolate(world, entities)?,
+    }
+    Ok(())
 }
 
-/// A length of the steps that is no longer chosen is the one that suits the scene now.
-pub fn set_gizmo(world: &mut World, gizmo: GizmoSettings) {
-    let mut settings = world.resource_mut::<ViewSettings>();
-    if settings.gizmo.steps.length.is_some() && gizmo.steps.length.is_none() {
-        settings.building_step = None;
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: CameraEdit) -> Result<(), CommandError> {
+    match command {
+        CameraEdit::MoveCameraToView => {
+            move_camera_to_view(edit)?;
+        }
+        CameraEdit::FocusAt(film) => focus(edit, film)?,
+        CameraEdit::KeepLimits => keep_limits(edit)?,
     }
-    settings.gizmo = gizmo;
+    Ok(())
 }
 
 pub fn move_view(world: &mut World, pose: Affine3A) {
@@ -263,19 +279,25 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     Ok(())
 }
 
-pub fn set_display(world: &mut World, display: DisplaySettings) {
-    let (least, most) = DisplaySettings::EXPOSURES.into_inner();
-    let display = DisplaySettings {
-        exposure: display.exposure.clamp(least, most),
-        ..display
+/// Writes samples, limit of noise and adaptive sampling into the film of the camera. The limits of the window stay as
+/// they are: they are the same then, and still count if this is undone.
+fn keep_limits(edit: &mut Edit) -> Result<(), CommandError> {
+    let sensor = edit.world.resource::<ActiveSensor>().0;
+    let film = sensor.and_then(|sensor| Some((sensor, *edit.world.get::<Film>(sensor)?)));
+    let (sensor, film) = film.ok_or("There is no camera.")?;
+    let control = edit.world.resource::<RenderControl>();
+    let kept = Film {
+        sample_count: control.target_samples.unwrap_or(film.sample_count),
+        // Zero is no limit, also where the film has one.
+        noise_target: control
+            .noise_target
+            .map_or(film.noise_target, |noise| Some(noise).filter(|noise| *noise > 0.0)),
+        adaptive: control.adaptive.unwrap_or(film.adaptive),
+        ..film
     };
-    world.resource_mut::<ViewSettings>().display = display;
-    let view_mode = match display.mode {
-        DisplayMode::BvhSteps => ViewMode::BvhSteps,
-        DisplayMode::OpticalDepth => ViewMode::OpticalDepth,
-        DisplayMode::Headlight => ViewMode::Headlight,
-        DisplayMode::Clay => ViewMode::Clay,
-        _ => ViewMode::Path,
-    };
-    control(world, |control| control.view_mode = view_mode);
+    if kept == film {
+        return Err("The camera has these limits already.".into());
+    }
+    edit.set(sensor, kept);
+    Ok(())
 }

@@ -4,7 +4,6 @@ use bevy::prelude::*;
 
 use crate::app::editor::session::toasts::Toasts;
 use crate::engine::RenderControl;
-use crate::scene::{AuthoredScene, LengthUnit};
 
 pub(crate) fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R) {
     if world.get_resource::<R>() != Some(&value) {
@@ -16,19 +15,6 @@ pub(crate) fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R)
 pub(crate) fn tell(world: &mut World, text: impl Into<String>) {
     if let Some(mut toasts) = world.get_resource_mut::<Toasts>() {
         toasts.info(text.into());
-    }
-}
-
-/// Sets the unit of length, and says so if the file cannot keep it.
-pub(crate) fn set_unit(world: &mut World, unit: LengthUnit) {
-    set_resource(world, unit);
-    let origin = world
-        .get_resource::<AuthoredScene>()
-        .and_then(|scene| scene.origin.as_ref());
-    if origin.is_some_and(|origin| origin.uses_unit_name)
-        && let Some(mut toasts) = world.get_resource_mut::<Toasts>()
-    {
-        toasts.warn("The file will not keep the unit: it uses the name `length_unit` for something else.");
     }
 }
 

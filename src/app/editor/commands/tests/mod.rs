@@ -10,6 +10,7 @@ mod files;
 mod full_film;
 mod grouping;
 mod kept_picture;
+mod material_trees;
 mod materials;
 mod picking;
 mod placing;
@@ -27,17 +28,25 @@ use super::bare_world::bare_world;
 use super::*;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::arrange::Direction;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Steps};
+use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::MaterialTree;
+use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{
     ArrangeEdit, DisplayCommand, EditCommand, HistoryCommand, MaterialEdit, OutlineEdit, RenderCommand, SceneEdit,
     SelectionCommand, TextureEdit, ToolCommand, ValueEdit, ViewCommand,
 };
+use crate::app::editor::picture::compare::Comparison;
+use crate::app::editor::session::history;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::{RenderControl, RenderFilm, ViewMode};
+use crate::engine::{PackedScene, RenderControl, RenderFilm, ViewMode};
 use crate::scene::{
-    AreaLight, FirstNested, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
+    ActiveSensor, AreaLight, DocumentOrder, Emitter, FirstNested, Hidden, Material, ObjectState, Parameter, SceneId,
+    Sensor, Shape, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };
 
 fn say(world: &mut World, command: impl Into<Command>) {

@@ -4,8 +4,7 @@
 use bevy_egui::egui::Key;
 
 use super::action::{Action, ActionContext, Group, action, plain, shift};
-use crate::app::editor::command::arrange::Direction;
-use crate::app::editor::command::arrange::{Reference, Side, Spacing};
+use crate::app::editor::command::arrange::{Direction, Reference, Side, Spacing};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Pivot};
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::snapping::{SnapTo, Snapping};

@@ -1,17 +1,31 @@
-//! The mix of the lights, written into the scene.
+//! Edits of the settings of the whole scene.
 
 use bevy::prelude::*;
 
+use super::world::set_resource;
+use crate::app::editor::command::SettingsEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
-use crate::scene::{AreaLight, Emitter};
+use crate::scene::{AreaLight, AuthoredScene, Emitter, LengthUnit};
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> {
+    match command {
+        SettingsEdit::SetIntegrator(settings) => set_resource(edit.world, settings),
+        SettingsEdit::SetSampler(settings) => set_resource(edit.world, settings),
+        SettingsEdit::SetAccel(method) => set_resource(edit.world, method),
+        SettingsEdit::SetUnit(unit) => set_unit(edit.world, unit),
+        SettingsEdit::BakeLights => bake(edit)?,
+    }
+    Ok(())
+}
 
 /// Bakes the mix into the lights. Those that cannot be multiplied stay in the mix, and are named in a message.
-pub fn bake(edit: &mut Edit) -> Result<(), CommandError> {
+fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     let mix = edit.world.resource::<LightMix>().clone();
     let gains = mix.gains(&edit.world.resource::<RenderFilm>().light_groups);
     if gains.is_empty() {
@@ -54,4 +68,17 @@ fn bake_one(edit: &mut Edit, light: Entity, gain: Rgb) -> Result<(), &'static st
         return Err("shines as its mesh file says");
     }
     Ok(())
+}
+
+/// Sets the unit of length, and says so if the file cannot keep it.
+fn set_unit(world: &mut World, unit: LengthUnit) {
+    set_resource(world, unit);
+    let origin = world
+        .get_resource::<AuthoredScene>()
+        .and_then(|scene| scene.origin.as_ref());
+    if origin.is_some_and(|origin| origin.uses_unit_name)
+        && let Some(mut toasts) = world.get_resource_mut::<Toasts>()
+    {
+        toasts.warn("The file will not keep the unit: it uses the name `length_unit` for something else.");
+    }
 }

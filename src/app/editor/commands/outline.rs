@@ -1,26 +1,51 @@
-//! The edits of the scene. Each is made through an [`Edit`], which records the former state.
+//! Edits of the outliner: names, order, groups, and the marks of hidden and locked things.
 
 use std::collections::HashSet;
 
 use bevy::prelude::*;
 
 use super::grouping;
-use super::things::{call, check_name, delete, selected};
+use super::things::{call, check_name};
+use crate::app::editor::command::OutlineEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::scene::names::is_taken;
-use crate::scene::{DocumentOrder, Emitter, Hidden, MemberOf, SceneId, Shape, ShapeGroup};
+use crate::scene::{DocumentOrder, Emitter, Hidden, Locked, MemberOf, SceneId, Shape, ShapeGroup};
 
-pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
-    for entity in selected(edit)? {
-        delete(edit, entity);
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: OutlineEdit) -> Result<(), CommandError> {
+    match command {
+        OutlineEdit::Rename(entity, name) => rename(edit, entity, &name)?,
+        OutlineEdit::Reorder { moved, before } => reorder(edit, &moved, before),
+        OutlineEdit::Group => grouping::group(edit)?,
+        OutlineEdit::Ungroup => grouping::ungroup(edit)?,
+        OutlineEdit::PutInto { things, folder } => grouping::put_into(edit, things, folder.as_deref())?,
+        OutlineEdit::Hide(entities, hidden) => hide(edit, &entities, hidden),
+        OutlineEdit::HideOthers => {
+            let selection = edit.world.resource::<Selection>().clone();
+            let others = visible_things(edit.world, |entity| !selection.contains(entity));
+            hide(edit, &others, true);
+        }
+        OutlineEdit::ShowAll => {
+            let mut hidden = edit.world.query_filtered::<Entity, With<Hidden>>();
+            let hidden: Vec<Entity> = hidden.iter(edit.world).collect();
+            hide(edit, &hidden, false);
+        }
+        OutlineEdit::Lock(entities, locked) => {
+            for entity in entities {
+                if locked {
+                    edit.set(entity, Locked);
+                } else {
+                    edit.remove::<Locked>(entity);
+                }
+            }
+        }
     }
-    edit.world.insert_resource(Selection::default());
     Ok(())
 }
 
-pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), CommandError> {
+fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), CommandError> {
     let name = name.trim();
     if name.is_empty() {
         if edit.world.get::<ShapeGroup>(entity).is_some() || grouping::is_frame(edit.world, entity) {
@@ -58,7 +83,7 @@ pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), Command
 }
 
 /// Moves things in the order. Only the places between the first and the last of those concerned are dealt out anew.
-pub fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
+fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
     let mut all = edit.world.query::<(&DocumentOrder, Entity)>();
     let mut all: Vec<(DocumentOrder, Entity)> = all.iter(edit.world).map(|(order, entity)| (*order, entity)).collect();
     all.sort();
@@ -78,13 +103,13 @@ pub fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
 }
 
 /// The shapes of the world and the lights.
-pub fn visible_things(world: &mut World, mut wanted: impl FnMut(Entity) -> bool) -> Vec<Entity> {
+fn visible_things(world: &mut World, mut wanted: impl FnMut(Entity) -> bool) -> Vec<Entity> {
     let mut things =
         world.query_filtered::<Entity, (Or<(With<Shape>, With<Emitter>)>, Without<Hidden>, Without<MemberOf>)>();
     things.iter(world).filter(|entity| wanted(*entity)).collect()
 }
 
-pub fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
+fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
     for &entity in entities {
         let can_be = edit.world.get::<Shape>(entity).is_some() || edit.world.get::<Emitter>(entity).is_some();
         match (hidden, can_be) {

@@ -1,0 +1,277 @@
+//! Edits that give one component of a thing a new value. With the selection, everything of the same sort gets the same
+//! change.
+
+use std::collections::HashSet;
+
+use bevy::math::{Affine3A, Mat3A};
+use bevy::prelude::*;
+
+use super::things::{need_surface, pose_of, replace, set_angles, set_pose, transform};
+use super::{grouping, materials, media};
+use crate::app::editor::command::ValueEdit;
+use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::model::difference::rounding;
+use crate::app::editor::session::history::{Edit, StepKind};
+use crate::scene::carry_over::{Vectors, carry_over};
+use crate::scene::{
+    AreaLight, ExteriorMedium, InMedium, InteriorMedium, Locked, Material, Medium, MemberOf, Placements, Shape,
+    UsesMaterial,
+};
+
+/// The depth to which materials within materials are followed.
+const DEEPEST: usize = 4;
+
+/// Makes the edit.
+pub fn edit(edit: &mut Edit, command: ValueEdit) -> Result<(), CommandError> {
+    set(edit, command, &[])
+}
+
+/// Makes the edit, and the same change to everything selected that is of the same sort.
+pub fn edit_selection(edit: &mut Edit, command: ValueEdit) -> Result<(), CommandError> {
+    let selected = edit.world.resource::<Selection>().entities().to_vec();
+    set(edit, command, &selected)
+}
+
+fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), CommandError> {
+    let whole = Vectors::Whole;
+    match command {
+        ValueEdit::Transform(poses) => {
+            if let [(entity, after)] = poses[..] {
+                carry_pose(edit, entity, after, selected);
+            }
+            move_to(edit, poses)?;
+        }
+        ValueEdit::Turn(entity, pose, angles) => {
+            carry_pose(edit, entity, pose, selected);
+            move_to(edit, vec![(entity, pose)])?;
+            set_angles(edit, entity, Some(angles));
+        }
+        ValueEdit::SetShape(entity, shape) => {
+            carry(edit, entity, &shape, selected, |before, after, other| {
+                carry_over(before, after, other, Vectors::ByComponent);
+            });
+            replace(edit, entity, shape)?;
+        }
+        ValueEdit::SetMaterial(entity, material) => {
+            let others = materials_like(edit.world, entity, selected);
+            carry(edit, entity, &*material, &others, |before, after, other| {
+                if before.plugin() == after.plugin() {
+                    carry_over(before, after, other, whole);
+                } else if other.plugin() == before.plugin() {
+                    *other = turned_into(other, after.plugin());
+                }
+            });
+            replace(edit, entity, *material)?;
+            materials::check_sides(edit.world, entity)?;
+        }
+        ValueEdit::SetMedium(entity, medium) => {
+            let others = media_like(edit.world, entity, selected);
+            carry(edit, entity, &*medium, &others, |before, after, other| {
+                carry_over(before, after, other, whole);
+            });
+            media::set(edit, entity, *medium)?;
+        }
+        ValueEdit::SetAreaLight(entity, light) => {
+            carry_light(edit, entity, light.as_ref(), selected);
+            set_light(edit, entity, light)?;
+        }
+        ValueEdit::SetEmitter(entity, emitter) => {
+            carry(edit, entity, &emitter, selected, |before, after, other| {
+                if before.plugin() == after.plugin() {
+                    carry_over(before, after, other, whole);
+                } else if other.plugin() == before.plugin() {
+                    *other = emitter_turned_into(other, after.plugin());
+                }
+            });
+            replace(edit, entity, emitter)?;
+        }
+        ValueEdit::SetSensor(entity, sensor) => {
+            carry(edit, entity, &sensor, selected, |before, after, other| {
+                carry_over(before, after, other, whole);
+            });
+            replace(edit, entity, sensor)?;
+        }
+        ValueEdit::SetFilm(entity, film) => {
+            carry(edit, entity, &film, selected, |before, after, other| {
+                carry_over(before, after, other, whole);
+            });
+            replace(edit, entity, film)?;
+        }
+    }
+    Ok(())
+}
+
+fn move_to(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {
+    edit.kind = StepKind::Move;
+    let poses = grouping::with_members(edit, poses);
+    transform(edit, poses)
+}
+
+fn set_light(edit: &mut Edit, shape: Entity, light: Option<AreaLight>) -> Result<(), CommandError> {
+    let Some(light) = light else {
+        edit.remove::<AreaLight>(shape);
+        return Ok(());
+    };
+    need_surface(edit, shape)?;
+    if edit.world.get::<MemberOf>(shape).is_some() {
+        return Err("Shapes that stand there as instances cannot shine.".into());
+    }
+    edit.set(shape, light);
+    Ok(())
+}
+
+/// Makes the change that `entity` is about to undergo to the same component of others, by a function of the component
+/// before and after it, and of the other one.
+fn carry<C: Component + Clone + PartialEq>(
+    edit: &mut Edit,
+    entity: Entity,
+    after: &C,
+    others: &[Entity],
+    change: impl Fn(&C, &C, &mut C),
+) {
+    let Some(before) = edit.world.get::<C>(entity).cloned() else {
+        return;
+    };
+    for &other in others.iter().filter(|other| **other != entity) {
+        if let Some(mut changed) = edit.world.get::<C>(other).cloned() {
+            change(&before, after, &mut changed);
+            edit.set(other, changed);
+        }
+    }
+}
+
+/// Makes the change of a shape's emission to the other shapes.
+fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others: &[Entity]) {
+    let before = edit.world.get::<AreaLight>(shape).cloned();
+    for &other in others.iter().filter(|other| **other != shape) {
+        if edit.world.get::<Shape>(other).is_none() {
+            continue;
+        }
+        let known = edit.world.get::<AreaLight>(other).cloned();
+        match (&before, after, known) {
+            (_, None, _) => edit.remove::<AreaLight>(other),
+            (None, Some(after), None) => edit.set(other, after.clone()),
+            (Some(before), Some(after), Some(mut changed)) => {
+                carry_over(before, after, &mut changed, Vectors::Whole);
+                edit.set(other, changed);
+            }
+            (Some(_), Some(_), None) | (None, Some(_), Some(_)) => {}
+        }
+    }
+}
+
+/// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and
+/// scaled about its own place.
+fn carry_pose(edit: &mut Edit, entity: Entity, after: Affine3A, others: &[Entity]) {
+    let others: Vec<Entity> = others.iter().copied().filter(|other| *other != entity).collect();
+    let others = moved_by_themselves(edit.world, entity, others);
+    let Some(before) = pose_of(edit.world, entity) else {
+        return;
+    };
+    let middle = edit.world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle);
+    let rounding = rounding(&before, middle);
+    let turn = before.matrix3.inverse() * after.matrix3;
+    let turn = if turn.is_finite() && before.matrix3 != after.matrix3 {
+        turn
+    } else {
+        Mat3A::IDENTITY
+    };
+    let mut poses = Vec::new();
+    for other in others {
+        let stays = edit.world.get::<Locked>(other).is_some() || edit.world.get::<Placements>(other).is_some();
+        let Some(mut pose) = pose_of(edit.world, other).filter(|_| !stays) else {
+            continue;
+        };
+        pose.matrix3 *= turn;
+        for axis in 0..3 {
+            if (before.translation[axis] - after.translation[axis]).abs() > rounding[axis] {
+                pose.translation[axis] = after.translation[axis];
+            }
+        }
+        poses.push((other, pose));
+    }
+    for (other, pose) in grouping::with_members(edit, poses) {
+        set_pose(edit, other, pose);
+    }
+}
+
+/// The others, but not what moves with one of the groups among them anyway, and not groups that contain the thing
+/// itself.
+fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) -> Vec<Entity> {
+    if others.is_empty() {
+        return others;
+    }
+    let all = others.iter().copied().chain([thing]);
+    let frames: Vec<Entity> = all.filter(|entity| grouping::is_frame(world, *entity)).collect();
+    let mut left_out = HashSet::new();
+    for frame in frames {
+        let folder = grouping::path(world, frame);
+        let mut inside = grouping::named_within(world, &folder);
+        inside.retain(|entity| *entity != frame);
+        match inside.contains(&thing) {
+            true => _ = left_out.insert(frame),
+            false => left_out.extend(inside),
+        }
+    }
+    others.into_iter().filter(|other| !left_out.contains(other)).collect()
+}
+
+/// The materials in the same place as this one within what other selected things are made of.
+fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<Entity> {
+    let whole = |entity: Entity| match world.get::<UsesMaterial>(entity) {
+        Some(uses) => Some(uses.0),
+        None => world.get::<Material>(entity).map(|_| entity),
+    };
+    let wholes: Vec<Entity> = selected.iter().copied().filter_map(whole).collect();
+    let Some(path) = wholes.iter().find_map(|from| path_to(world, *from, material, DEEPEST)) else {
+        return Vec::new();
+    };
+    let mut found: Vec<Entity> = wholes.iter().filter_map(|from| follow(world, *from, &path)).collect();
+    found.sort();
+    found.dedup();
+    found.retain(|other| *other != material);
+    found
+}
+
+/// The other media that the selected things have in the same place as one of them has this medium.
+fn media_like(world: &World, medium: Entity, selected: &[Entity]) -> Vec<Entity> {
+    let in_place: [fn(&World, Entity) -> Option<Entity>; 4] = [
+        |world, thing| world.get::<Medium>(thing).map(|_| thing),
+        |world, thing| world.get::<InteriorMedium>(thing).map(|medium| medium.0),
+        |world, thing| world.get::<ExteriorMedium>(thing).map(|medium| medium.0),
+        |world, thing| world.get::<InMedium>(thing).map(|medium| medium.0),
+    ];
+    let all =
+        |place: fn(&World, Entity) -> Option<Entity>| selected.iter().filter_map(move |thing| place(world, *thing));
+    let place = in_place.into_iter().find(|place| all(*place).any(|it| it == medium));
+    let mut found: Vec<Entity> = place.map_or(Vec::new(), |place| all(place).collect());
+    found.sort();
+    found.dedup();
+    found.retain(|other| *other != medium);
+    found
+}
+
+/// The path from one material to another inside it.
+fn path_to(world: &World, from: Entity, to: Entity, deepest: usize) -> Option<Vec<usize>> {
+    if from == to {
+        return Some(Vec::new());
+    }
+    let deepest = deepest.checked_sub(1)?;
+    materials_inside(world, from)
+        .into_iter()
+        .enumerate()
+        .find_map(|(place, inner)| {
+            let mut path = path_to(world, inner, to, deepest)?;
+            path.insert(0, place);
+            Some(path)
+        })
+}
+
+fn follow(world: &World, from: Entity, path: &[usize]) -> Option<Entity> {
+    path.iter().try_fold(from, |material, place| {
+        materials_inside(world, material).get(*place).copied()
+    })
+}
