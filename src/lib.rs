@@ -7,6 +7,9 @@
 // The scene and the engine have much that only the window uses.
 #![cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]
 
+#[macro_use]
+extern crate sunroom_core;
+
 pub use sunroom_core::{
     accel, bake, color, document, files, geometry, gltf, layer, light, material, math, medium, memory, metrics, render,
     sampling, shading, texture,

@@ -1,5 +1,8 @@
 //! The `sunroom` program.
 
+#[macro_use]
+extern crate sunroom_core;
+
 mod cli;
 
 fn main() -> std::process::ExitCode {

@@ -199,13 +199,10 @@ fn describe(picture: &mut LayeredImage, header: &PartHeader, samples: u32) {
 
 fn storage(header: &PartHeader) -> FilmStorage {
     let [pixels, components, compression] = &header.about.storage;
-    let is = |wanted: &Option<String>, name: &str| wanted.as_deref() == Some(name);
     FilmStorage {
-        pixels: PixelFormat::ALL.into_iter().find(|format| is(pixels, format.name())),
-        components: ComponentFormat::ALL
-            .into_iter()
-            .find(|format| is(components, format.name())),
+        pixels: pixels.as_deref().and_then(PixelFormat::of_name),
+        components: components.as_deref().and_then(ComponentFormat::of_name),
         file: None,
-        compression: ExrCompression::ALL.into_iter().find(|way| is(compression, way.name())),
+        compression: compression.as_deref().and_then(ExrCompression::of_name),
     }
 }

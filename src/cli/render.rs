@@ -21,7 +21,6 @@ use sunroom::scene::{IntegratorSettings, KeepSource, SamplerSettings, SceneFile}
 pub use self::args::RenderArgs;
 pub use self::overrides::apply_overrides;
 
-use self::args::ACCELS;
 use self::picture::{Picture, file_options};
 use self::rendering::samples_of_film;
 use super::check::{is_shown, load, open};
@@ -187,8 +186,7 @@ fn check_together(args: &RenderArgs) -> Result<(), Failure> {
 
 /// What samples depend on beside the scene and the view.
 fn settings(args: &RenderArgs, of_frame: Settings) -> Settings {
-    let accel = ACCELS.iter().find(|(_, method)| *method == args.accel);
-    let accel = accel.map_or("", |(name, _)| *name);
+    let accel = args.accel.name();
     let mut settings = vec![("the acceleration structure".to_owned(), accel.to_owned())];
     settings.extend(of_frame);
     let defines = args.scene.defines.defines.iter();

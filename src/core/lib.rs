@@ -6,6 +6,9 @@
 //! editor does not compile the kernel again. The program's crate root (`src/lib.rs`) exports these modules under the
 //! same names.
 
+#[macro_use]
+mod names;
+
 pub mod accel;
 pub mod bake;
 pub mod color;

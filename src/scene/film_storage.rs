@@ -18,15 +18,17 @@ pub struct FilmStorage {
     pub compression: Option<ExrCompression>,
 }
 
-/// The kind of file for a picture whose file is not named.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// OpenEXR.
-    OpenExr,
-    /// Radiance.
-    Rgbe,
-    /// Portable float map.
-    Pfm,
+declare_names! {
+    /// The kind of file for a picture whose file is not named.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum PictureFormat {
+        /// OpenEXR.
+        OpenExr = "openexr",
+        /// Radiance.
+        Rgbe = "rgbe",
+        /// Portable float map.
+        Pfm = "pfm",
+    }
 }
 
 impl PictureFormat {
@@ -38,15 +40,6 @@ impl PictureFormat {
         ("exr", Self::OpenExr),
     ];
 
-    /// The name that is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OpenExr => "openexr",
-            Self::Rgbe => "rgbe",
-            Self::Pfm => "pfm",
-        }
-    }
-
     /// The ending of names of files, without its dot.
     pub fn extension(self) -> &'static str {
         match self {
@@ -57,70 +50,39 @@ impl PictureFormat {
     }
 }
 
-/// The channels of a pixel.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PixelFormat {
-    /// The luminance alone.
-    Luminance,
-    /// Luminance and opacity.
-    LuminanceAlpha,
-    /// Linear Rec. 709.
-    Rgb,
-    /// Linear Rec. 709 and opacity.
-    Rgba,
-    /// CIE XYZ.
-    Xyz,
-    /// CIE XYZ and opacity.
-    Xyza,
+declare_names! {
+    /// The channels of a pixel.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum PixelFormat {
+        /// The luminance alone.
+        Luminance = "luminance",
+        /// Luminance and opacity.
+        LuminanceAlpha = "luminance_alpha",
+        /// Linear Rec. 709.
+        Rgb = "rgb",
+        /// Linear Rec. 709 and opacity.
+        Rgba = "rgba",
+        /// CIE XYZ.
+        Xyz = "xyz",
+        /// CIE XYZ and opacity.
+        Xyza = "xyza",
+    }
 }
 
 impl PixelFormat {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::Luminance,
-        Self::LuminanceAlpha,
-        Self::Rgb,
-        Self::Rgba,
-        Self::Xyz,
-        Self::Xyza,
-    ];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Luminance => "luminance",
-            Self::LuminanceAlpha => "luminance_alpha",
-            Self::Rgb => "rgb",
-            Self::Rgba => "rgba",
-            Self::Xyz => "xyz",
-            Self::Xyza => "xyza",
-        }
-    }
-
     /// Whether pixels have an opacity.
     pub fn has_alpha(self) -> bool {
         matches!(self, Self::LuminanceAlpha | Self::Rgba | Self::Xyza)
     }
 }
 
-/// The precision of a channel.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ComponentFormat {
-    /// Half precision.
-    Float16,
-    /// Single precision.
-    Float32,
-}
-
-impl ComponentFormat {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Float16, Self::Float32];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Float16 => "float16",
-            Self::Float32 => "float32",
-        }
+declare_names! {
+    /// The precision of a channel.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum ComponentFormat {
+        /// Half precision.
+        Float16 = "float16",
+        /// Single precision.
+        Float32 = "float32",
     }
 }

@@ -164,7 +164,7 @@ pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
 fn setting_path(plugin: &Object, path: &KeyPath) -> Option<KeyPath> {
     let words = path.as_str();
     let outside = words.rsplit_once('.').map(|(_, name)| name.to_owned());
-    let inside = || format!("{}.{words}", Category::Integrator.tag());
+    let inside = || format!("{}.{words}", Category::Integrator.name());
     let other = outside.unwrap_or_else(inside);
     let mut paths = [path.clone(), KeyPath::new(other)].into_iter();
     paths.find(|path| value_at(plugin, path.as_str()).is_some())

@@ -264,7 +264,7 @@ impl<'o> Steps<'o> {
 /// The step of a path into a plugin without its number: the parameter that it is for, or else its tag.
 fn step_name(child: &Child) -> &str {
     match child {
-        Child::Object(inner) => inner.name.as_deref().unwrap_or_else(|| inner.category.tag()),
+        Child::Object(inner) => inner.name.as_deref().unwrap_or_else(|| inner.category.name()),
         Child::Reference { name, .. } => name.as_deref().unwrap_or_default(),
     }
 }

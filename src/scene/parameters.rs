@@ -228,29 +228,14 @@ pub enum Ior {
     Number(f32),
 }
 
-/// The distribution of the normals of a rough surface's facets.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
-    /// Gaussian slopes.
-    Beckmann,
-    /// Slopes with longer tails (Walter et al. 2007).
-    Ggx,
-}
-
-impl Distribution {
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Beckmann => "beckmann",
-            Self::Ggx => "ggx",
-        }
-    }
-
-    /// The distribution of this name; None if there is none.
-    pub fn of_name(name: &str) -> Option<Self> {
-        [Self::Beckmann, Self::Ggx]
-            .into_iter()
-            .find(|known| known.name() == name)
+declare_names! {
+    /// The distribution of the normals of a rough surface's facets.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Distribution {
+        /// Gaussian slopes.
+        Beckmann = "beckmann" => "Beckmann",
+        /// Slopes with longer tails (Walter et al. 2007).
+        Ggx = "ggx" => "GGX",
     }
 }
 

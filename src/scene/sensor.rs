@@ -78,34 +78,25 @@ impl Lens {
     }
 }
 
-/// The extent of the picture along which a field of view is measured.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FovAxis {
-    /// Its width.
-    #[default]
-    X,
-    /// Its height.
-    Y,
-    /// It is measured from corner to corner.
-    Diagonal,
-    /// The smaller one of width and height.
-    Smaller,
-    /// The larger one of width and height.
-    Larger,
+declare_names! {
+    /// The extent of the picture along which a field of view is measured.
+    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum FovAxis {
+        /// Its width.
+        #[default]
+        X = "x" => "horizontal",
+        /// Its height.
+        Y = "y" => "vertical",
+        /// It is measured from corner to corner.
+        Diagonal = "diagonal" => "diagonal",
+        /// The smaller one of width and height.
+        Smaller = "smaller" => "smaller edge",
+        /// The larger one of width and height.
+        Larger = "larger" => "larger edge",
+    }
 }
 
 impl FovAxis {
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::X => "x",
-            Self::Y => "y",
-            Self::Diagonal => "diagonal",
-            Self::Smaller => "smaller",
-            Self::Larger => "larger",
-        }
-    }
-
     /// The field of view along x in degrees, from one along this axis; `aspect` is width over height.
     pub fn horizontal(self, fov: f32, aspect: f32) -> f32 {
         let half = (0.5 * fov).to_radians().tan();

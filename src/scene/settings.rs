@@ -6,52 +6,31 @@ use bevy::prelude::*;
 
 use crate::layer::Layers;
 
-/// The integrators of paths, by their plugins.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PathPlugin {
-    /// `path`: space is empty, whatever media there are.
-    #[default]
-    Path,
-    /// `volpath`: light is scattered and absorbed in media as well.
-    VolPath,
-    /// `volpathmis`: the same as `volpath` here.
-    VolPathMis,
-    /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
-    Bdpt,
-    /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3 has
-    /// none.
-    Vcm,
-    /// `ptracer`: paths from the lights alone. Space is empty.
-    Ptracer,
-    /// `auto`: `path` or `bdpt`, whichever pays for the scene, and `volpath` where there are media. Mitsuba 3 has none.
-    Auto,
+declare_names! {
+    /// The integrators of paths, by their plugins.
+    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum PathPlugin {
+        /// `path`: space is empty, whatever media there are.
+        #[default]
+        Path = "path",
+        /// `volpath`: light is scattered and absorbed in media as well.
+        VolPath = "volpath",
+        /// `volpathmis`: the same as `volpath` here.
+        VolPathMis = "volpathmis",
+        /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
+        Bdpt = "bdpt",
+        /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3
+        /// has none.
+        Vcm = "vcm",
+        /// `ptracer`: paths from the lights alone. Space is empty.
+        Ptracer = "ptracer",
+        /// `auto`: `path` or `bdpt`, whichever pays for the scene, and `volpath` where there are media. Mitsuba 3 has
+        /// none.
+        Auto = "auto",
+    }
 }
 
 impl PathPlugin {
-    /// All plugins.
-    pub const ALL: [Self; 7] = [
-        Self::Path,
-        Self::VolPath,
-        Self::VolPathMis,
-        Self::Bdpt,
-        Self::Vcm,
-        Self::Ptracer,
-        Self::Auto,
-    ];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Path => "path",
-            Self::VolPath => "volpath",
-            Self::VolPathMis => "volpathmis",
-            Self::Bdpt => "bdpt",
-            Self::Vcm => "vcm",
-            Self::Ptracer => "ptracer",
-            Self::Auto => "auto",
-        }
-    }
-
     /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their
     /// ways.
     pub fn has_strategy(self) -> bool {
@@ -133,17 +112,19 @@ impl Default for IntegratorSettings {
     }
 }
 
-/// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only sampling
-/// cannot see an emitter through a mirror or glass other than by following the path there.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Strategy {
-    /// Directions are drawn from the materials alone.
-    Bsdf,
-    /// Directions are drawn from the lights alone.
-    Light,
-    /// Both, weighted by multiple importance sampling.
-    #[default]
-    Mis,
+declare_names! {
+    /// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only
+    /// sampling cannot see an emitter through a mirror or glass other than by following the path there.
+    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Strategy {
+        /// Directions are drawn from the materials alone.
+        Bsdf = "bsdf",
+        /// Directions are drawn from the lights alone.
+        Light = "light",
+        /// Both, weighted by multiple importance sampling.
+        #[default]
+        Mis = "mis",
+    }
 }
 
 /// The source of random numbers.
@@ -156,25 +137,29 @@ pub struct SamplerSettings {
     pub seed: u32,
 }
 
-/// The kinds of random numbers.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sequence {
-    /// Owen-scrambled Sobol points: less noise for the same number of samples.
-    #[default]
-    Sobol,
-    /// Independent random numbers, as the format's `independent` sampler.
-    Independent,
+declare_names! {
+    /// The kinds of random numbers.
+    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Sequence {
+        /// Owen-scrambled Sobol points: less noise for the same number of samples.
+        #[default]
+        Sobol = "sobol",
+        /// Independent random numbers, as the format's `independent` sampler.
+        Independent = "independent",
+    }
 }
 
-/// The method by which the acceleration structures are built.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Resource, PartialEq)]
-pub enum AccelMethod {
-    /// No hierarchy: every ray meets every primitive.
-    Linear,
-    /// Split at the object median.
-    Median,
-    /// Binned surface area heuristic.
-    #[default]
-    Sah,
+declare_names! {
+    /// The method by which the acceleration structures are built.
+    #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    #[reflect(Resource, PartialEq)]
+    pub enum AccelMethod {
+        /// No hierarchy: every ray meets every primitive.
+        Linear = "linear",
+        /// Split at the object median.
+        Median = "median",
+        /// Binned surface area heuristic.
+        #[default]
+        Sah = "sah",
+    }
 }

@@ -212,16 +212,18 @@ pub struct MeshFile {
     pub flip_tex_coords: bool,
 }
 
-/// The formats of mesh files.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MeshFormat {
-    /// Wavefront OBJ, with materials of MTL libraries.
-    #[default]
-    Obj,
-    /// PLY, as text or binary of either byte order.
-    Ply,
-    /// Mitsuba's own format, with several shapes to a file.
-    Serialized,
+declare_names! {
+    /// The formats of mesh files.
+    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum MeshFormat {
+        /// Wavefront OBJ, with materials of MTL libraries.
+        #[default]
+        Obj = "obj" => "OBJ mesh",
+        /// PLY, as text or binary of either byte order.
+        Ply = "ply" => "PLY mesh",
+        /// Mitsuba's own format, with several shapes to a file.
+        Serialized = "serialized" => "serialized mesh",
+    }
 }
 
 impl MeshFormat {

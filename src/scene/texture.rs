@@ -170,26 +170,30 @@ impl Bitmap {
     }
 }
 
-/// How values between texel centres come about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextureFilter {
-    /// The texel that the point lies in.
-    Nearest,
-    /// A mean of the four texels around the point.
-    #[default]
-    Bilinear,
+declare_names! {
+    /// How values between texel centres come about.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum TextureFilter {
+        /// The texel that the point lies in.
+        Nearest = "nearest",
+        /// A mean of the four texels around the point.
+        #[default]
+        Bilinear = "bilinear",
+    }
 }
 
-/// The continuation of a picture outside of the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextureWrap {
-    /// The picture again.
-    #[default]
-    Repeat,
-    /// The picture again, every other time turned around.
-    Mirror,
-    /// The texels of the edge.
-    Clamp,
+declare_names! {
+    /// The continuation of a picture outside of the unit square.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum TextureWrap {
+        /// The picture again.
+        #[default]
+        Repeat = "repeat",
+        /// The picture again, every other time turned around.
+        Mirror = "mirror",
+        /// The texels of the edge.
+        Clamp = "clamp",
+    }
 }
 
 impl Texture {

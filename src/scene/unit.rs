@@ -6,23 +6,25 @@
 
 use bevy::prelude::*;
 
-/// The unit of length of a scene.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Resource, PartialEq)]
-pub enum LengthUnit {
-    /// The scene does not say; lengths with a unit are converted as if it were metres.
-    #[default]
-    None,
-    /// A unit of the world is a metre.
-    Metre,
-    /// A unit of the world is a centimetre.
-    Centimetre,
-    /// A unit of the world is a millimetre.
-    Millimetre,
-    /// A unit of the world is an inch.
-    Inch,
-    /// A unit of the world is a foot.
-    Foot,
+declare_names! {
+    /// The unit of length of a scene. Its name is also the sign behind a number.
+    #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+    #[reflect(Resource, PartialEq)]
+    pub enum LengthUnit {
+        /// The scene does not say; lengths with a unit are converted as if it were metres.
+        #[default]
+        None = "" => "none",
+        /// A unit of the world is a metre.
+        Metre = "m" => "metres",
+        /// A unit of the world is a centimetre.
+        Centimetre = "cm" => "centimetres",
+        /// A unit of the world is a millimetre.
+        Millimetre = "mm" => "millimetres",
+        /// A unit of the world is an inch.
+        Inch = "in" => "inches",
+        /// A unit of the world is a foot.
+        Foot = "ft" => "feet",
+    }
 }
 
 /// The units that may follow a number, in metres. The marks of feet and inches stand last, so that the list begins with
@@ -40,36 +42,6 @@ const UNITS: [(&str, f64); 9] = [
 ];
 
 impl LengthUnit {
-    /// The units with the words for a list.
-    pub const ALL: [(Self, &'static str); 6] = [
-        (Self::None, "none"),
-        (Self::Metre, "metres"),
-        (Self::Centimetre, "centimetres"),
-        (Self::Millimetre, "millimetres"),
-        (Self::Inch, "inches"),
-        (Self::Foot, "feet"),
-    ];
-
-    /// The name in the file, which is also the sign behind a number; empty for none.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "",
-            Self::Metre => "m",
-            Self::Centimetre => "cm",
-            Self::Millimetre => "mm",
-            Self::Inch => "in",
-            Self::Foot => "ft",
-        }
-    }
-
-    /// The unit of a name in a file; None for any other text.
-    pub fn of_name(name: &str) -> Option<Self> {
-        let units = Self::ALL.into_iter().map(|(unit, _)| unit);
-        units
-            .filter(|unit| *unit != Self::None)
-            .find(|unit| unit.name() == name)
-    }
-
     /// The length of a unit of the world in metres.
     pub fn metres(self) -> f64 {
         let name = self.name();
@@ -194,9 +166,8 @@ mod tests {
 
     #[test]
     fn names_come_back_and_lengths_are_short() {
-        for (unit, _) in LengthUnit::ALL {
-            let expected = (unit != LengthUnit::None).then_some(unit);
-            assert_eq!(LengthUnit::of_name(unit.name()), expected);
+        for unit in LengthUnit::ALL {
+            assert_eq!(LengthUnit::of_name(unit.name()), Some(unit));
         }
         for (length, text) in [
             (2.0, "2 m"),

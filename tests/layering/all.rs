@@ -18,6 +18,7 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// What a module may use besides itself, and whether it may know Bevy. The longest matching name holds for a file, so
 /// that a folder can have more rights than the one around it. A module that is not in the table is a violation.
 const RULES: &[(&str, &[&str], bool)] = &[
+    ("names", &[], false),
     ("math", &[], false),
     ("files", &[], false),
     ("memory", &["files"], false),

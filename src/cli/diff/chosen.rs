@@ -33,7 +33,7 @@ impl Chosen {
 /// What `name` means in a picture: a layer as the file calls it (`Depth`) or as `--aov` does (`depth`), a channel
 /// (`Depth.Z`), or with an empty name the picture itself. The error names the layers.
 pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, String> {
-    let in_file = match Layer::from_name(name) {
+    let in_file = match Layer::of_name(name) {
         Some(layer) => layer.name_in_pictures(),
         None => name,
     };

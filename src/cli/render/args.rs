@@ -9,23 +9,10 @@ use sunroom::scene::{AccelMethod, PathPlugin, Sequence, Strategy};
 
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
-use crate::cli::picture_args::{DisplayArgs, FileArgs, named, one_of};
+use crate::cli::picture_args::{DisplayArgs, FileArgs, named};
 use crate::cli::sequence::SequenceArgs;
 use crate::cli::share::{CheckpointArgs, ShareArgs};
 use crate::cli::stats::StatsFormat;
-
-/// The methods by which acceleration structures are built, by their names.
-pub const ACCELS: [(&str, AccelMethod); 3] = [
-    ("linear", AccelMethod::Linear),
-    ("median", AccelMethod::Median),
-    ("sah", AccelMethod::Sah),
-];
-const STRATEGIES: [(&str, Strategy); 3] = [
-    ("bsdf", Strategy::Bsdf),
-    ("light", Strategy::Light),
-    ("mis", Strategy::Mis),
-];
-const SAMPLERS: [(&str, Sequence); 2] = [("sobol", Sequence::Sobol), ("independent", Sequence::Independent)];
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -89,7 +76,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME[,NAME...]", value_parser = parse::layers, help = layers_help())]
     pub aov: Vec<Layers>,
     /// Acceleration structure
-    #[arg(long, default_value = "sah", value_parser = one_of(&ACCELS))]
+    #[arg(long, default_value = AccelMethod::Sah.name(), value_parser = named(&AccelMethod::ALL, AccelMethod::name))]
     pub accel: AccelMethod,
     /// The integrator in place of the file's: path, volpath, bdpt (paths from the lights as well), vcm (photons beside
     /// these), ptracer (paths from the lights alone) or auto (path, guided path or bdpt, whichever pays for the
@@ -104,14 +91,14 @@ pub struct RenderArgs {
     #[arg(long)]
     pub guided: bool,
     /// How light is looked for by path, volpath and volpathmis
-    #[arg(long, value_parser = one_of(&STRATEGIES))]
+    #[arg(long, value_parser = named(&Strategy::ALL, Strategy::name))]
     pub strategy: Option<Strategy>,
     /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations
     #[arg(long)]
     pub schlick: bool,
     /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default:
     /// sobol]
-    #[arg(long, value_parser = one_of(&SAMPLERS))]
+    #[arg(long, value_parser = named(&Sequence::ALL, Sequence::name))]
     pub sampler: Option<Sequence>,
     #[command(flatten)]
     pub display: DisplayArgs,

@@ -86,15 +86,12 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
 /// say.
 fn why_unguided(integrator: &IntegratorSettings, has_media: bool) -> Option<String> {
     let name = integrator.plugin.name();
-    let strategy = match integrator.strategy {
-        Strategy::Bsdf => Some("bsdf"),
-        Strategy::Light => Some("light"),
-        Strategy::Mis => None,
-    };
-    match (integrator.max_depth, strategy) {
+    match (integrator.max_depth, integrator.strategy) {
         _ if !integrator.plugin.is_guidable() => Some(format!("on `{name}`")),
         _ if has_media && integrator.plugin.traces_media() => Some(format!("on `{name}` where there are media")),
-        (_, Some(strategy)) => Some(format!("with the strategy `{strategy}`, only with `mis`")),
+        (_, strategy @ (Strategy::Bsdf | Strategy::Light)) => {
+            Some(format!("with the strategy `{}`, only with `mis`", strategy.name()))
+        }
         (Some(..=2), _) => Some("on paths of at most 2 segments, which have direct light alone".to_owned()),
         _ => None,
     }

@@ -26,18 +26,6 @@ use self::between::{are_alike, between};
 use super::{Child, Document, Interpolation, Key, Object, Track, TransformOp, Value};
 
 impl Interpolation {
-    /// The kinds in the order in which messages name them.
-    pub const ALL: [Self; 3] = [Self::Linear, Self::Ease, Self::Step];
-
-    /// The word in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Ease => "ease",
-            Self::Step => "step",
-        }
-    }
-
     /// The share of the way, in [0, 1], after this share of the time.
     fn way(self, share: f64) -> f64 {
         match self {

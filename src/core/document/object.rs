@@ -10,76 +10,36 @@ use super::{Span, TransformOp};
 /// The most objects that may lie inside each other, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
 
-/// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Category {
-    /// The root of a file, `<scene>`.
-    Scene,
-    /// The method by which light is computed, `<integrator>`.
-    Integrator,
-    /// A camera, `<sensor>`.
-    Sensor,
-    /// The size and crop of a sensor's picture, `<film>`.
-    Film,
-    /// The pixel filter of a film, `<rfilter>`.
-    ReconstructionFilter,
-    /// The number, kind and seed of a sensor's samples, `<sampler>`.
-    Sampler,
-    /// A geometric object, a group of them or an instance of a group, `<shape>`.
-    Shape,
-    /// A material, `<bsdf>`.
-    Bsdf,
-    /// A light, in the scene or inside of a shape that shines, `<emitter>`.
-    Emitter,
-    /// A value that varies over a surface, `<texture>`.
-    Texture,
-    /// A participating medium, which fills the space between surfaces, `<medium>`.
-    Medium,
-    /// The phase function of a medium, which says where scattered light goes, `<phase>`.
-    Phase,
-    /// A value that varies in space, `<volume>`.
-    Volume,
-}
-
-impl Category {
-    /// All kinds in the order of their declaration.
-    pub const ALL: [Self; 13] = [
-        Self::Scene,
-        Self::Integrator,
-        Self::Sensor,
-        Self::Film,
-        Self::ReconstructionFilter,
-        Self::Sampler,
-        Self::Shape,
-        Self::Bsdf,
-        Self::Emitter,
-        Self::Texture,
-        Self::Medium,
-        Self::Phase,
-        Self::Volume,
-    ];
-
-    /// The tag that declares a plugin of this kind.
-    pub fn tag(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Integrator => "integrator",
-            Self::Sensor => "sensor",
-            Self::Film => "film",
-            Self::ReconstructionFilter => "rfilter",
-            Self::Sampler => "sampler",
-            Self::Shape => "shape",
-            Self::Bsdf => "bsdf",
-            Self::Emitter => "emitter",
-            Self::Texture => "texture",
-            Self::Medium => "medium",
-            Self::Phase => "phase",
-            Self::Volume => "volume",
-        }
-    }
-
-    pub(crate) fn from_tag(tag: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|category| category.tag() == tag)
+declare_names! {
+    /// The kind of plugin a tag declares; the name is that of the tag.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Category {
+        /// The root of a file, `<scene>`.
+        Scene = "scene",
+        /// The method by which light is computed, `<integrator>`.
+        Integrator = "integrator",
+        /// A camera, `<sensor>`.
+        Sensor = "sensor",
+        /// The size and crop of a sensor's picture, `<film>`.
+        Film = "film",
+        /// The pixel filter of a film, `<rfilter>`.
+        ReconstructionFilter = "rfilter",
+        /// The number, kind and seed of a sensor's samples, `<sampler>`.
+        Sampler = "sampler",
+        /// A geometric object, a group of them or an instance of a group, `<shape>`.
+        Shape = "shape",
+        /// A material, `<bsdf>`.
+        Bsdf = "bsdf",
+        /// A light, in the scene or inside of a shape that shines, `<emitter>`.
+        Emitter = "emitter",
+        /// A value that varies over a surface, `<texture>`.
+        Texture = "texture",
+        /// A participating medium, which fills the space between surfaces, `<medium>`.
+        Medium = "medium",
+        /// The phase function of a medium, which says where scattered light goes, `<phase>`.
+        Phase = "phase",
+        /// A value that varies in space, `<volume>`.
+        Volume = "volume",
     }
 }
 
@@ -166,16 +126,18 @@ pub struct Track {
     pub interpolation: Interpolation,
 }
 
-/// The way from one key to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// At constant speed.
-    #[default]
-    Linear,
-    /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
-    Ease,
-    /// The value of a key holds until the next key.
-    Step,
+declare_names! {
+    /// The way from one key to the next.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Interpolation {
+        /// At constant speed.
+        #[default]
+        Linear = "linear",
+        /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
+        Ease = "ease",
+        /// The value of a key holds until the next key.
+        Step = "step",
+    }
 }
 
 /// A plugin inside a plugin, in place or by reference.
@@ -293,7 +255,7 @@ impl Object {
     pub fn title(&self) -> String {
         match self.category {
             Category::Scene => "the scene".to_owned(),
-            category => format!("{} `{}`", category.tag(), self.plugin),
+            category => format!("{} `{}`", category.name(), self.plugin),
         }
     }
 }

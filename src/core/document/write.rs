@@ -137,7 +137,7 @@ impl<'l> Writer<'l> {
     }
 
     fn object(&mut self, object: &Object, search_folders: &[String]) -> Result<(), WriteError> {
-        let tag = object.category.tag();
+        let tag = object.category.name();
         let mut attributes: Vec<(&str, &str)> = Vec::new();
         if self.depth + self.inside == 0 {
             attributes.push(("version", VERSION));

@@ -1,62 +1,34 @@
 //! The compressions of OpenEXR files: scenes name them, and the renderer writes with them.
 
-/// The ways in which OpenEXR makes files smaller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ExrCompression {
-    /// Samples as they are.
-    None,
-    /// Runs of equal bytes.
-    Rle,
-    /// Deflate, row by row.
-    Zips,
-    /// Deflate of 16 rows at a time.
-    #[default]
-    Zip,
-    /// Wavelets, without loss; best for noise.
-    Piz,
-    /// Floats lose their last eight bits; the rest is without loss.
-    Pxr24,
-    /// Halves in blocks of a fixed size, with loss; the rest is not compressed.
-    B44,
-    /// The method of [`Self::B44`], with smaller blocks where all pixels of a block are equal.
-    B44a,
-    /// A cosine transform of 32 rows at a time, with loss.
-    Dwaa,
-    /// A cosine transform of 256 rows at a time, with loss.
-    Dwab,
+declare_names! {
+    /// The ways in which OpenEXR makes files smaller.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum ExrCompression {
+        /// Samples as they are.
+        None = "none" => "none",
+        /// Runs of equal bytes.
+        Rle = "rle" => "rle",
+        /// Deflate, row by row.
+        Zips = "zips" => "zips",
+        /// Deflate of 16 rows at a time.
+        #[default]
+        Zip = "zip" => "zip",
+        /// Wavelets, without loss; best for noise.
+        Piz = "piz" => "piz, for noise",
+        /// Floats lose their last eight bits; the rest is without loss.
+        Pxr24 = "pxr24" => "pxr24, with loss",
+        /// Halves in blocks of a fixed size, with loss; the rest is not compressed.
+        B44 = "b44" => "b44, with loss",
+        /// The method of [`Self::B44`], with smaller blocks where all pixels of a block are equal.
+        B44a = "b44a" => "b44a, with loss",
+        /// A cosine transform of 32 rows at a time, with loss.
+        Dwaa = "dwaa" => "dwaa, with loss",
+        /// A cosine transform of 256 rows at a time, with loss.
+        Dwab = "dwab" => "dwab, with loss",
+    }
 }
 
 impl ExrCompression {
-    /// All methods in the order in which they are offered.
-    pub const ALL: [Self; 10] = [
-        Self::None,
-        Self::Rle,
-        Self::Zips,
-        Self::Zip,
-        Self::Piz,
-        Self::Pxr24,
-        Self::B44,
-        Self::B44a,
-        Self::Dwaa,
-        Self::Dwab,
-    ];
-
-    /// The name on the command line and in scenes, as other programs call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Rle => "rle",
-            Self::Zips => "zips",
-            Self::Zip => "zip",
-            Self::Piz => "piz",
-            Self::Pxr24 => "pxr24",
-            Self::B44 => "b44",
-            Self::B44a => "b44a",
-            Self::Dwaa => "dwaa",
-            Self::Dwab => "dwab",
-        }
-    }
-
     /// Whether the bits of a float survive.
     pub fn keeps_floats(self) -> bool {
         !matches!(self, Self::Pxr24 | Self::Dwaa | Self::Dwab)

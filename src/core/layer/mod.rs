@@ -10,66 +10,70 @@ mod names;
 
 pub use self::names::{UnknownLayer, layer_names};
 
-/// A layer of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Layer {
-    /// The share of the samples that meet a surface, in [0, 1]: the opacity of the foreground, which is 0 where the
-    /// camera sees the sky or nothing. It is the channel `A` of the picture; all colours but the sky's are
-    /// premultiplied by it.
-    Alpha,
-    /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a
-    /// surface count as black.
-    Albedo,
-    /// The shading normal in world space, as interpolated from vertices and without bumps: the mean of the unit vectors
-    /// of the samples that meet a surface, shorter than 1 where they differ. Zero without a surface.
-    Normal,
-    /// The geometric normal in world space, as [`Self::Normal`].
-    GeometricNormal,
-    /// [`Self::Normal`] in camera space: x to the left of the picture, y up, z into the scene.
-    CameraNormal,
-    /// [`Self::GeometricNormal`] in camera space, as [`Self::CameraNormal`].
-    CameraGeometricNormal,
-    /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that
-    /// meet one, or 0 without any. It is measured along the ray, not along the axis of the camera.
-    Depth,
-    /// The position on the surface in world space: the mean over the samples that meet one, or 0 without any.
-    Position,
-    /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
-    Uv,
-    /// The motion in pixels, to the right and down, from the surface's position in the previous frame to that in this
-    /// one: the mean over all samples. The sky moves with the camera's rotation. Zero in a picture that is not a frame
-    /// of a sequence.
-    Motion,
-    /// A whole number for each shape: its index in the scene, counted from 1, or 0 where the ray hits nothing. It is
-    /// that of the pixel's first sample, without any filter, and of the first surface even where that has a hole.
-    ObjectId,
-    /// A whole number for each material, counted from 1, as [`Self::ObjectId`].
-    MaterialId,
-    /// The number of samples of the pixel.
-    Samples,
-    /// The estimated variance of the pixel's luminance, which is the square of its standard error; 0 below two samples.
-    Variance,
-    /// The light that one surface has scattered between a light and the camera, linear Rec. 709. Surfaces that let
-    /// light pass straight on do not count. Direct, indirect and emitted light sum up to the picture.
-    Direct,
-    /// The light that two or more surfaces have scattered.
-    Indirect,
-    /// The light that reaches the camera unscattered: visible lamps and the sky.
-    Emitted,
-    /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the rest
-    /// share the last. They sum up to the picture.
-    LightGroups,
-    /// The denoised picture, if a denoiser is installed.
-    Denoised,
-    /// The albedo for the denoiser, in [0, 1]: that of the first surface that is not perfectly specular, tinted by the
-    /// surfaces in front of it.
-    DenoiserAlbedo,
-    /// The world normal for the denoiser, of the same surface.
-    DenoiserNormal,
-    /// The cryptomatte of objects: the shapes in a pixel, each with its coverage.
-    CryptoObject,
-    /// The cryptomatte of materials.
-    CryptoMaterial,
+declare_names! {
+    /// A layer of the picture.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Layer {
+        /// The share of the samples that meet a surface, in [0, 1]: the opacity of what stands before the background,
+        /// which is 0 where the camera sees the sky or nothing. It is the channel `A` of the picture; colours are
+        /// premultiplied by it but for the light of the sky.
+        Alpha = "alpha" => "Alpha",
+        /// The albedo of the surface in [0, 1], linear Rec. 709: the mean over all samples, of which those without a
+        /// surface count as black.
+        Albedo = "albedo" => "Albedo",
+        /// The shading normal in world space, as interpolated from vertices and without bumps: the mean of the unit
+        /// vectors of the samples that meet a surface, shorter than 1 where they differ. Zero without a surface.
+        Normal = "normal" => "Normal",
+        /// The geometric normal in world space, as [`Self::Normal`].
+        GeometricNormal = "geometric-normal" => "Geometric normal",
+        /// [`Self::Normal`] in camera space: x to the left of the picture, y up, z into the scene.
+        CameraNormal = "camera-normal" => "Normal seen from the camera",
+        /// [`Self::GeometricNormal`] in camera space, as [`Self::CameraNormal`].
+        CameraGeometricNormal = "camera-geometric-normal" => "Geometric normal seen from the camera",
+        /// The distance from the origin of the camera ray to the surface in world units: the mean over the samples that
+        /// meet one, or 0 without any. It is measured along the ray, not along the axis of the camera.
+        Depth = "depth" => "Depth",
+        /// The place on the surface in world space: the mean over the samples that meet one, or 0 without any.
+        Position = "position" => "Position",
+        /// The surface's texture coordinates: the mean over the samples that meet one, or 0 without any.
+        Uv = "uv" => "Texture coordinates",
+        /// The way in pixels, to the right and down, from where the surface was in the picture of the frame before to
+        /// where it is now: the mean over all samples. The sky moves with the camera's turns. Zero in a picture that is
+        /// no frame of a sequence.
+        Motion = "motion" => "Motion since the frame before",
+        /// A whole number for each shape: the place of the shape in the scene, counted from 1, or 0 where nothing is
+        /// hit. It is that of the pixel's first sample, without any filter, and of the first surface even where it has
+        /// a hole.
+        ObjectId = "object-id" => "Object number",
+        /// A whole number for each material, counted from 1, as [`Self::ObjectId`].
+        MaterialId = "material-id" => "Material number",
+        /// The number of samples of the pixel.
+        Samples = "samples" => "Samples",
+        /// The estimated variance of the pixel's luminance, which is the square of its standard error; 0 below two
+        /// samples.
+        Variance = "variance" => "Variance",
+        /// The light that one surface has scattered on its way from a light to the camera, linear Rec. 709. Surfaces
+        /// that let light pass straight on do not count. Direct, indirect and emitted light sum up to the picture.
+        Direct = "direct" => "Direct light",
+        /// The light that two surfaces or more have scattered.
+        Indirect = "indirect" => "Indirect light",
+        /// The light that comes to the camera without having been scattered: lamps and the sky that are seen.
+        Emitted = "emitted" => "Emitted light",
+        /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the
+        /// last share one. They sum up to the picture.
+        LightGroups = "light-groups" => "Light groups",
+        /// The picture without noise, where a denoiser is there.
+        Denoised = "denoised" => "Denoised",
+        /// The albedo that the denoiser is given, in [0, 1]: that of the first surface that is not perfectly specular,
+        /// tinted by what it is seen through.
+        DenoiserAlbedo = "denoiser-albedo" => "Albedo for the denoiser",
+        /// The world normal that the denoiser is given, of the same surface.
+        DenoiserNormal = "denoiser-normal" => "Normal for the denoiser",
+        /// The cryptomatte of objects: which shapes are in a pixel, and how much of it each covers.
+        CryptoObject = "crypto-object" => "Cryptomatte of objects",
+        /// The cryptomatte of materials.
+        CryptoMaterial = "crypto-material" => "Cryptomatte of materials",
+    }
 }
 
 /// A set of layers.
@@ -77,33 +81,6 @@ pub enum Layer {
 pub struct Layers(u32);
 
 impl Layer {
-    /// All layers, in the order in which they are listed and written.
-    pub const ALL: [Self; 23] = [
-        Self::Alpha,
-        Self::Albedo,
-        Self::Normal,
-        Self::GeometricNormal,
-        Self::CameraNormal,
-        Self::CameraGeometricNormal,
-        Self::Depth,
-        Self::Position,
-        Self::Uv,
-        Self::Motion,
-        Self::ObjectId,
-        Self::MaterialId,
-        Self::Samples,
-        Self::Variance,
-        Self::Direct,
-        Self::Indirect,
-        Self::Emitted,
-        Self::LightGroups,
-        Self::Denoised,
-        Self::DenoiserAlbedo,
-        Self::DenoiserNormal,
-        Self::CryptoObject,
-        Self::CryptoMaterial,
-    ];
-
     const fn bit(self) -> u32 {
         1 << self as u32
     }

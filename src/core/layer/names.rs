@@ -32,7 +32,7 @@ pub fn layer_names() -> Vec<&'static str> {
 impl Layers {
     /// The layers with this name, which may be `all` or `cryptomatte`.
     pub fn from_name(name: &str) -> Result<Self, UnknownLayer> {
-        let one = Layer::from_name(name).map(|layer| Self::of(&[layer]));
+        let one = Layer::of_name(name).map(|layer| Self::of(&[layer]));
         let several = || SEVERAL.iter().find(|(known, _)| *known == name);
         let found = one.or_else(|| several().map(|(_, layers)| Self::of(layers)));
         found.ok_or_else(|| UnknownLayer { name: name.to_owned() })
@@ -49,41 +49,7 @@ impl Layers {
 }
 
 impl Layer {
-    /// The layer of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|layer| layer.name() == name)
-    }
-
-    /// The name in scripts and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Alpha => "alpha",
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::GeometricNormal => "geometric-normal",
-            Self::CameraNormal => "camera-normal",
-            Self::CameraGeometricNormal => "camera-geometric-normal",
-            Self::Depth => "depth",
-            Self::Position => "position",
-            Self::Uv => "uv",
-            Self::Motion => "motion",
-            Self::ObjectId => "object-id",
-            Self::MaterialId => "material-id",
-            Self::Samples => "samples",
-            Self::Variance => "variance",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::Emitted => "emitted",
-            Self::LightGroups => "light-groups",
-            Self::Denoised => "denoised",
-            Self::DenoiserAlbedo => "denoiser-albedo",
-            Self::DenoiserNormal => "denoiser-normal",
-            Self::CryptoObject => "crypto-object",
-            Self::CryptoMaterial => "crypto-material",
-        }
-    }
-
-    /// The name in Mitsuba 3's integrator `aov`; None if it has no such layer.
+    /// The name that the integrator `aov` of Mitsuba 3 has for it; None if it has none.
     pub const fn name_in_mitsuba(self) -> Option<&'static str> {
         match self {
             Self::Albedo => Some("albedo"),
@@ -164,35 +130,6 @@ impl Layer {
             Self::CryptoObject | Self::CryptoMaterial => &[],
         }
     }
-
-    /// The name in panels.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Alpha => "Alpha",
-            Self::Albedo => "Albedo",
-            Self::Normal => "Normal",
-            Self::GeometricNormal => "Geometric normal",
-            Self::CameraNormal => "Normal seen from the camera",
-            Self::CameraGeometricNormal => "Geometric normal seen from the camera",
-            Self::Depth => "Depth",
-            Self::Position => "Position",
-            Self::Uv => "Texture coordinates",
-            Self::Motion => "Motion since the frame before",
-            Self::ObjectId => "Object number",
-            Self::MaterialId => "Material number",
-            Self::Samples => "Samples",
-            Self::Variance => "Variance",
-            Self::Direct => "Direct light",
-            Self::Indirect => "Indirect light",
-            Self::Emitted => "Emitted light",
-            Self::LightGroups => "Light groups",
-            Self::Denoised => "Denoised",
-            Self::DenoiserAlbedo => "Albedo for the denoiser",
-            Self::DenoiserNormal => "Normal for the denoiser",
-            Self::CryptoObject => "Cryptomatte of objects",
-            Self::CryptoMaterial => "Cryptomatte of materials",
-        }
-    }
 }
 
 #[cfg(test)]
@@ -204,7 +141,7 @@ mod tests {
     #[test]
     fn every_name_is_that_of_one_layer() {
         for layer in Layer::ALL {
-            assert_eq!(Layer::from_name(layer.name()), Some(layer));
+            assert_eq!(Layer::of_name(layer.name()), Some(layer));
             assert_eq!(Layer::from_name_in_file(&layer.name_in_file()), Some(layer));
         }
         let in_pictures: HashSet<_> = Layer::ALL.into_iter().map(Layer::name_in_pictures).collect();

@@ -16,35 +16,22 @@ use crate::color::{LUMINANCE, Rgb, linear_from_srgb, srgb_from_linear};
 use crate::math::Vector;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
-/// The curve that compresses radiance to the range of the display.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ToneMap {
-    /// Each component is clamped at 1: exact below, and the default of other renderers.
-    #[default]
-    Clip,
-    /// Reinhard's L / (1 + L) on luminance: it keeps the hue and never reaches white.
-    Reinhard,
-    /// The film look of ACES: contrast, and bright colours that bleach towards white.
-    Aces,
-    /// The film curve of Uncharted 2: a soft foot and a long shoulder, white at four stops above middle grey and more.
-    Filmic,
-    /// AgX: it has low contrast over 16.5 stops, and bright colours bleach without a shift of hue.
-    AgX,
-}
-
-impl ToneMap {
-    /// The curves in the order of menus.
-    pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
-
-    /// The name in panels and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clip => "clip",
-            Self::Reinhard => "reinhard",
-            Self::Aces => "aces",
-            Self::Filmic => "filmic",
-            Self::AgX => "agx",
-        }
+declare_names! {
+    /// The curve that brings radiance beyond the range of the display into it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum ToneMap {
+        /// Each component is cut off at 1: exact below, and what other renderers write by default.
+        #[default]
+        Clip = "clip",
+        /// Reinhard's L / (1 + L) on luminance: it keeps the hue and never reaches white.
+        Reinhard = "reinhard",
+        /// The film look of ACES: contrast, and bright colours that bleach towards white.
+        Aces = "aces",
+        /// The film curve of Uncharted 2: a soft foot and a long shoulder, white at four stops above middle grey and
+        /// more.
+        Filmic = "filmic",
+        /// AgX: it has low contrast over 16.5 stops, and bright colours bleach without a shift of hue.
+        AgX = "agx",
     }
 }
 

@@ -15,10 +15,7 @@ use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{
     COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
 };
-use crate::scene::{
-    Bitmap, EulerAngles, FileValue, Parameter, PhaseFunction, Texture, TextureFilter, TextureWrap, VolumeFormat,
-    VolumeParameter,
-};
+use crate::scene::{Bitmap, EulerAngles, FileValue, Parameter, PhaseFunction, Texture, VolumeFormat, VolumeParameter};
 
 /// Writes every parameter it meets.
 pub struct IntoObject<'f> {
@@ -96,20 +93,11 @@ impl IntoObject<'_> {
     }
 
     fn put_bitmap(&mut self, bitmap: &Bitmap) {
-        let filter = match bitmap.filter {
-            TextureFilter::Nearest => "nearest",
-            TextureFilter::Bilinear => "bilinear",
-        };
-        let wrap_name = |wrap| match wrap {
-            TextureWrap::Repeat => "repeat",
-            TextureWrap::Mirror => "mirror",
-            TextureWrap::Clamp => "clamp",
-        };
         self.put(FILENAME.name, Value::String(file_name(&bitmap.path, self.folder)));
-        self.put(FILTER_TYPE.name, Value::String(filter.to_owned()));
-        self.put(WRAP_MODE.name, Value::String(wrap_name(bitmap.wrap).to_owned()));
+        self.put(FILTER_TYPE.name, Value::String(bitmap.filter.name().to_owned()));
+        self.put(WRAP_MODE.name, Value::String(bitmap.wrap.name().to_owned()));
         if let Some(wrap) = bitmap.wrap_v {
-            self.put(WRAP_MODE_V.name, Value::String(wrap_name(wrap).to_owned()));
+            self.put(WRAP_MODE_V.name, Value::String(wrap.name().to_owned()));
         }
         self.put(RAW.name, Value::Boolean(bitmap.raw));
         self.put_to_uv(&bitmap.to_uv);

@@ -79,12 +79,7 @@ pub fn shape(
             return with_to_world(with_float(volume, "value", 1.0), to_world, angles);
         }
         ShapeKind::Mesh(file) => {
-            let plugin = match file.format {
-                MeshFormat::Obj => "obj",
-                MeshFormat::Ply => "ply",
-                MeshFormat::Serialized => "serialized",
-            };
-            let object = with_string(object(plugin), "filename", &file_name(&file.path, folder));
+            let object = with_string(object(file.format.name()), "filename", &file_name(&file.path, folder));
             let object = match file.format {
                 MeshFormat::Serialized => with_integer(object, "shape_index", file.shape_index),
                 MeshFormat::Obj | MeshFormat::Ply => with_flag(object, "flip_tex_coords", file.flip_tex_coords),

@@ -180,52 +180,29 @@ impl VolumeFormat {
     }
 }
 
-/// How values between the centres of voxels come about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum VolumeFilter {
-    /// The voxel that the point lies in.
-    Nearest,
-    /// A mean of the eight voxels around the point.
-    #[default]
-    Trilinear,
-}
-
-impl VolumeFilter {
-    /// All filters.
-    pub const ALL: [Self; 2] = [Self::Nearest, Self::Trilinear];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nearest => "nearest",
-            Self::Trilinear => "trilinear",
-        }
+declare_names! {
+    /// How values between the centres of voxels come about.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum VolumeFilter {
+        /// The voxel that the point lies in.
+        Nearest = "nearest",
+        /// A mean of the eight voxels around the point.
+        #[default]
+        Trilinear = "trilinear",
     }
 }
 
-/// The continuation of a grid outside of its box. The density of a medium ends there all the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum VolumeWrap {
-    /// The voxels of the border.
-    #[default]
-    Clamp,
-    /// The grid again.
-    Repeat,
-    /// The grid again, every other time turned around.
-    Mirror,
-}
-
-impl VolumeWrap {
-    /// All continuations.
-    pub const ALL: [Self; 3] = [Self::Clamp, Self::Repeat, Self::Mirror];
-
-    /// The name in the file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clamp => "clamp",
-            Self::Repeat => "repeat",
-            Self::Mirror => "mirror",
-        }
+declare_names! {
+    /// The continuation of a grid outside of its box. The density of a medium ends there all the same.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum VolumeWrap {
+        /// The voxels of the border.
+        #[default]
+        Clamp = "clamp",
+        /// The grid again.
+        Repeat = "repeat",
+        /// The grid again, every other time turned around.
+        Mirror = "mirror",
     }
 }
 

@@ -51,7 +51,7 @@ impl<'a> SceneReader<'a> {
         let mut reader = self.reader(object);
         let mut settings = IntegratorSettings::default();
         let plugin = object.plugin.as_str();
-        let known = PathPlugin::ALL.into_iter().find(|known| known.name() == plugin);
+        let known = PathPlugin::of_name(plugin);
         settings.plugin = known.unwrap_or_else(|| match plugin.contains("vol") {
             true => PathPlugin::VolPath,
             false => PathPlugin::Path,

@@ -79,7 +79,7 @@ impl<'a> SceneReader<'a> {
             read_sampler(self.reader(sampler), &mut read_film);
         }
         for (_, second) in film.iter().skip(1).chain(sampler.iter().skip(1)) {
-            let message = format!("a second {} has no effect", second.category.tag());
+            let message = format!("a second {} has no effect", second.category.name());
             self.diagnostics.warn(second.span, message);
         }
         let place = DeclarationPlace::Sensor(self.description.sensors.len());
@@ -242,18 +242,12 @@ pub(super) fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
         if focal_length.is_some() {
             reader.error_at("focal_length", "`fov` and `focal_length` exclude each other");
         }
-        let axis = match axis.to_ascii_lowercase().as_str() {
-            "x" => FovAxis::X,
-            "y" => FovAxis::Y,
-            "diagonal" => FovAxis::Diagonal,
-            "smaller" => FovAxis::Smaller,
-            "larger" => FovAxis::Larger,
-            other => {
-                let message = format!("expected `x`, `y`, `diagonal`, `smaller` or `larger`, found `{other}`");
-                reader.error_at("fov_axis", message);
-                FovAxis::X
-            }
-        };
+        let axis = axis.to_ascii_lowercase();
+        let axis = FovAxis::of_name(&axis).unwrap_or_else(|| {
+            let message = format!("expected `x`, `y`, `diagonal`, `smaller` or `larger`, found `{axis}`");
+            reader.error_at("fov_axis", message);
+            FovAxis::X
+        });
         let fov = reader.float("fov").unwrap_or(45.0);
         if fov > 0.0 && fov < 180.0 {
             return (fov, axis);

@@ -41,15 +41,14 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
 fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
     // This program decides how the picture is stored in memory.
     reader.ignore(&["format", "accel"]);
-    let filter = match reader.string("filter_type") {
-        None | Some("bilinear") => TextureFilter::Bilinear,
-        Some("nearest") => TextureFilter::Nearest,
-        Some(other) => {
-            let message = format!("expected the filter `bilinear` or `nearest`, found `{other}`");
+    let filter = reader.string("filter_type").and_then(|name| {
+        let known = TextureFilter::of_name(name);
+        if known.is_none() {
+            let message = format!("expected the filter `bilinear` or `nearest`, found `{name}`");
             reader.error_at("filter_type", message);
-            TextureFilter::default()
         }
-    };
+        known
+    });
     let wrap = wrap_mode(reader, "wrap_mode").unwrap_or_default();
     let wrap_v = wrap_mode(reader, "wrap_mode_v");
     let raw = reader.boolean_or("raw", false);
@@ -62,7 +61,7 @@ fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
     };
     Some(Bitmap {
         path: pictures.find(name, reader),
-        filter,
+        filter: filter.unwrap_or_default(),
         wrap,
         wrap_v: wrap_v.filter(|other| *other != wrap),
         raw,
@@ -72,16 +71,13 @@ fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
 
 /// What lies outside of the picture, if it is given.
 fn wrap_mode(reader: &mut Reader, name: &str) -> Option<TextureWrap> {
-    Some(match reader.string(name)? {
-        "repeat" => TextureWrap::Repeat,
-        "mirror" => TextureWrap::Mirror,
-        "clamp" => TextureWrap::Clamp,
-        other => {
-            let message = format!("expected the wrap mode `repeat`, `mirror` or `clamp`, found `{other}`");
-            reader.error_at(name, message);
-            return None;
-        }
-    })
+    let mode = reader.string(name)?;
+    let known = TextureWrap::of_name(mode);
+    if known.is_none() {
+        let message = format!("expected the wrap mode `repeat`, `mirror` or `clamp`, found `{mode}`");
+        reader.error_at(name, message);
+    }
+    known
 }
 
 fn attribute_name(reader: &mut Reader) -> Option<String> {

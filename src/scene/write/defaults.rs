@@ -56,7 +56,7 @@ fn read_plain(category: Category, plugin: &str) -> Option<Object> {
     let folder = Path::new("/");
     let text = format!(
         "<scene version=\"3.0.0\"><{0} type=\"{plugin}\"/></scene>",
-        category.tag()
+        category.name()
     );
     let mut document = parse_str(&*text, Path::new("/plain.xml"), &[]);
     let scene = read::read(&mut document);

@@ -191,8 +191,7 @@ mod tone_map_by_name {
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ToneMap, D::Error> {
         let value = Value::deserialize(deserializer)?;
-        let known = ToneMap::ALL.into_iter().find(|map| value == map.name());
-        Ok(known.unwrap_or_else(hard_clip))
+        Ok(value.as_str().and_then(ToneMap::of_name).unwrap_or_else(hard_clip))
     }
 }
 

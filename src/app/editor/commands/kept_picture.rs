@@ -145,11 +145,7 @@ fn origin(world: &World, scene: &Path) -> Result<Origin, String> {
     let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
     let is_adaptive = film.is_some_and(|film| film.adaptive);
     let is_adaptive = world.resource::<RenderControl>().adaptive.unwrap_or(is_adaptive);
-    let accel = match world.resource::<AccelMethod>() {
-        AccelMethod::Linear => "linear",
-        AccelMethod::Median => "median",
-        AccelMethod::Sah => "sah",
-    };
+    let accel = world.resource::<AccelMethod>().name();
     // They have the names that the command line uses.
     let mut settings = vec![("the acceleration structure".to_owned(), accel.to_owned())];
     let defines = world.resource::<SceneDefines>().0.iter();

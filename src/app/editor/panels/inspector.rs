@@ -22,7 +22,7 @@ use crate::app::editor::command::{
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
 use crate::math::Aabb;
-use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
 use transform::PoseEdit;
 
 /// The state that the panel keeps between frames.
@@ -315,12 +315,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
             face_normals,
             ..
         }) => {
-            let format = match format {
-                MeshFormat::Obj => "OBJ mesh",
-                MeshFormat::Ply => "PLY mesh",
-                MeshFormat::Serialized => "serialized mesh",
-            };
-            fields::note(ui, ("Type", "kind"), format);
+            fields::note(ui, ("Type", "kind"), format.label());
             let file = path.file_name().unwrap_or_default().to_string_lossy();
             fields::note(ui, ("File", "kind.path"), file);
             if *shape_index > 0 {

@@ -124,8 +124,7 @@ impl Rows<'_> {
             ParameterMut::Ior(value) => self.edit.changed |= dielectric_ior(self.ui, info, value),
             ParameterMut::ConductorIor(value) => self.conductor_ior(info, value),
             ParameterMut::Distribution(value) => {
-                let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
-                self.edit.changed |= fields::choice(self.ui, info, value, &options);
+                self.edit.changed |= fields::choice(self.ui, info, value, &Distribution::LABELED);
             }
             ParameterMut::Roughness(value) => self.roughness(value),
             ParameterMut::UniformRoughness(value) => self.alphas(value),

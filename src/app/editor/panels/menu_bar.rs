@@ -238,7 +238,7 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
     }
     ui.separator();
     ui.menu_button("Unit of length", |ui| {
-        for (unit, name) in LengthUnit::ALL {
+        for (unit, name) in LengthUnit::LABELED {
             if ui.add(Button::selectable(model.unit == unit, name)).clicked() {
                 commands.push(SettingsEdit::SetUnit(unit).into());
                 ui.close();

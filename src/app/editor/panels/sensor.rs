@@ -25,21 +25,6 @@ const PRECISIONS: [(Option<ComponentFormat>, &str); 3] = [
     (Some(ComponentFormat::Float16), "halves of 16 bits"),
 ];
 
-/// The compression of EXR files.
-const COMPRESSIONS: [(Option<ExrCompression>, &str); 11] = [
-    (None, "zip by default"),
-    (Some(ExrCompression::None), "none"),
-    (Some(ExrCompression::Rle), "rle"),
-    (Some(ExrCompression::Zips), "zips"),
-    (Some(ExrCompression::Zip), "zip"),
-    (Some(ExrCompression::Piz), "piz, for noise"),
-    (Some(ExrCompression::Pxr24), "pxr24, with loss"),
-    (Some(ExrCompression::B44), "b44, with loss"),
-    (Some(ExrCompression::B44a), "b44a, with loss"),
-    (Some(ExrCompression::Dwaa), "dwaa, with loss"),
-    (Some(ExrCompression::Dwab), "dwab, with loss"),
-];
-
 /// Shows the rows of a camera; true if edited. `aspect` is the film's width over its height.
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) -> bool {
     let focal_length = aperture::focal_length(sensor, aspect);
@@ -83,14 +68,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
 /// Shows the rows of a field of view; true if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
     let changed = fields::slider_with(ui, &FOV, fov, FOV.slider_range(), |slider| slider.suffix(FOV.unit));
-    let axes = [
-        (FovAxis::X, "horizontal"),
-        (FovAxis::Y, "vertical"),
-        (FovAxis::Diagonal, "diagonal"),
-        (FovAxis::Smaller, "smaller edge"),
-        (FovAxis::Larger, "larger edge"),
-    ];
-    fields::choice(ui, &FOV_AXIS, axis, &axes) || changed
+    fields::choice(ui, &FOV_AXIS, axis, &FovAxis::LABELED) || changed
 }
 
 /// Shows the focal length, which is another way to say the field of view; true if edited.
@@ -214,6 +192,8 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
         &mut film.storage.components,
         &PRECISIONS,
     );
+    let mut compressions = vec![(None, "zip by default")];
+    compressions.extend(ExrCompression::LABELED.map(|(method, label)| (Some(method), label)));
     let caption = Caption::from(("Compression", "compression"));
     changed |= fields::choice(
         ui,
@@ -221,7 +201,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
             "How EXR files are made smaller. The methods with loss change values a little. pxr24, dwaa and dwab cannot save cryptomattes; dwaa and dwab cannot save layers with a channel Y, such as normals",
         ),
         &mut film.storage.compression,
-        &COMPRESSIONS,
+        &compressions,
     );
     let mut is_limited = film.noise_target.is_some();
     if fields::checkbox(ui, "Limit noise", &mut is_limited) {

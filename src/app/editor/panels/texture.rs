@@ -79,11 +79,7 @@ pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
         (TextureFilter::Bilinear, "bilinear"),
         (TextureFilter::Nearest, "nearest pixel"),
     ];
-    let wraps = [
-        (TextureWrap::Repeat, "repeat"),
-        (TextureWrap::Mirror, "mirror"),
-        (TextureWrap::Clamp, "clamp"),
-    ];
+    let wraps = TextureWrap::ALL.map(|wrap| (wrap, wrap.name()));
     let mut changed = fields::choice(ui, &FILTER_TYPE, &mut bitmap.filter, &filters);
     changed |= fields::choice(ui, &WRAP_MODE, &mut bitmap.wrap, &wraps);
     if let Some(wrap) = &mut bitmap.wrap_v {

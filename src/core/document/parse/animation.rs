@@ -18,7 +18,7 @@ impl Parser {
         let interpolation = match tag.take("interpolation") {
             None => Interpolation::default(),
             Some((word, span)) => {
-                let found = Interpolation::ALL.into_iter().find(|kind| kind.name() == word.trim());
+                let found = Interpolation::of_name(word.trim());
                 found.unwrap_or_else(|| {
                     let names = Interpolation::ALL.map(|kind| format!("`{}`", kind.name()));
                     let message = format!("expected {}, found {}", names.join(", "), quote(&word));

@@ -23,7 +23,7 @@ impl Parser {
             self.diagnostics.error(tag.span, message);
             return None;
         }
-        let Some(category) = Category::from_tag(tag.name) else {
+        let Some(category) = Category::of_name(tag.name) else {
             let message = format!("a scene file starts with <scene>, not <{}>", tag.name);
             self.diagnostics.error(tag.span, message);
             return None;
@@ -202,11 +202,11 @@ impl Parser {
                 self.diagnostics.error(tag.span, message);
                 None
             }
-            name => match Category::from_tag(name) {
+            name => match Category::of_name(name) {
                 Some(category) => Some(self.object_frame(tag, category)),
                 None => {
                     let structure = ["transform", "animation", "ref", "default", "include", "path", "alias"];
-                    let categories = Category::ALL.map(Category::tag);
+                    let categories = Category::ALL.map(Category::name);
                     let known = VALUE_TAGS.into_iter().chain(structure).chain(categories);
                     let help = self.diagnostics.did_you_mean(name, known);
                     let message = format!("<{name}> is not known; it is ignored with all it contains");

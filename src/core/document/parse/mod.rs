@@ -71,7 +71,7 @@ impl Parser {
         if root.category != Category::Scene {
             self.diagnostics.error(
                 root.span,
-                format!("a scene file starts with <scene>, not <{}>", root.category.tag()),
+                format!("a scene file starts with <scene>, not <{}>", root.category.name()),
             );
             let mut scene = Object::new(Category::Scene, "");
             scene.children.push(root.into());

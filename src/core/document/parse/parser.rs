@@ -106,7 +106,7 @@ impl Frame {
 
     fn tag(&self) -> &str {
         match self {
-            Self::Object { object, .. } => object.category.tag(),
+            Self::Object { object, .. } => object.category.name(),
             Self::Transform { .. } => "transform",
             Self::Animation(_) => "animation",
             Self::Leaf { tag, .. } => tag,

@@ -128,7 +128,7 @@ pub struct About {
 impl PartHeader {
     /// What the film keeps.
     pub fn film_layers(&self) -> FilmLayers {
-        let known = self.layers.iter().filter_map(|name| Layer::from_name(name));
+        let known = self.layers.iter().filter_map(|name| Layer::of_name(name));
         FilmLayers {
             groups: self.about.light_groups.len(),
             layers: Layers::of(&known.collect::<Vec<_>>()),

@@ -76,8 +76,8 @@ pub fn shift(world: &mut World, name: &str, path: &str, times: [&str; 2]) -> Res
 
 /// `interpolate NAME PROPERTY linear|ease|step`
 pub fn interpolate(world: &mut World, name: &str, path: &str, way: &str) -> Result<Command, ScriptError> {
-    let known = Interpolation::ALL.into_iter().find(|known| known.name() == way);
-    let known = known.ok_or_else(|| unknown("interpolation", way, Interpolation::ALL.map(Interpolation::name)))?;
+    let known = Interpolation::of_name(way)
+        .ok_or_else(|| unknown("interpolation", way, Interpolation::ALL.map(Interpolation::name)))?;
     let thing = named(world, name)?;
     Ok(TimeEdit::Key(vec![(thing, KeyPath::new(path))], KeyEdit::Interpolate(known)).into())
 }
