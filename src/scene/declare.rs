@@ -1,11 +1,11 @@
 //! How the plugins of a family are declared: each once, with its name, its parameters, their defaults and what is told
 //! of them.
 //!
-//! From the declaration follow the type that holds the values, the list of all plugins, and the two ways to meet the
-//! parameters of a value: `visit` for what reads them, `visit_mut` for what changes them. Both call a function with the
-//! `ParameterInfo` of each parameter and its value, in the order of the declaration.
+//! From the declaration follow the type that holds the values, the list of all plugins, and the trait
+//! [`Declared`](super::Declared), by which all others meet the parameters: the reader and the writer of files, panels,
+//! scripts and the checks of ranges.
 //!
-//! The file that declares has `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
+//! The file that declares has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
 
 use std::ops::RangeInclusive;
 
@@ -95,12 +95,10 @@ macro_rules! declare_plugins {
             pub fn plugin(&self) -> &'static str {
                 self.info().name
             }
+        }
 
-            /// Shows `meet` every parameter.
-            pub(crate) fn visit<'p>(
-                &'p self,
-                meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>),
-            ) {
+        impl Declared for $Family {
+            fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
                 match self {
                     $(Self::$Variant $({ $($field),* })? $(($inside))? => {
                         $($(meet(const { &$info }, ParameterRef::$kind($field));)*)?
@@ -109,11 +107,7 @@ macro_rules! declare_plugins {
                 }
             }
 
-            /// Shows `meet` every parameter, to be changed.
-            pub(crate) fn visit_mut(
-                &mut self,
-                meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut),
-            ) {
+            fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
                 match self {
                     $(Self::$Variant $({ $($field),* })? $(($inside))? => {
                         $($(meet(const { &$info }, ParameterMut::$kind($field));)*)?
@@ -142,20 +136,12 @@ macro_rules! declare_parameters {
             }
         }
 
-        impl $Plugin {
-            /// Shows `meet` every parameter.
-            pub(crate) fn visit<'p>(
-                &'p self,
-                meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>),
-            ) {
+        impl Declared for $Plugin {
+            fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
                 $(meet(const { &$info }, ParameterRef::$kind(&self.$field));)*
             }
 
-            /// Shows `meet` every parameter, to be changed.
-            pub(crate) fn visit_mut(
-                &mut self,
-                meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut),
-            ) {
+            fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
                 $(meet(const { &$info }, ParameterMut::$kind(&mut self.$field));)*
             }
         }

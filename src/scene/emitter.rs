@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use super::declare::{PluginInfo, declare_parameters, declare_plugins};
 use super::parameter_info::ParameterInfo;
-use super::parameters::{CUTOFF_ANGLE, Cone, FOV, FieldOfView, ParameterMut, ParameterRef};
+use super::parameters::{CUTOFF_ANGLE, Cone, Declared, FOV, FieldOfView, ParameterMut, ParameterRef};
 use super::sun_sky::SunSky;
 use super::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
 use crate::color::Rgb;
@@ -210,6 +210,25 @@ static USUAL: LazyLock<HashMap<&str, Emitter>> = LazyLock::new(|| {
     Emitter::PLUGINS.into_iter().filter_map(made).collect()
 });
 
+impl Declared for Emitter {
+    fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+        self.kind.visit(meet);
+        if !self.is_probe() {
+            meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
+        }
+    }
+
+    fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+        self.kind.visit_mut(meet);
+        if !self.is_probe() {
+            meet(
+                &SAMPLING_WEIGHT,
+                ParameterMut::SamplingWeight(&mut self.sampling_weight),
+            );
+        }
+    }
+}
+
 impl Emitter {
     /// The names of all plugins.
     pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
@@ -232,25 +251,6 @@ impl Emitter {
     /// The plugin's name in the file.
     pub fn plugin(&self) -> &'static str {
         self.kind.plugin()
-    }
-
-    /// Shows `meet` every parameter.
-    pub(crate) fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
-        self.kind.visit(meet);
-        if !self.is_probe() {
-            meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
-        }
-    }
-
-    /// Shows `meet` every parameter, to be changed.
-    pub(crate) fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
-        self.kind.visit_mut(meet);
-        if !self.is_probe() {
-            meet(
-                &SAMPLING_WEIGHT,
-                ParameterMut::SamplingWeight(&mut self.sampling_weight),
-            );
-        }
     }
 
     /// Shows `meet` every picture it needs, by absolute path.

@@ -7,11 +7,12 @@ use glam::Vec3;
 use super::medium::{self, ALBEDO, Coefficients, SIGMA_S, SIGMA_T, VolumeParameter};
 use super::parameter_info::ParameterInfo;
 use super::parameters::{
-    ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, Absorption, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, EUMELANIN, FOV,
-    FOV_AXIS, Ior, K, PHEOMELANIN, PRINCIPLED_ETA, ParameterRef, PrincipledIndex, Roughness, SIGMA_A, SPECULAR,
-    SunPosition,
+    ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, Absorption, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, Declared, ETA,
+    EUMELANIN, FOV, FOV_AXIS, Ior, K, PHEOMELANIN, PRINCIPLED_ETA, ParameterRef, PrincipledIndex, Roughness, SIGMA_A,
+    SPECULAR, SunPosition,
 };
 use super::texture::{Parameter, Texture};
+use super::wall_openings::Opening;
 use crate::color::Rgb;
 
 /// A parameter as it stands in a file.
@@ -26,12 +27,13 @@ pub(crate) enum FileValue<'p> {
     Flag(bool),
     Name(&'p str),
     Rgb(Rgb),
-    Integer(i32),
+    Integer(i64),
     Path(&'p Path),
     Vector(Vec3),
     VolumeColor(&'p VolumeParameter<Rgb>),
     VolumeNumber(&'p VolumeParameter<f32>),
     Numbers(&'p [f32]),
+    Openings(&'p [Opening]),
 }
 
 impl<'p> FileValue<'p> {
@@ -61,7 +63,7 @@ impl<'p> ParameterRef<'p> {
             // The format wants a texture here, and does not take a number for one.
             Self::Height(Parameter::Constant(height)) => meet(info, FileValue::UniformTexture(*height)),
             Self::Height(Parameter::Texture(texture)) => meet(info, FileValue::Texture(texture)),
-            Self::Number(number) => meet(info, FileValue::Number(*number)),
+            Self::Number(number) | Self::Length(number) => meet(info, FileValue::Number(*number)),
             Self::Flag(flag) | Self::Extension(flag) => meet(info, FileValue::Flag(*flag)),
             Self::Ior(Ior::Named(name)) | Self::ConductorIor(ConductorIor::Named(name)) => {
                 meet(info, FileValue::Name(name));
@@ -92,7 +94,8 @@ impl<'p> ParameterRef<'p> {
             Self::Emission(color) | Self::UniformReflectance(color) => meet(info, FileValue::Rgb(*color)),
             Self::TexturedEmission(color) => meet(info, FileValue::Color(color)),
             Self::Factor(number) | Self::Angle(number) => meet(info, FileValue::Number(*number)),
-            Self::Integer(number) => meet(info, FileValue::Integer(*number)),
+            Self::Integer(number) => meet(info, FileValue::Integer((*number).into())),
+            Self::Count(number) => meet(info, FileValue::Integer((*number).into())),
             Self::Picture(path) => meet(info, FileValue::Path(path)),
             Self::OptionalTexture(texture) => {
                 if let Some(texture) = texture {
@@ -131,6 +134,7 @@ impl<'p> ParameterRef<'p> {
             }
             Self::VolumeShare(share) => meet(info, FileValue::VolumeNumber(share)),
             Self::Values(values) => meet(info, FileValue::Numbers(values)),
+            Self::Openings(openings) => meet(info, FileValue::Openings(openings)),
         }
     }
 }

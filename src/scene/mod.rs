@@ -23,6 +23,7 @@ mod file_value;
 mod files_in_use;
 pub mod film_storage;
 pub(crate) mod folders;
+mod fov_axis;
 mod framing;
 pub(crate) mod free_name;
 pub mod group;
@@ -69,6 +70,7 @@ mod turntable;
 mod unit;
 pub mod volume_check;
 mod volumes;
+pub(crate) mod wall_openings;
 pub mod watch;
 pub mod write;
 
@@ -83,6 +85,7 @@ pub use euler::EulerAngles;
 pub(crate) use euler::Turned;
 pub(crate) use file_value::FileValue;
 pub use film_storage::{ComponentFormat, FilmStorage, PictureFormat, PixelFormat};
+pub use fov_axis::FovAxis;
 pub(crate) use framing::FrameWhenLoaded;
 pub use framing::world_bounds;
 pub use group::Placements;
@@ -111,16 +114,16 @@ pub use parameters::{
     Absorption, ConductorIor, Cone, Distribution, FieldOfView, Ior, PlaceAndTime, PrincipledIndex, Roughness,
     SunPosition,
 };
-pub(crate) use parameters::{ParameterMut, ParameterRef};
+pub(crate) use parameters::{Declared, ParameterMut, ParameterRef};
 pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
 pub(crate) use posing::pose;
 pub use posing::{animated_span, show_moment};
 pub use scene_file::SceneFile;
-pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
+pub use sensor::{Crop, Film, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
-pub use solid::{Opening, Solid, SolidValue};
+pub use solid::Solid;
 pub use stand_in::{KnownBounds, StandIns};
 pub use status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
@@ -131,4 +134,5 @@ pub use turntable::Turntable;
 pub use unit::LengthUnit;
 pub(crate) use unit::decimal;
 pub use volumes::Volumes;
+pub use wall_openings::Opening;
 pub use watch::SceneWatch;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::parameters::ParameterMut;
-use super::{AreaLight, Emitter, Material, Medium, Parameter, ParameterInfo, Shape, ShapeKind, Texture};
+use super::{AreaLight, Declared, Emitter, Material, Medium, Parameter, ParameterInfo, Shape, ShapeKind, Texture};
 
 /// A thing that names files.
 pub(crate) trait NamesFiles {
@@ -19,29 +19,23 @@ impl NamesFiles for Shape {
     }
 }
 
-impl NamesFiles for Material {
-    fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf)) {
-        self.visit_mut(&mut |info, value| of_parameter(info, value, meet));
-    }
-}
-
-impl NamesFiles for AreaLight {
-    fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf)) {
-        self.visit_mut(&mut |info, value| of_parameter(info, value, meet));
-    }
-}
-
-impl NamesFiles for Emitter {
-    fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf)) {
-        self.visit_mut(&mut |info, value| of_parameter(info, value, meet));
-    }
-}
-
 impl NamesFiles for Medium {
     fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf)) {
         self.for_each_grid_mut(&mut |grid| meet(&mut grid.path));
     }
 }
+
+macro_rules! names_files_by_parameters {
+    ($($Thing:ty),*) => {$(
+        impl NamesFiles for $Thing {
+            fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf)) {
+                self.visit_mut(&mut |info, value| of_parameter(info, value, meet));
+            }
+        }
+    )*};
+}
+
+names_files_by_parameters!(Material, AreaLight, Emitter);
 
 fn of_parameter(info: &'static ParameterInfo, value: ParameterMut, meet: &mut dyn FnMut(&mut PathBuf)) {
     if let ParameterMut::Picture(path) = value {

@@ -87,6 +87,13 @@ impl ParameterInfo {
         self.offered.as_ref().unwrap_or(&self.range).clone()
     }
 
+    /// The bounds of a length in a file: one above 0 for the panel may be as small as numbers are, as tiny scenes need.
+    pub fn file_range(&self) -> RangeInclusive<f32> {
+        let start = *self.range.start();
+        let least = if start > 0.0 { f32::MIN_POSITIVE } else { start };
+        least..=*self.range.end()
+    }
+
     /// Sets the default.
     pub const fn usually(mut self, usual: f32) -> Self {
         self.usual = usual;

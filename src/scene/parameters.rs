@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::declare::declare_parameters;
+use super::fov_axis::FovAxis;
 use super::medium::{Coefficients, VolumeParameter};
 use super::parameter_info::ParameterInfo;
-use super::sensor::FovAxis;
 use super::texture::{Parameter, Texture};
+use super::wall_openings::Opening;
 use crate::color::Rgb;
 
 /// Declares the kinds of parameters: a reference to the value, to be read or to be changed.
@@ -86,6 +87,21 @@ kinds! {
     VolumeShare(VolumeParameter<f32>),
     /// A list of numbers that are not negative.
     Values(Vec<f32>),
+    /// A length in units of the thing's own space.
+    Length(f32),
+    /// A whole number that is not negative.
+    Count(u32),
+    /// The openings of a wall.
+    Openings(Vec<Opening>),
+}
+
+/// A value with declared parameters. They are met in the order of the declaration.
+pub(crate) trait Declared {
+    /// Shows `meet` every parameter.
+    fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>));
+
+    /// Shows `meet` every parameter, to be changed.
+    fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut));
 }
 
 /// The name of a bump map's texture where the file gives none.

@@ -3,7 +3,10 @@
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::{DocumentOrder, FilmStorage, ToWorld};
+use super::declare::{PluginInfo, declare_plugins};
+use super::parameter_info::ParameterInfo;
+use super::parameters::{Declared, ParameterMut, ParameterRef};
+use super::{DocumentOrder, FilmStorage, FovAxis, ToWorld};
 
 /// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic
 /// picture, and else dropped.
@@ -75,52 +78,6 @@ impl Lens {
             Self::Pinhole
         };
         ((self == Self::Orthographic) != orthographic).then_some(other)
-    }
-}
-
-declare_names! {
-    /// The extent of the picture along which a field of view is measured.
-    #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub enum FovAxis {
-        /// Its width.
-        #[default]
-        X = "x" => "horizontal",
-        /// Its height.
-        Y = "y" => "vertical",
-        /// It is measured from corner to corner.
-        Diagonal = "diagonal" => "diagonal",
-        /// The smaller one of width and height.
-        Smaller = "smaller" => "smaller edge",
-        /// The larger one of width and height.
-        Larger = "larger" => "larger edge",
-    }
-}
-
-impl FovAxis {
-    /// The field of view along x in degrees, from one along this axis; `aspect` is width over height.
-    pub fn horizontal(self, fov: f32, aspect: f32) -> f32 {
-        let half = (0.5 * fov).to_radians().tan();
-        let half_width = match self {
-            Self::X => return fov,
-            Self::Smaller if aspect <= 1.0 => return fov,
-            Self::Larger if aspect >= 1.0 => return fov,
-            Self::Y | Self::Smaller | Self::Larger => half * aspect,
-            Self::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
-        };
-        2.0 * half_width.atan().to_degrees()
-    }
-
-    /// The inverse of [`Self::horizontal`]: the field of view along this axis in degrees, from that along x.
-    pub(crate) fn of_horizontal(self, fov: f32, aspect: f32) -> f32 {
-        let half_width = (0.5 * fov).to_radians().tan();
-        let half = match self {
-            Self::X => return fov,
-            Self::Smaller if aspect <= 1.0 => return fov,
-            Self::Larger if aspect >= 1.0 => return fov,
-            Self::Y | Self::Smaller | Self::Larger => half_width / aspect,
-            Self::Diagonal => half_width * (1.0 + 1.0 / (aspect * aspect)).sqrt(),
-        };
-        2.0 * half.atan().to_degrees()
     }
 }
 
@@ -220,35 +177,44 @@ impl Default for Film {
     }
 }
 
-/// Weighs samples around a pixel's centre.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub enum ReconstructionFilter {
-    /// The same weight all over the pixel.
-    Box,
-    /// A tent; `radius` is in pixels.
-    Tent {
-        /// The radius, above 0.
-        radius: f32,
-    },
-    /// Mitchell and Netravali's filter with parameters B and C.
-    Mitchell {
-        /// The blurring; 1/3 by default.
-        b: f32,
-        /// The ringing; 1/3 by default.
-        c: f32,
-    },
-    /// Mitchell and Netravali's filter with B = 0 and C = 1/2, which interpolates.
-    CatmullRom,
-    /// A sinc in a sinc window.
-    Lanczos {
-        /// Half the width of the window in pixels, at least 1.
-        lobes: u32,
-    },
-    /// A Gaussian, truncated at four standard deviations; `stddev` is in pixels.
-    Gaussian {
-        /// The standard deviation, above 0.
-        stddev: f32,
-    },
+declare_plugins! {
+    /// Weighs samples around a pixel's centre.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+    pub enum ReconstructionFilter {
+        /// The same weight all over the pixel.
+        [PluginInfo::new("box", "box")]
+        Box,
+
+        [PluginInfo::new("tent", "tent")]
+        Tent { radius: f32 = 1.0 => Number(pixels("radius", "Radius", "The radius of the tent, in pixels.")) },
+
+        /// A Gaussian, truncated at four standard deviations.
+        [PluginInfo::new("gaussian", "gaussian")]
+        Gaussian { stddev: f32 = 0.5 => Number(pixels("stddev", "Deviation", "The standard deviation of the Gaussian, in pixels.")) },
+
+        /// Mitchell and Netravali's filter.
+        [PluginInfo::new("mitchell", "mitchell")]
+        Mitchell {
+            b: f32 = 1.0 / 3.0 => Number(ParameterInfo::new("B", "B", "The blurring.", "-4 to 4").within(-4.0..=4.0)),
+            c: f32 = 1.0 / 3.0 => Number(ParameterInfo::new("C", "C", "The ringing.", "-4 to 4").within(-4.0..=4.0)),
+        },
+
+        /// Mitchell and Netravali's filter with B = 0 and C = 1/2, which interpolates.
+        [PluginInfo::new("catmullrom", "catmull-rom")]
+        CatmullRom,
+
+        /// A sinc in a sinc window.
+        [PluginInfo::new("lanczos", "lanczos")]
+        Lanczos {
+            lobes: u32 = 3 => Count(
+                ParameterInfo::new("lobes", "Lobes", "Half the width of the window in pixels.", "1 to 16").within(1.0..=16.0)
+            ),
+        },
+    }
+}
+
+const fn pixels(name: &'static str, label: &'static str, about: &'static str) -> ParameterInfo {
+    ParameterInfo::new(name, label, about, "pixels, above 0 and up to 16").within(f32::MIN_POSITIVE..=16.0)
 }
 
 impl Default for ReconstructionFilter {
@@ -299,30 +265,5 @@ fn known(names: &[String]) -> String {
         [] => "the scene has none".to_owned(),
         [only] => format!("the only one is `{only}`"),
         _ => format!("there are {}", numbered.collect::<Vec<String>>().join(", ")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn field_of_view_along_every_axis() {
-        // The tangents of the half angles are 1 along x on a 2:1 film, 1/2 along y, and sqrt(5)/2 along the diagonal.
-        let degrees = |half_tangent: f32| 2.0 * half_tangent.atan().to_degrees();
-        let table = [
-            (FovAxis::X, 2.0, degrees(1.0)),
-            (FovAxis::Y, 2.0, degrees(0.5)),
-            (FovAxis::Smaller, 2.0, degrees(0.5)),
-            (FovAxis::Larger, 2.0, degrees(1.0)),
-            (FovAxis::Diagonal, 2.0, degrees(1.25f32.sqrt())),
-            (FovAxis::Smaller, 0.5, degrees(1.0)),
-            (FovAxis::Larger, 0.5, degrees(2.0)),
-        ];
-        for (axis, aspect, fov) in table {
-            let horizontal = axis.horizontal(fov, aspect);
-            assert!((horizontal - 90.0).abs() < 1e-4, "{axis:?} {aspect}: {horizontal}");
-            assert!((axis.of_horizontal(horizontal, aspect) - fov).abs() < 1e-3);
-        }
     }
 }

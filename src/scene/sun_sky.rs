@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::declare::declare_parameters;
 use super::parameter_info::ParameterInfo;
-use super::parameters::{ParameterMut, ParameterRef, PlaceAndTime, SUN_DIRECTION, SunPosition};
+use super::parameters::{Declared, ParameterMut, ParameterRef, PlaceAndTime, SUN_DIRECTION, SunPosition};
 use crate::color::Rgb;
 
 declare_parameters! {

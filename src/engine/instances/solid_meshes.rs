@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::geometry::mesh::MeshData;
 use crate::scene::assets::solid_mesh::solid_mesh;
-use crate::scene::{Solid, SolidValue};
+use crate::scene::{Declared, ParameterRef, Solid};
 
 /// The meshes, each with a unique number.
 #[derive(Default)]
@@ -34,13 +34,14 @@ impl SolidMeshes {
 /// The dimensions that determine the mesh, as bits for an exact comparison.
 fn bits(part: &Solid) -> Vec<u32> {
     let mut bits = Vec::new();
-    part.clone().visit_mut(&mut |_, value| match value {
-        SolidValue::Length(length) => bits.push(length.to_bits()),
-        SolidValue::Count(count) => bits.push(*count),
-        SolidValue::Openings(openings) => bits.extend(openings.iter().flat_map(|opening| {
+    part.visit(&mut |_, value| match value {
+        ParameterRef::Length(length) => bits.push(length.to_bits()),
+        ParameterRef::Count(count) => bits.push(*count),
+        ParameterRef::Openings(openings) => bits.extend(openings.iter().flat_map(|opening| {
             let numbers = [opening.from, opening.sill, opening.width, opening.height];
             numbers.map(f32::to_bits)
         })),
+        _ => {}
     });
     bits
 }

@@ -8,8 +8,8 @@ use crate::scene::parameters::{
     PRINCIPLED_ETA, SIGMA_A, SPECULAR,
 };
 use crate::scene::{
-    Absorption, AreaLight, Coefficients, ConductorIor, Cone, Emitter, Ior, Material, Medium, Parameter, ParameterInfo,
-    ParameterMut, ParameterRef, PhaseFunction, PrincipledIndex, Roughness, VolumeParameter,
+    Absorption, AreaLight, Coefficients, ConductorIor, Cone, Declared, Emitter, Ior, Material, Medium, Parameter,
+    ParameterInfo, ParameterMut, ParameterRef, PhaseFunction, PrincipledIndex, Roughness, VolumeParameter,
 };
 use crate::shading::ior;
 
@@ -33,33 +33,17 @@ fn number(value: Option<ParameterRef>) -> Option<f32> {
 impl Checker<'_> {
     /// The material with all numbers in range, and with known names of media and metals.
     pub fn material(&mut self, material: &Material) -> Material {
-        let mut usual = Vec::new();
-        if let Some(plugin) = Material::usual(material.plugin()) {
-            plugin.visit(&mut |_, value| usual.push(value));
-        }
-        let (mut mended, mut usual) = (material.clone(), usual.into_iter());
-        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
-        mended
+        self.declared(material, Material::usual(material.plugin()))
     }
 
     /// The light with all numbers in range.
     pub fn emitter(&mut self, emitter: &Emitter) -> Emitter {
-        let mut usual = Vec::new();
-        if let Some(plugin) = Emitter::usual(emitter.plugin()) {
-            plugin.visit(&mut |_, value| usual.push(value));
-        }
-        let (mut mended, mut usual) = (emitter.clone(), usual.into_iter());
-        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
-        mended
+        self.declared(emitter, Emitter::usual(emitter.plugin()))
     }
 
     /// The medium with all numbers in range.
     pub fn medium(&mut self, medium: &Medium) -> Medium {
-        let (mut mended, plugin) = (medium.clone(), Medium::default());
-        let mut usual = Vec::new();
-        plugin.visit(&mut |_, value| usual.push(value));
-        let mut usual = usual.into_iter();
-        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        let mut mended = self.declared(medium, Some(&Medium::default()));
         self.phase(&mut mended.phase);
         mended
     }
@@ -73,11 +57,17 @@ impl Checker<'_> {
 
     /// The emission of a shape with all numbers in range.
     pub fn area_light(&mut self, light: &AreaLight) -> AreaLight {
-        let (mut mended, plugin) = (light.clone(), AreaLight::default());
-        let mut usual = Vec::new();
-        plugin.visit(&mut |_, value| usual.push(value));
-        let mut usual = usual.into_iter();
-        mended.visit_mut(&mut |info, value| self.parameter(info, value, usual.next()));
+        self.declared(light, Some(&AreaLight::default()))
+    }
+
+    /// The value with all numbers in range. `usual` has the defaults of its plugin.
+    fn declared<T: Declared + Clone>(&mut self, value: &T, usual: Option<&T>) -> T {
+        let mut defaults = Vec::new();
+        if let Some(usual) = usual {
+            usual.visit(&mut |_, value| defaults.push(value));
+        }
+        let (mut mended, mut defaults) = (value.clone(), defaults.into_iter());
+        mended.visit_mut(&mut |info, value| self.parameter(info, value, defaults.next()));
         mended
     }
 
@@ -155,7 +145,11 @@ impl Checker<'_> {
             }
             ParameterMut::Values(values) => self.table(info, values),
             // The packing of the sun checks values derived from its position.
-            ParameterMut::SunPosition(_)
+            // Building parts become meshes as they are.
+            ParameterMut::Length(_)
+            | ParameterMut::Count(_)
+            | ParameterMut::Openings(_)
+            | ParameterMut::SunPosition(_)
             | ParameterMut::Integer(_)
             | ParameterMut::Flag(_)
             | ParameterMut::Extension(_)

@@ -15,7 +15,8 @@ use crate::scene::read::spectra::UNIFORM;
 use crate::scene::texture_parameters::{
     COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
 };
-use crate::scene::{Bitmap, EulerAngles, FileValue, Parameter, PhaseFunction, Texture, VolumeFormat, VolumeParameter};
+use crate::scene::wall_openings::openings_text;
+use crate::scene::{Bitmap, Declared, EulerAngles, FileValue, Parameter, Texture, VolumeFormat, VolumeParameter};
 
 /// Writes every parameter it meets.
 pub struct IntoObject<'f> {
@@ -42,7 +43,7 @@ impl IntoObject<'_> {
             FileValue::Flag(flag) => self.put(name, Value::Boolean(flag)),
             FileValue::Name(text) => self.put(name, Value::String(text.to_owned())),
             FileValue::Rgb(color) => self.put(name, Value::Rgb(color)),
-            FileValue::Integer(number) => self.put(name, Value::Integer(number.into())),
+            FileValue::Integer(number) => self.put(name, Value::Integer(number)),
             FileValue::Path(path) => self.put(name, Value::String(file_name(path, self.folder))),
             FileValue::Vector(vector) => self.put(name, Value::Vector(vector)),
             FileValue::VolumeColor(volume) => self.put_volume(name, volume, |color| *color),
@@ -51,6 +52,7 @@ impl IntoObject<'_> {
                 let numbers: Vec<String> = numbers.iter().copied().map(format_float).collect();
                 self.put(name, Value::String(numbers.join(", ")));
             }
+            FileValue::Openings(openings) => self.put(name, Value::String(openings_text(openings))),
         }
     }
 
@@ -149,17 +151,16 @@ impl IntoObject<'_> {
         let name = Some(name.into());
         self.object.children.push(Object { name, ..object }.into());
     }
+}
 
-    /// The plugin of a phase function with those inside.
-    pub fn put_phase(&mut self, phase: &PhaseFunction) {
-        let mut inside = IntoObject {
-            object: Object::new(Category::Phase, phase.plugin()),
-            folder: self.folder,
-        };
-        phase.visit(&mut |info, value| value.in_file(info, &mut |info, value| inside.put_parameter(info.name, value)));
-        phase.inside().iter().for_each(|part| inside.put_phase(part));
-        self.object.children.push(inside.object.into());
-    }
+/// The plugin with all of its parameters. `folder`: of the file that is written; names of files are relative to it.
+pub fn declared(category: Category, plugin: &str, values: &impl Declared, folder: &Path) -> Object {
+    let mut writer = IntoObject {
+        object: Object::new(category, plugin),
+        folder,
+    };
+    values.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
+    writer.object
 }
 
 /// A colour, or one number if all its channels are the same.

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::math::Affine3A;
 use glam::Vec3;
 
-use super::into_object::{IntoObject, with, with_to_world, with_view};
+use super::into_object::{declared, with, with_to_world, with_view};
 use crate::document::{Category, Object, Value};
 use crate::scene::emitter::frame_along;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
@@ -13,12 +13,7 @@ use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 /// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are
 /// relative to it.
 pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngles>, folder: &Path) -> Object {
-    let mut writer = IntoObject {
-        object: Object::new(Category::Emitter, emitter.plugin()),
-        folder,
-    };
-    emitter.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
-    let object = writer.object;
+    let object = declared(Category::Emitter, emitter.plugin(), emitter, folder);
     let position = Vec3::from(to_world.translation);
     let direction = Vec3::from(to_world.matrix3.z_axis);
     match emitter.kind {
@@ -37,10 +32,5 @@ pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngle
 
 /// `folder`: as that of [`emitter`].
 pub fn area_light(light: &AreaLight, folder: &Path) -> Object {
-    let mut writer = IntoObject {
-        object: Object::new(Category::Emitter, "area"),
-        folder,
-    };
-    light.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
-    writer.object
+    declared(Category::Emitter, "area", light, folder)
 }

@@ -6,38 +6,33 @@ use std::path::Path;
 use bevy::math::Affine3A;
 
 use super::into_object::{
-    IntoObject, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string, with_to_world,
+    declared, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string, with_to_world,
     with_view,
 };
 use super::lights::area_light;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Value};
 use crate::layer::Layer;
-use crate::scene::solid::openings_text;
 use crate::scene::{
-    AreaLight, EulerAngles, Film, IntegratorSettings, Lens, Material, Medium, MeshFormat, ReconstructionFilter, Sensor,
-    Shape, ShapeKind, Solid, SolidValue,
+    AreaLight, EulerAngles, Film, IntegratorSettings, Lens, Material, Medium, MeshFormat, PhaseFunction, Sensor, Shape,
+    ShapeKind,
 };
 
 /// `folder`: of the file that is written; names of pictures are relative to it.
 pub fn material(material: &Material, folder: &Path) -> Object {
-    let mut writer = IntoObject {
-        object: Object::new(Category::Bsdf, material.plugin()),
-        folder,
-    };
-    material.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
-    writer.object
+    declared(Category::Bsdf, material.plugin(), material, folder)
 }
 
 /// `folder`: as that of [`material`]; names of volumes are relative to it.
 pub fn medium(medium: &Medium, folder: &Path) -> Object {
-    let mut writer = IntoObject {
-        object: Object::new(Category::Medium, medium.plugin()),
-        folder,
-    };
-    medium.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
-    writer.put_phase(&medium.phase);
-    writer.object
+    let object = declared(Category::Medium, medium.plugin(), medium, folder);
+    with_child(object, phase(&medium.phase, folder))
+}
+
+fn phase(function: &PhaseFunction, folder: &Path) -> Object {
+    let object = declared(Category::Phase, function.plugin(), function, folder);
+    let inside = function.inside().iter().map(|part| phase(part, folder));
+    inside.fold(object, with_child)
 }
 
 /// The plugin that a folder's transform is written as.
@@ -69,7 +64,7 @@ pub fn shape(
             let object = with(object("cylinder"), "p0", Value::Point(*p0));
             with_float(with(object, "p1", Value::Point(*p1)), "radius", *radius)
         }
-        ShapeKind::Solid(solid) => with_solid(object(solid.plugin()), solid.clone()),
+        ShapeKind::Solid(solid) => declared(Category::Shape, solid.plugin(), solid, folder),
         // The group it shows is not these functions' business, and it has no other parameters.
         ShapeKind::Instance => {
             return with_to_world(with_lightmap_scale(object("instance"), shape), to_world, angles);
@@ -100,21 +95,6 @@ fn with_lightmap_scale(object: Object, shape: &Shape) -> Object {
         1.0 => object,
         scale => with_float(object, "lightmap_scale", scale),
     }
-}
-
-fn with_solid(object: Object, mut solid: Solid) -> Object {
-    let mut values = Vec::new();
-    solid.visit_mut(&mut |info, value| {
-        let value = match value {
-            SolidValue::Length(length) => Value::Float(*length),
-            SolidValue::Count(count) => Value::Integer((*count).into()),
-            SolidValue::Openings(openings) => Value::String(openings_text(openings)),
-        };
-        values.push((info.name, value));
-    });
-    values
-        .into_iter()
-        .fold(object, |object, (name, value)| with(object, name, value))
 }
 
 /// The `<sensor>` with its film and sampler count.
@@ -165,15 +145,6 @@ fn with_fov(object: Object, sensor: &Sensor) -> Object {
 }
 
 fn film_object(film: &Film) -> Object {
-    let filter = |plugin: &str| Object::new(Category::ReconstructionFilter, plugin);
-    let filter = match film.filter {
-        ReconstructionFilter::Box => filter("box"),
-        ReconstructionFilter::Tent { radius } => with_float(filter("tent"), "radius", radius),
-        ReconstructionFilter::Gaussian { stddev } => with_float(filter("gaussian"), "stddev", stddev),
-        ReconstructionFilter::Mitchell { b, c } => with_float(with_float(filter("mitchell"), "B", b), "C", c),
-        ReconstructionFilter::CatmullRom => filter("catmullrom"),
-        ReconstructionFilter::Lanczos { lobes } => with_integer(filter("lanczos"), "lobes", lobes),
-    };
     let object = with_integer(Object::new(Category::Film, "hdrfilm"), "width", film.width);
     let mut object = with_integer(object, "height", film.height);
     if let Some(crop) = film.crop {
@@ -194,6 +165,9 @@ fn film_object(film: &Film) -> Object {
     if let Some(compression) = film.storage.compression {
         object = with_string(object, "compression", compression.name());
     }
+    let filter = &film.filter;
+    // A filter names no files.
+    let filter = declared(Category::ReconstructionFilter, filter.plugin(), filter, Path::new(""));
     with_child(object, filter)
 }
 

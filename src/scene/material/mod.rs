@@ -11,6 +11,7 @@ use bevy::math::Affine2;
 use bevy::prelude::*;
 
 use super::parameter_info::ParameterInfo;
+use super::parameters::Declared;
 use super::texture::{ChosenPicture, SquarePath, Texture};
 
 pub use models::Material;

@@ -10,8 +10,8 @@ use crate::scene::declare::{PluginInfo, declare_plugins};
 use crate::scene::identity::DocumentOrder;
 use crate::scene::parameter_info::ParameterInfo;
 use crate::scene::parameters::{
-    ALPHA, Absorption, ConductorIor, Distribution, EUMELANIN, HEIGHT, INDICES, Ior, MATERIAL, OFFERED_INDICES,
-    ParameterMut, ParameterRef, Roughness,
+    ALPHA, Absorption, ConductorIor, Declared, Distribution, EUMELANIN, HEIGHT, INDICES, Ior, MATERIAL,
+    OFFERED_INDICES, ParameterMut, ParameterRef, Roughness,
 };
 use crate::scene::texture::Parameter;
 

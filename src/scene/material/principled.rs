@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::color::Rgb;
 use crate::scene::declare::declare_parameters;
 use crate::scene::parameter_info::ParameterInfo;
-use crate::scene::parameters::{INDICES, ParameterMut, ParameterRef, PrincipledIndex, SPECULAR};
+use crate::scene::parameters::{Declared, INDICES, ParameterMut, ParameterRef, PrincipledIndex, SPECULAR};
 use crate::scene::texture::Parameter;
 
 declare_parameters! {

@@ -8,7 +8,7 @@ use super::{PhaseFunction, VolumeParameter};
 use crate::color::Rgb;
 use crate::scene::DocumentOrder;
 use crate::scene::parameter_info::ParameterInfo;
-use crate::scene::parameters::{ParameterMut, ParameterRef};
+use crate::scene::parameters::{Declared, ParameterMut, ParameterRef};
 
 /// A participating medium: what fills the space between surfaces. In the file it is `homogeneous` if its density is the
 /// same everywhere, and else `heterogeneous`.
@@ -40,17 +40,16 @@ impl Default for Medium {
     }
 }
 
-impl Medium {
-    /// Shows `meet` every parameter but those of the phase function.
-    pub(crate) fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+/// The phase function is declared apart.
+impl Declared for Medium {
+    fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
         meet(&SIGMA_T, ParameterRef::Coefficients(&self.coefficients));
         meet(&SCALE, ParameterRef::Factor(&self.scale));
         meet(&EMISSION, ParameterRef::VolumeEmission(&self.emission));
         meet(&EMISSION_SCALE, ParameterRef::ExtensionFactor(&self.emission_scale));
     }
 
-    /// Shows `meet` every parameter but those of the phase function, to be changed.
-    pub(crate) fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+    fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
         meet(&SIGMA_T, ParameterMut::Coefficients(&mut self.coefficients));
         meet(&SCALE, ParameterMut::Factor(&mut self.scale));
         meet(&EMISSION, ParameterMut::VolumeEmission(&mut self.emission));

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::VolumeParameter;
 use crate::scene::declare::{PluginInfo, declare_plugins};
 use crate::scene::parameter_info::ParameterInfo;
-use crate::scene::parameters::{ParameterMut, ParameterRef};
+use crate::scene::parameters::{Declared, ParameterMut, ParameterRef};
 
 declare_plugins! {
     /// The distribution of directions into which a medium scatters light. All integrate to 1 over the sphere.
@@ -91,7 +91,7 @@ impl Default for PhaseBlend {
     }
 }
 
-impl PhaseBlend {
+impl Declared for PhaseBlend {
     fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
         meet(&WEIGHT, ParameterRef::VolumeShare(&self.weight));
     }

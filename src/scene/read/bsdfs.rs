@@ -69,11 +69,11 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch)
         reader.diagnostics().push(Severity::Warning, Some(span), message, help);
         return (Material::default(), Vec::new());
     };
-    let mut values = FromFile {
+    let values = FromFile {
         reader: &mut reader,
         pictures,
     };
-    material.visit_mut(&mut |info, value| values.read(info, value));
+    values.read_all(&mut material);
     let nested = nested(&material, &mut reader);
     reader.finish();
     (material, nested)

@@ -57,11 +57,11 @@ impl<'a> SceneReader<'a> {
         }
         let mut reader = Reader::new(&self.index, object, &mut self.diagnostics);
         let mut light = AreaLight::default();
-        let mut values = FromFile {
+        let values = FromFile {
             reader: &mut reader,
             pictures: &mut self.pictures,
         };
-        light.visit_mut(&mut |info, value| values.read(info, value));
+        values.read_all(&mut light);
         reader.finish();
         Some(light)
     }
@@ -91,11 +91,11 @@ fn read_parameters<'a>(
         report_left_out(&mut reader, FOREIGN_EMITTERS.contains(&plugin), help);
         return None;
     };
-    let mut values = FromFile {
+    let values = FromFile {
         reader: &mut reader,
         pictures,
     };
-    emitter.visit_mut(&mut |info, value| values.read(info, value));
+    values.read_all(&mut emitter);
     let to_world = match emitter.kind {
         EmitterKind::Point { .. } => place(&mut reader),
         EmitterKind::Directional { .. } => direction(&mut reader),

@@ -2,29 +2,35 @@
 
 use std::path::PathBuf;
 
+use super::field_of_view::read_fov;
 use super::ior_names;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
-use super::sensors::read_fov;
 use super::spectra::{is_spectrum, read_spectrum};
 use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, Severity, Value};
 use crate::scene::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::wall_openings::parse_openings;
 use crate::scene::{
-    Absorption, ConductorIor, Cone, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
+    Absorption, ConductorIor, Cone, Declared, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
     PrincipledIndex, Roughness, SunPosition,
 };
 
-/// Takes what the file gives.
+/// Reads the parameters of a plugin.
 pub(super) struct FromFile<'r, 'a, 'd> {
     pub reader: &'r mut Reader<'a, 'd>,
     pub pictures: &'r mut PictureSearch,
 }
 
 impl FromFile<'_, '_, '_> {
-    pub fn read(&mut self, info: &ParameterInfo, value: ParameterMut) {
+    /// Takes what the file gives for these parameters.
+    pub fn read_all(mut self, values: &mut impl Declared) {
+        values.visit_mut(&mut |info, value| self.read(info, value));
+    }
+
+    fn read(&mut self, info: &ParameterInfo, value: ParameterMut) {
         let name = info.name;
         match value {
             ParameterMut::Reflectance(value) => {
@@ -80,6 +86,19 @@ impl FromFile<'_, '_, '_> {
             }
             ParameterMut::VolumeShare(value) => self.weight(info, value),
             ParameterMut::Values(value) => self.values(name, value),
+            ParameterMut::Length(value) => {
+                *value = self.reader.float_in(name, info.file_range()).unwrap_or(*value);
+            }
+            ParameterMut::Count(value) => {
+                let range = *info.range.start() as i64..=*info.range.end() as i64;
+                let given = self.reader.integer_in(name, range);
+                *value = given.and_then(|given| u32::try_from(given).ok()).unwrap_or(*value);
+            }
+            ParameterMut::Openings(value) => match self.reader.string(name).map(parse_openings) {
+                Some(Ok(given)) => *value = given,
+                Some(Err(reason)) => self.reader.error_at(name, format!("`{name}`: {reason}")),
+                None => {}
+            },
         }
     }
 

@@ -82,11 +82,11 @@ fn read_parameters(mut reader: Reader, files: &mut PictureSearch) -> Option<Medi
         report_left_out(&mut reader, false, help);
         return None;
     };
-    let mut values = FromFile {
+    let values = FromFile {
         reader: &mut reader,
         pictures: files,
     };
-    medium.visit_mut(&mut |info, value| values.read(info, value));
+    values.read_all(&mut medium);
     if let Some(phase) = phase_inside(&mut reader, files) {
         medium.phase = phase;
     }
@@ -233,11 +233,11 @@ fn read_phase(mut reader: Reader, files: &mut PictureSearch) -> PhaseFunction {
         reader.diagnostics().push(Severity::Warning, Some(span), message, help);
         return PhaseFunction::default();
     };
-    let mut values = FromFile {
+    let values = FromFile {
         reader: &mut reader,
         pictures: files,
     };
-    phase.visit_mut(&mut |info, value| values.read(info, value));
+    values.read_all(&mut phase);
     if let PhaseFunction::Blend(blend) = &mut phase {
         let inside = reader.children(Category::Phase);
         match inside[..] {

@@ -7,6 +7,7 @@
 
 mod bsdfs;
 mod emitters;
+mod field_of_view;
 mod from_file;
 mod groups;
 mod integrator;
@@ -27,8 +28,8 @@ use std::sync::Arc;
 
 use smol_str::SmolStr;
 
+pub(super) use self::field_of_view::millimetres;
 use self::scene_reader::{Place, SceneReader};
-pub(super) use self::sensors::millimetres;
 use super::description::{DeclarationPlace, SceneDescription};
 use super::keys::{MOST_TRACKS, is_part, track_count};
 use super::{AuthoredScene, LengthUnit, missing};

@@ -2,7 +2,10 @@
 
 use glam::Vec2;
 
+use super::field_of_view::read_fov;
+use super::from_file::FromFile;
 use super::parameters::Parameters;
+use super::picture_search::PictureSearch;
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
 use crate::files::ExrCompression;
@@ -14,19 +17,6 @@ use crate::scene::{
 
 /// What the sampler says of the samples. It is part of the [`Film`] here, so that it is looked for there.
 const SAMPLER_PARAMETERS: [&str; 4] = ["sample_count", "noise_target", "adaptive", "seed"];
-
-/// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24
-/// mm).
-pub fn fov_of_focal_length(millimetres: f32) -> f32 {
-    2.0 * (0.5 * 36f32.hypot(24.0) / millimetres).atan().to_degrees()
-}
-
-/// The millimetres of a `focal_length` such as `50mm`; None for other texts.
-pub fn millimetres(focal_length: &str) -> Option<f32> {
-    let text = focal_length.trim();
-    let number = text.strip_suffix("mm").unwrap_or(text).trim().parse::<f32>().ok();
-    number.filter(|millimetres| *millimetres > 0.0 && millimetres.is_finite())
-}
 
 impl<'a> SceneReader<'a> {
     /// Whether the sensor became part of the description.
@@ -155,7 +145,8 @@ impl<'a> SceneReader<'a> {
             reader.finish();
         }
         if let Some((_, filter)) = filter.first() {
-            film.filter = read_filter(self.reader(filter));
+            let reader = Reader::new(&self.index, filter, &mut self.diagnostics);
+            film.filter = read_filter(reader, &mut self.pictures);
         }
     }
 }
@@ -234,72 +225,19 @@ fn read_lens(reader: &mut Reader, far_clip: f32) -> Lens {
     }
 }
 
-/// The field of view, from `fov` and `fov_axis` or from `focal_length`.
-pub(super) fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
-    let axis = reader.string_or("fov_axis", "x");
-    let focal_length = reader.string("focal_length");
-    if reader.has("fov") {
-        if focal_length.is_some() {
-            reader.error_at("focal_length", "`fov` and `focal_length` exclude each other");
-        }
-        let axis = axis.to_ascii_lowercase();
-        let axis = FovAxis::of_name(&axis).unwrap_or_else(|| {
-            let message = format!("expected `x`, `y`, `diagonal`, `smaller` or `larger`, found `{axis}`");
-            reader.error_at("fov_axis", message);
-            FovAxis::X
-        });
-        let fov = reader.float("fov").unwrap_or(45.0);
-        if fov > 0.0 && fov < 180.0 {
-            return (fov, axis);
-        }
-        reader.error_at(
-            "fov",
-            format!("`fov` is {fov}, but should be above 0 and below 180 degrees"),
-        );
-        return (45.0, axis);
-    }
-    let text = focal_length.unwrap_or("50mm");
-    match millimetres(text) {
-        Some(millimetres) => (fov_of_focal_length(millimetres), FovAxis::Diagonal),
-        None => {
-            let message = format!("expected a focal length such as `50mm`, found `{text}`");
-            reader.error_at("focal_length", message);
-            (fov_of_focal_length(50.0), FovAxis::Diagonal)
-        }
-    }
-}
-
-fn read_filter(mut reader: Reader) -> ReconstructionFilter {
-    let pixels = f32::MIN_POSITIVE..=16.0;
-    let filter = match reader.object().plugin.as_str() {
-        "box" => ReconstructionFilter::Box,
-        "tent" => ReconstructionFilter::Tent {
-            radius: reader.float_in("radius", pixels).unwrap_or(1.0),
-        },
-        "gaussian" => ReconstructionFilter::Gaussian {
-            stddev: reader.float_in("stddev", pixels).unwrap_or(0.5),
-        },
-        "mitchell" => {
-            let mut parameter = |name| reader.float_in(name, -4.0..=4.0).unwrap_or(1.0 / 3.0);
-            ReconstructionFilter::Mitchell {
-                b: parameter("B"),
-                c: parameter("C"),
-            }
-        }
-        "catmullrom" => ReconstructionFilter::CatmullRom,
-        "lanczos" => {
-            let lobes = reader.integer_in("lobes", 1..=16).unwrap_or(3);
-            ReconstructionFilter::Lanczos {
-                lobes: u32::try_from(lobes).unwrap_or(3),
-            }
-        }
-        other => {
-            let message = format!("rfilter `{other}` is not supported: `gaussian` takes its place");
-            let span = reader.object().span;
-            reader.diagnostics().warn(span, message);
-            return ReconstructionFilter::default();
-        }
+fn read_filter(mut reader: Reader, pictures: &mut PictureSearch) -> ReconstructionFilter {
+    let plugin = reader.object().plugin.as_str();
+    let Some(mut filter) = ReconstructionFilter::of_plugin(plugin) else {
+        let message = format!("rfilter `{plugin}` is not supported: `gaussian` takes its place");
+        let span = reader.object().span;
+        reader.diagnostics().warn(span, message);
+        return ReconstructionFilter::default();
     };
+    let values = FromFile {
+        reader: &mut reader,
+        pictures,
+    };
+    values.read_all(&mut filter);
     reader.finish();
     filter
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
+use super::from_file::FromFile;
 use super::media::media_of_shape;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
@@ -12,8 +13,7 @@ use crate::document::{Category, Object, Reader};
 use crate::scene::description::{DeclarationPlace, SceneDescription, ShapeDescription};
 use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::medium::{EXTERIOR, INTERIOR};
-use crate::scene::solid::{file_range, parse_openings};
-use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid, SolidValue};
+use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_SHAPES: [&str; 9] = [
@@ -34,7 +34,7 @@ impl<'a> SceneReader<'a> {
         if object.is_group() {
             return self.read_group(object);
         }
-        let mut reader = self.reader(object);
+        let mut reader = Reader::new(&self.index, object, &mut self.diagnostics);
         let mut file_name = None;
         let kind = match object.plugin.as_str() {
             "sphere" => ShapeKind::Sphere {
@@ -58,7 +58,6 @@ impl<'a> SceneReader<'a> {
                 p1: reader.point("p1").unwrap_or(Vec3::Z),
                 radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
             },
-            "wall" | "stairs" | "prism" => ShapeKind::Solid(read_solid(&mut reader)),
             "instance" => ShapeKind::Instance,
             FRAME if object.category == Category::Volume => {
                 reader.ignore(&["value"]);
@@ -93,6 +92,14 @@ impl<'a> SceneReader<'a> {
                         MeshFormat::Serialized => false,
                     },
                 })
+            }
+            other if let Some(mut solid) = Solid::of_plugin(other) => {
+                FromFile {
+                    reader: &mut reader,
+                    pictures: &mut self.pictures,
+                }
+                .read_all(&mut solid);
+                ShapeKind::Solid(solid)
             }
             other => {
                 let help = reader.diagnostics().did_you_mean(other, ShapeKind::PLUGINS);
@@ -219,22 +226,4 @@ impl<'a> SceneReader<'a> {
             *declared_in = DeclarationPlace::TopLevel;
         }
     }
-}
-
-/// A building part, by the name of the plugin.
-fn read_solid(reader: &mut Reader) -> Solid {
-    let mut solid = Solid::of_plugin(&reader.object().plugin).unwrap_or_default();
-    solid.visit_mut(&mut |info, value| match value {
-        SolidValue::Length(length) => *length = reader.float_in(info.name, file_range(info)).unwrap_or(*length),
-        SolidValue::Count(count) => {
-            let range = *info.range.start() as i64..=*info.range.end() as i64;
-            *count = reader.integer_in(info.name, range).map_or(*count, |given| given as u32);
-        }
-        SolidValue::Openings(openings) => match reader.string(info.name).map(parse_openings) {
-            Some(Ok(given)) => *openings = given,
-            Some(Err(reason)) => reader.error_at(info.name, format!("`{}`: {reason}", info.name)),
-            None => {}
-        },
-    });
-    solid
 }

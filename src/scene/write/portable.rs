@@ -11,8 +11,8 @@ use crate::document::{Category, Child, Object, TransformOp, Value};
 use crate::layer::Layer;
 use crate::scene::assets::solid_mesh::solid_ply;
 use crate::scene::read::is_frame;
-use crate::scene::solid::parse_openings;
-use crate::scene::{Emitter, Solid, SolidValue};
+use crate::scene::wall_openings::parse_openings;
+use crate::scene::{Declared, Emitter, ParameterMut, Solid};
 
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -193,10 +193,10 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
     part.visit_mut(&mut |info, given| {
         names.push(info.name);
         match (given, value_of(object, info.name)) {
-            (SolidValue::Length(length), Some(Value::Float(number))) => *length = *number,
-            (SolidValue::Length(length), Some(Value::Integer(number))) => *length = *number as f32,
-            (SolidValue::Count(count), Some(Value::Integer(number))) => *count = *number as u32,
-            (SolidValue::Openings(openings), Some(Value::String(text))) => {
+            (ParameterMut::Length(length), Some(Value::Float(number))) => *length = *number,
+            (ParameterMut::Length(length), Some(Value::Integer(number))) => *length = *number as f32,
+            (ParameterMut::Count(count), Some(Value::Integer(number))) => *count = *number as u32,
+            (ParameterMut::Openings(openings), Some(Value::String(text))) => {
                 *openings = parse_openings(text).unwrap_or_default();
             }
             _ => {}

@@ -1,27 +1,22 @@
 //! Turns materials and lights into other kinds, which keep what both kinds have.
 
-use crate::scene::{Emitter, Material, Parameter, ParameterMut, ParameterRef};
+use crate::scene::{Declared, Emitter, Material, Parameter, ParameterMut, ParameterRef};
 
 /// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as
 /// the same, such as `reflectance`, `diffuse_reflectance` and `base_color`.
 pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
-    let mut turned = Material::of_plugin(plugin).unwrap_or_default();
-    turned.visit_mut(&mut |info, mut value| {
-        material.visit(&mut |own, given| {
-            if meaning(own.name) == meaning(info.name) {
-                take(&mut value, given);
-            }
-        });
-    });
-    turned
+    with_common(Material::of_plugin(plugin).unwrap_or_default(), material)
 }
 
 /// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two
 /// have in common.
 pub(crate) fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
-    let mut turned = Emitter::of_plugin(plugin).unwrap_or_default();
+    with_common(Emitter::of_plugin(plugin).unwrap_or_default(), emitter)
+}
+
+fn with_common<T: Declared>(mut turned: T, before: &T) -> T {
     turned.visit_mut(&mut |info, mut value| {
-        emitter.visit(&mut |own, given| {
+        before.visit(&mut |own, given| {
             if meaning(own.name) == meaning(info.name) {
                 take(&mut value, given);
             }

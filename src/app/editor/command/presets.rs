@@ -167,7 +167,9 @@ fn tree(scene: &SceneDescription, place: usize) -> MaterialTree {
 mod tests {
     use super::*;
     use crate::scene::parameters::ALPHA;
-    use crate::scene::{ConductorIor, Ior, Material, ParameterInfo, ParameterRef, PrincipledIndex, Roughness};
+    use crate::scene::{
+        ConductorIor, Declared, Ior, Material, ParameterInfo, ParameterRef, PrincipledIndex, Roughness,
+    };
     use crate::shading::ior;
 
     /// Whether the value could be that of a real material.

@@ -23,7 +23,7 @@ use crate::engine::PackedScene;
 use crate::files::{self, Access};
 use crate::math::Ray;
 use crate::scene::assets::triangle_mesh::load_mesh;
-use crate::scene::{Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
+use crate::scene::{Declared, Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
 
 /// The depth to which materials inside of others are looked through.
 const DEEPEST: usize = 8;

@@ -1,12 +1,12 @@
 //! What the history calls the steps: the verb of the command, and the names of the things it was about.
 
-use crate::app::editor::command::traits::{Object, Subject};
 use bevy::math::Mat3A;
 use bevy::prelude::*;
 
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::traits::{Object, Subject};
 use crate::app::editor::command::{EditCommand, SceneEdit, ValueEdit};
-use crate::scene::{Locked, Medium, ObjectState, ToWorld};
+use crate::scene::{Declared, Locked, Medium, ObjectState, ToWorld};
 
 /// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
 pub struct Title {

@@ -9,7 +9,7 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 use super::Inspected;
 use super::mixed::Mixed;
 use crate::app::editor::command::media::MediumSide;
-use crate::scene::{AreaLight, Emitter, FileValue, Material, Medium, ParameterInfo, ParameterRef};
+use crate::scene::{Declared, FileValue, Material, Medium};
 
 impl Inspected {
     /// Marks what differs in the other selected things. `materials`: those of each of the others, by their paths.
@@ -48,10 +48,10 @@ impl Mixed {
             }
             both(&shown.shape, &other.shape, &mut found);
             if let (Some(own), Some(its)) = (&shown.area_light, &other.area_light) {
-                Values::of_area_light(own).compare(&Values::of_area_light(its), &mut found);
+                Values::of("area", own).compare(&Values::of("area", its), &mut found);
             }
             if let (Some(own), Some(its)) = (&shown.emitter, &other.emitter) {
-                Values::of_emitter(own).compare(&Values::of_emitter(its), &mut found);
+                Values::of(own.plugin(), own).compare(&Values::of(its.plugin(), its), &mut found);
             }
             both(&shown.sensor, &other.sensor, &mut found);
             both(&shown.film, &other.film, &mut found);
@@ -75,9 +75,9 @@ impl Mixed {
     /// Finds what differs among materials; the panel shows the first of them.
     pub(crate) fn of_materials<'m>(shown: &Material, others: impl Iterator<Item = &'m Material>) -> Self {
         let mut found = BTreeSet::new();
-        let own = Values::of_material(shown);
+        let own = Values::of(shown.plugin(), shown);
         for other in others {
-            own.compare(&Values::of_material(other), &mut found);
+            own.compare(&Values::of(other.plugin(), other), &mut found);
         }
         Self(Arc::new(found))
     }
@@ -90,41 +90,23 @@ struct Values<'v> {
 }
 
 impl<'v> Values<'v> {
-    fn new(plugin: &'static str) -> Self {
+    fn of(plugin: &'static str, declared: &'v impl Declared) -> Self {
         let by_name = BTreeMap::new();
-        Self { plugin, by_name }
-    }
-
-    fn of_material(material: &'v Material) -> Self {
-        let mut values = Self::new(material.plugin());
-        material.visit(&mut |info, value| values.add(info, value));
-        values
+        Self { plugin, by_name }.and(declared)
     }
 
     fn of_medium(medium: &'v Medium) -> Self {
         // Homogeneous and heterogeneous ones are of one kind here.
-        let mut values = Self::new("medium");
-        medium.visit(&mut |info, value| values.add(info, value));
-        medium.phase.visit(&mut |info, value| values.add(info, value));
-        values
+        Self::of("medium", medium).and(&medium.phase)
     }
 
-    fn of_emitter(emitter: &'v Emitter) -> Self {
-        let mut values = Self::new(emitter.plugin());
-        emitter.visit(&mut |info, value| values.add(info, value));
-        values
-    }
-
-    fn of_area_light(light: &'v AreaLight) -> Self {
-        let mut values = Self::new("area");
-        light.visit(&mut |info, value| values.add(info, value));
-        values
-    }
-
-    fn add(&mut self, info: &'static ParameterInfo, value: ParameterRef<'v>) {
-        value.in_file(info, &mut |info, value| {
-            self.by_name.insert(info.name, value);
+    fn and(mut self, declared: &'v impl Declared) -> Self {
+        declared.visit(&mut |info, value| {
+            value.in_file(info, &mut |info, value| {
+                self.by_name.insert(info.name, value);
+            });
         });
+        self
     }
 
     /// Adds what differs to `found`. Plugins of another kind are compared in what both have.

@@ -88,8 +88,8 @@ mod tests {
         COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
     };
     use crate::scene::{
-        Absorption, Coefficients, ConductorIor, Distribution, Emitter, EmitterKind, Material, Medium, ParameterRef,
-        PhaseFunction, Principled, PrincipledIndex, Roughness, SunPosition, SunSky,
+        Absorption, Coefficients, ConductorIor, Declared, Distribution, Emitter, EmitterKind, Material, Medium,
+        ParameterRef, PhaseFunction, Principled, PrincipledIndex, Roughness, SunPosition, SunSky,
     };
 
     /// The declarations of all parameters.

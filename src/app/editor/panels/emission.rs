@@ -14,7 +14,8 @@ use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
 use crate::scene::parameters::{BEAM_WIDTH, CUTOFF_ANGLE};
 use crate::scene::{
-    AreaLight, Cone, Emitter, EmitterKind, Parameter, ParameterInfo, PlaceAndTime, SquarePath, SunPosition, Texture,
+    AreaLight, Cone, Declared, Emitter, EmitterKind, Parameter, ParameterInfo, PlaceAndTime, SquarePath, SunPosition,
+    Texture,
 };
 
 /// The check box makes a shape emit, or not. `is_flat` says that the shape has two sides that can be seen.

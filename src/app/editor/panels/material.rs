@@ -17,8 +17,8 @@ use crate::scene::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, ETA, EUMELANIN, K, PHEOMELANIN, PRINCIPLED_ETA, SIGMA_A, SPECULAR,
 };
 use crate::scene::{
-    Absorption, ConductorIor, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut, PrincipledIndex,
-    Roughness, SquarePath,
+    Absorption, ConductorIor, Declared, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut,
+    PrincipledIndex, Roughness, SquarePath,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 use crate::shading::melanin_absorption;
@@ -156,6 +156,8 @@ impl Rows<'_> {
             ParameterMut::VolumeEmission(value) => self.volume_emission(info, value),
             ParameterMut::VolumeShare(value) => self.volume_share(info, value),
             ParameterMut::Values(value) => self.values(info, value),
+            // Building parts have rows of their own.
+            ParameterMut::Length(_) | ParameterMut::Count(_) | ParameterMut::Openings(_) => {}
         }
     }
 

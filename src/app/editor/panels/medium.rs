@@ -14,8 +14,8 @@ use crate::app::editor::words::figures::length;
 use crate::color::Rgb;
 use crate::scene::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 use crate::scene::{
-    Coefficients, GridFile, Medium, ParameterInfo, PhaseFunction, VolumeFilter, VolumeFormat, VolumeParameter,
-    VolumeWrap,
+    Coefficients, Declared, GridFile, Medium, ParameterInfo, PhaseFunction, VolumeFilter, VolumeFormat,
+    VolumeParameter, VolumeWrap,
 };
 
 /// The names of the rows that are no parameters of the format.

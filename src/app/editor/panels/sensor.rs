@@ -253,18 +253,13 @@ fn crop(ui: &mut Ui, film: &mut Film) -> bool {
 
 fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
     use ReconstructionFilter::{Box, CatmullRom, Gaussian, Lanczos, Mitchell, Tent};
-    let third = 1.0 / 3.0;
-    let kinds = [
-        (Box, "box"),
-        (Tent { radius: 1.0 }, "tent"),
-        (Gaussian { stddev: 0.5 }, "gaussian"),
-        (Mitchell { b: third, c: third }, "mitchell"),
-        (CatmullRom, "catmull-rom"),
-        (Lanczos { lobes: 3 }, "lanczos"),
-    ];
-    let same_kind = |one: &_, other: &_| std::mem::discriminant(one) == std::mem::discriminant(other);
-    let kinds = kinds.map(|(kind, name)| (if same_kind(&kind, filter) { *filter } else { kind }, name));
-    let changed = fields::choice(ui, ("Filter", "filter"), filter, &kinds);
+    let kinds = ReconstructionFilter::DECLARED.iter();
+    let kinds: Vec<_> = kinds.map(|kind| (kind.name, kind.label)).collect();
+    let mut plugin = filter.plugin();
+    let changed = fields::choice(ui, ("Filter", "filter"), &mut plugin, &kinds);
+    if changed {
+        *filter = ReconstructionFilter::of_plugin(plugin).unwrap_or(*filter);
+    }
     changed
         | match filter {
             Box | CatmullRom => false,

@@ -4,7 +4,7 @@ use bevy_egui::egui::{Button, Ui};
 
 use super::fields::{self, NumberStyle};
 use super::lengths;
-use crate::scene::{Opening, Solid, SolidValue};
+use crate::scene::{Declared, Opening, ParameterMut, Solid};
 
 /// Shows the rows of a building part; true if edited.
 pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
@@ -14,16 +14,17 @@ pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     let wall_height = high.z;
     let mut changed = false;
     part.visit_mut(&mut |info, value| match value {
-        SolidValue::Length(length) => {
+        ParameterMut::Length(length) => {
             // A length that is smaller already is not changed.
             let range = info.range.start().min(*length)..=*info.range.end();
             changed |= lengths::length(ui, info, length, speed, range);
         }
-        SolidValue::Count(count) => {
+        ParameterMut::Count(count) => {
             let range = *info.range.start() as u32..=*info.range.end() as u32;
             changed |= fields::integer(ui, info, count, range);
         }
-        SolidValue::Openings(openings) => changed |= opening_rows(ui, openings, wall_height, speed),
+        ParameterMut::Openings(openings) => changed |= opening_rows(ui, openings, wall_height, speed),
+        _ => {}
     });
     changed
 }

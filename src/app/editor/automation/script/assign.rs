@@ -11,11 +11,11 @@ use crate::files::ExrCompression;
 use crate::scene::euler::from_rest;
 use crate::scene::medium;
 use crate::scene::parameters::{ABSORPTION_SCALE, ALPHA, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
-use crate::scene::solid::{OpeningsError, file_range, parse_openings};
+use crate::scene::wall_openings::{OpeningsError, parse_openings};
 use crate::scene::{
-    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Distribution, Emitter, EulerAngles, Film,
-    GridFile, Ior, LengthUnit, Lens, Material, Medium, ParameterInfo, ParameterMut, PhaseFunction, PrincipledIndex,
-    Roughness, Sensor, Shape, ShapeKind, SolidValue, SunPosition, Texture, Turned, VolumeFormat, VolumeParameter,
+    Absorption, AreaLight, Coefficients, ComponentFormat, ConductorIor, Cone, Declared, Distribution, Emitter,
+    EulerAngles, Film, GridFile, Ior, LengthUnit, Lens, Material, Medium, ParameterInfo, ParameterMut, PhaseFunction,
+    PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture, Turned, VolumeFormat, VolumeParameter,
 };
 
 /// Says why a parameter was not set.
@@ -44,23 +44,17 @@ struct Assign<'t> {
 
 /// Sets a parameter of a material by its name in the file from a text of the script.
 pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| {
-        material.visit_mut(&mut |info, value| visitor.parameter(info, value))
-    })
+    assign(parameter, text, |visitor| visitor.declared(material))
 }
 
 /// Sets a parameter of what a shape emits, as [`material`] does.
 pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| {
-        light.visit_mut(&mut |info, value| visitor.parameter(info, value))
-    })
+    assign(parameter, text, |visitor| visitor.declared(light))
 }
 
 /// Sets a parameter of a light that is no surface, as [`material`] does.
 pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| {
-        emitter.visit_mut(&mut |info, value| visitor.parameter(info, value))
-    })
+    assign(parameter, text, |visitor| visitor.declared(emitter))
 }
 
 /// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of that,
@@ -68,10 +62,8 @@ pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(),
 pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit) -> Result<(), AssignError> {
     let (mut path, mut file) = (None, None);
     assign(parameter, text, |visitor| {
-        medium.visit_mut(&mut |info, value| visitor.parameter(info, value));
-        medium
-            .phase
-            .visit_mut(&mut |info, value| visitor.parameter(info, value));
+        visitor.declared(medium);
+        visitor.declared(&mut medium.phase);
         visitor.value("phase", &mut medium.phase, parse_phase);
         visitor.value("mean_free_path", &mut path, |text| parse_lengths(text, unit).map(Some));
         visitor.value("filename", &mut file, |text| Ok(Some(settle(text.as_ref()))));
@@ -148,7 +140,7 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
                 visitor.parsed("p1", p1, parse_vec3);
                 visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
             }
-            ShapeKind::Solid(solid) => solid.visit_mut(&mut |info, value| visitor.solid(info, value)),
+            ShapeKind::Solid(solid) => visitor.declared(solid),
             ShapeKind::Mesh(mesh) => visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean),
             ShapeKind::Rectangle
             | ShapeKind::Cube
@@ -308,6 +300,10 @@ fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, AssignError> {
 }
 
 impl Assign<'_> {
+    fn declared(&mut self, values: &mut impl Declared) {
+        values.visit_mut(&mut |info, value| self.parameter(info, value));
+    }
+
     fn parameter(&mut self, info: &'static ParameterInfo, value: ParameterMut) {
         let name = info.name;
         match value {
@@ -362,7 +358,7 @@ impl Assign<'_> {
             ParameterMut::SunPosition(value) => {
                 self.value(name, value, |text| Ok(SunPosition::Direction(parse_vec3(text)?)));
                 if let SunPosition::PlaceAndTime(at) = value {
-                    at.visit_mut(&mut |info, value| self.parameter(info, value));
+                    self.declared(at);
                 }
             }
             ParameterMut::Coefficients(value) => self.coefficients(value),
@@ -378,6 +374,11 @@ impl Assign<'_> {
                 (is_table.then_some(values))
                     .ok_or_else(|| AssignError::Refused("expected two numbers or more, not negative".to_owned()))
             }),
+            ParameterMut::Length(value) => self.bounded(name, value, info.file_range()),
+            ParameterMut::Count(value) => self.value(name, value, |text| {
+                parse_integer_within(text, &info.range).map(|number| number as u32)
+            }),
+            ParameterMut::Openings(value) => self.value(name, value, |text| Ok(parse_openings(text)?)),
         }
     }
 }
@@ -414,18 +415,6 @@ impl Assign<'_> {
                 scale: ABSORPTION_SCALE.usual,
             })
         });
-    }
-}
-
-impl Assign<'_> {
-    fn solid(&mut self, info: &'static ParameterInfo, value: SolidValue) {
-        match value {
-            SolidValue::Length(length) => self.bounded(info.name, length, file_range(info)),
-            SolidValue::Count(count) => self.value(info.name, count, |text| {
-                parse_integer_within(text, &info.range).map(|number| number as u32)
-            }),
-            SolidValue::Openings(openings) => self.value(info.name, openings, |text| Ok(parse_openings(text)?)),
-        }
     }
 }
 
