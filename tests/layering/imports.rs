@@ -15,7 +15,11 @@ pub struct Named {
 pub struct Sources {
     modules: BTreeMap<Vec<String>, String>,
     named: BTreeMap<String, Vec<Named>>,
+    passed_on: PassedOn,
 }
+
+/// By module and name, the paths of what `pub use` passes on.
+type PassedOn = BTreeMap<(Vec<String>, String), Vec<String>>;
 
 impl Sources {
     /// `files`: their names and texts, without comments and tests.
@@ -23,8 +27,10 @@ impl Sources {
         let files: BTreeMap<String, String> = files.into_iter().collect();
         let modules = files.keys().map(|file| (module(file), file.clone())).collect();
         let named = |(file, code): (&String, &String)| (file.clone(), named(&module(file), code, &modules));
+        let named = files.iter().map(named).collect();
         Self {
-            named: files.iter().map(named).collect(),
+            passed_on: passed_on(&named),
+            named,
             modules,
         }
     }
@@ -40,32 +46,35 @@ impl Sources {
 
     /// The files that each file of a folder imports from there. Passing on what is in one's own folder is no import.
     pub fn imports(&self, folder: &str) -> BTreeMap<String, BTreeSet<String>> {
-        let passed_on = self.passed_on();
         let mut all = BTreeMap::new();
         for (file, named) in self.named.iter().filter(|(file, _)| file.starts_with(folder)) {
             let own = module(file);
             let imported = named
                 .iter()
                 .filter(|named| !(named.is_passed_on && named.path.starts_with(&own)));
-            let targets = imported.filter_map(|named| declaring_file(&named.path, &self.modules, &passed_on, 0));
+            let targets = imported.filter_map(|named| self.declaring_file(&named.path));
             let others = targets.filter(|target| target != file && target.starts_with(folder));
             all.insert(file.clone(), others.collect());
         }
         all
     }
 
-    /// By module and name, the paths of what `pub use` passes on.
-    fn passed_on(&self) -> BTreeMap<(Vec<String>, String), Vec<String>> {
-        let mut all = BTreeMap::new();
-        for (file, named) in &self.named {
-            for named in named.iter().filter(|named| named.is_passed_on) {
-                if let Some(name) = named.path.last() {
-                    all.insert((module(file), name.clone()), named.path.clone());
-                }
+    /// The file in which what a path names is declared; None for a path to no file of these.
+    pub fn declaring_file(&self, path: &[String]) -> Option<String> {
+        declaring_file(path, &self.modules, &self.passed_on, 0)
+    }
+}
+
+fn passed_on(files: &BTreeMap<String, Vec<Named>>) -> PassedOn {
+    let mut all = BTreeMap::new();
+    for (file, named) in files {
+        for named in named.iter().filter(|named| named.is_passed_on) {
+            if let Some(name) = named.path.last() {
+                all.insert((module(file), name.clone()), named.path.clone());
             }
         }
-        all
     }
+    all
 }
 
 /// The module that a file is.
@@ -74,11 +83,10 @@ fn module(file: &str) -> Vec<String> {
     name.split('/').map(str::to_owned).collect()
 }
 
-/// The file in which what a path names is declared; None for a path to no file of these.
 fn declaring_file(
     path: &[String],
     modules: &BTreeMap<Vec<String>, String>,
-    passed_on: &BTreeMap<(Vec<String>, String), Vec<String>>,
+    passed_on: &PassedOn,
     depth: usize,
 ) -> Option<String> {
     let (length, file) = (1..=path.len())

@@ -17,7 +17,7 @@ use crate::geometry::mesh::MeshData;
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
-use crate::scene::missing::NOT_THERE;
+use crate::scene::components::missing::NOT_THERE;
 
 /// The most bytes of a glTF file, and of each file that it names: the length in the binary container has 32 bits.
 const MAX_GLTF_BYTES: u64 = 4 << 30;

@@ -31,8 +31,8 @@ use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
 use volume_map::VolumeMapError;
 
-use super::missing::NOT_THERE;
 use crate::files::FileError;
+use crate::scene::components::missing::NOT_THERE;
 
 /// The cause of a failed load, without what the asset server wraps around it.
 pub(crate) fn cause(error: &AssetLoadError) -> String {

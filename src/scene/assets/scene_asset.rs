@@ -15,7 +15,8 @@ use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
 use crate::files::{self, Access};
 use crate::scene::SceneDescription;
-use crate::scene::{KeepSource, SceneAccess, read};
+use crate::scene::read;
+use crate::scene::{KeepSource, SceneAccess};
 
 /// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
 #[derive(Asset, TypePath, Clone, Debug)]

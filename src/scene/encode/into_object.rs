@@ -10,12 +10,11 @@ use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::value::format_float;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
-use crate::scene::medium::{GRID, USE_GRID_BBOX};
-use crate::scene::read::spectra::UNIFORM;
-use crate::scene::texture_parameters::{
-    COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, WRAP_MODE, WRAP_MODE_V,
+use crate::scene::components::medium::{GRID, USE_GRID_BBOX};
+use crate::scene::components::texture_parameters::{
+    COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, UNIFORM, WRAP_MODE, WRAP_MODE_V,
 };
-use crate::scene::wall_openings::openings_text;
+use crate::scene::components::wall_openings::openings_text;
 use crate::scene::{Bitmap, Declared, EulerAngles, FileValue, Parameter, Texture, VolumeFormat, VolumeParameter};
 
 /// Writes every parameter it meets.

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::into_object::{declared, with, with_to_world, with_view};
 use crate::document::{Category, Object, Value};
-use crate::scene::emitter::frame_along;
+use crate::scene::components::emitter::frame_along;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 
 /// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are

@@ -3,6 +3,7 @@
 use bevy::math::{Affine3A, Mat3, Mat4, Vec3};
 
 use crate::document::TransformOp;
+use crate::scene::components::shape::short_together;
 use crate::scene::{EulerAngles, Turned};
 
 /// The most that a map taken apart and put together again may differ from itself, relative to its largest element.
@@ -38,26 +39,6 @@ fn short(numbers: Vec3, digits: i32) -> Vec3 {
         }
         let unit = 10f64.powf(number.abs().log10().floor() + f64::from(1 - digits));
         ((number / unit).round() * unit) as f32
-    })
-}
-
-/// Rounds the points to a unit that gives the largest of all coordinates `digits` digits: beside 3, a coordinate of
-/// 2.4e-7 becomes 0.
-pub fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; N] {
-    let largest = points
-        .iter()
-        .fold(0.0f32, |most, point| most.max(point.abs().max_element()));
-    let unit = 10f64.powf(f64::from(largest).log10().floor()) * 10f64.powi(1 - digits);
-    points.map(|point| {
-        point.map(|number| {
-            let multiple = (f64::from(number) / unit).round() * unit;
-            // Adding zero turns -0 into 0.
-            if multiple.is_finite() {
-                multiple as f32 + 0.0
-            } else {
-                number
-            }
-        })
     })
 }
 

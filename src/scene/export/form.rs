@@ -13,7 +13,7 @@ use crate::geometry::mesh::MeshData;
 use crate::math::Frame;
 use crate::scene::assets::shape_mesh::shape_mesh;
 use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
-use crate::scene::description::ShapeDescription;
+use crate::scene::components::description::ShapeDescription;
 use crate::scene::{MeshFormat, ShapeKind};
 
 /// The colours of a mesh: the name of its attribute, and a factor.

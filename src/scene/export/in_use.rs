@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::files::SameFiles;
 use crate::scene::ShapeKind;
-use crate::scene::description::SceneDescription;
-use crate::scene::pictures::pictures_of_lights;
+use crate::scene::components::description::SceneDescription;
+use crate::scene::load::pictures::pictures_of_lights;
 
 /// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
 /// `of_libraries`: the pictures that the materials of mesh files name.

@@ -10,7 +10,7 @@ use super::poses::{Folders, pose_of, rigid};
 use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
-use crate::scene::description::{EmitterDescription, Identity, SensorDescription};
+use crate::scene::components::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 
 /// Parts of an export that lights and cameras need.

@@ -6,7 +6,7 @@ use super::look::{Appearance, Look};
 use super::messages::Messages;
 use super::pictures::Pictures;
 use crate::color::Rgb;
-use crate::scene::description::MaterialDescription;
+use crate::scene::components::description::MaterialDescription;
 use crate::scene::{
     Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Principled, PrincipledIndex, PrincipledThin,
     Roughness,

@@ -17,7 +17,7 @@ use crate::gltf::write::material::{
 };
 use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
 use crate::scene::assets::mtl_picture::mtl_picture;
-use crate::scene::description::SceneDescription;
+use crate::scene::components::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
 /// The index of refraction where a material says none.

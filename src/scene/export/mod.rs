@@ -29,10 +29,10 @@ use self::lights::Stage;
 use self::messages::Messages;
 use self::poses::Folders;
 use self::shapes::Shapes;
-use super::Film;
-use super::description::{SceneDescription, SensorDescription};
 use crate::files::{Access, FileSet, WriteError};
 use crate::gltf::write::GltfWriter;
+use crate::scene::Film;
+use crate::scene::components::description::{SceneDescription, SensorDescription};
 
 /// The files of an export, which are not written yet.
 #[derive(Debug)]

@@ -29,7 +29,7 @@ pub(super) fn placed(value: &Value) -> Option<Affine3A> {
         Value::Point(place) => Some(Affine3A::from_translation(*place)),
         Value::Vector(direction) => direction
             .try_normalize()
-            .map(|_| crate::scene::emitter::frame_along(*direction)),
+            .map(|_| crate::scene::components::emitter::frame_along(*direction)),
         _ => None,
     }
 }

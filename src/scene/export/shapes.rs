@@ -18,7 +18,7 @@ use crate::files::Access;
 use crate::gltf::write::model::{Attributes, Mesh, Node, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter};
 use crate::math::is_invertible;
-use crate::scene::description::{SceneDescription, ShapeDescription};
+use crate::scene::components::description::{SceneDescription, ShapeDescription};
 use crate::scene::{AreaLight, ShapeKind};
 
 /// Writes shapes.

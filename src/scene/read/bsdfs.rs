@@ -5,7 +5,7 @@ use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, address};
 use crate::document::{Category, Object, Reader, Severity};
 use crate::scene::Material;
-use crate::scene::description::{DeclarationPlace, MaterialDescription};
+use crate::scene::components::description::{DeclarationPlace, MaterialDescription};
 use crate::scene::encode::objects;
 
 /// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is

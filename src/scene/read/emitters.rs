@@ -7,8 +7,8 @@ use super::parameters::{Parameters, report_left_out};
 use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, angles_of};
 use crate::document::{Category, Object, Reader};
-use crate::scene::description::{DeclarationPlace, EmitterDescription};
-use crate::scene::emitter::frame_along;
+use crate::scene::components::description::{DeclarationPlace, EmitterDescription};
+use crate::scene::components::emitter::frame_along;
 use crate::scene::encode::lights;
 use crate::scene::{AreaLight, Emitter, EmitterKind};
 

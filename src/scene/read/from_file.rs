@@ -11,8 +11,8 @@ use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, Severity, Value};
-use crate::scene::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
-use crate::scene::wall_openings::parse_openings;
+use crate::scene::components::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::components::wall_openings::parse_openings;
 use crate::scene::{
     Absorption, ConductorIor, Cone, Declared, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
     PrincipledIndex, Roughness, SunPosition,

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::scene_reader::{SceneReader, address};
 use crate::document::{Category, Object};
-use crate::scene::description::{GroupDescription, Identity, ShapeDescription};
+use crate::scene::components::description::{GroupDescription, Identity, ShapeDescription};
 use crate::scene::{Placements, Shape, ShapeKind};
 
 impl<'a> SceneReader<'a> {

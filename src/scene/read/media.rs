@@ -13,9 +13,9 @@ use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::value::{fields, parse_float};
 use crate::document::{Category, Object, Reader, Severity};
-use crate::scene::description::{DeclarationPlace, MediumDescription};
+use crate::scene::components::description::{DeclarationPlace, MediumDescription};
+use crate::scene::components::medium::{ALBEDO, EXTERIOR, GRID, INTERIOR, SIGMA_A, SIGMA_S, SIGMA_T, USE_GRID_BBOX};
 use crate::scene::encode::objects;
-use crate::scene::medium::{ALBEDO, EXTERIOR, GRID, INTERIOR, SIGMA_A, SIGMA_S, SIGMA_T, USE_GRID_BBOX};
 use crate::scene::{
     Coefficients, GridFile, Medium, Parameter, ParameterInfo, PhaseFunction, VolumeFilter, VolumeFormat,
     VolumeParameter, VolumeWrap,

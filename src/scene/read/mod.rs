@@ -17,6 +17,7 @@ pub mod mesh_search;
 mod parameters;
 mod picture_search;
 mod reader_parameters;
+pub(super) mod recognition;
 mod scene_reader;
 mod sensors;
 mod shapes;
@@ -30,12 +31,13 @@ use smol_str::SmolStr;
 
 pub(super) use self::field_of_view::millimetres;
 use self::scene_reader::{Place, SceneReader};
-use super::description::{DeclarationPlace, SceneDescription};
-use super::keys::{MOST_TRACKS, is_part, track_count};
-use super::{AuthoredScene, LengthUnit, missing};
 pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, Object, Reader, Severity, UNIT};
+use crate::scene::components::description::{DeclarationPlace, SceneDescription};
+use crate::scene::components::keys::{MOST_TRACKS, is_part, track_count};
+use crate::scene::components::missing;
 use crate::scene::encode::objects::FRAME;
+use crate::scene::{AuthoredScene, LengthUnit};
 
 /// Reads the whole document; what is wrong with it is added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {

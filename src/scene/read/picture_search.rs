@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::mesh_search::{Found, MeshSearch};
 use crate::document::paths::settle;
 use crate::document::{Reader, Span};
-use crate::scene::description::PicturePlaces;
-use crate::scene::medium::GRID;
+use crate::scene::components::description::PicturePlaces;
+use crate::scene::components::medium::GRID;
 use crate::scene::{FileKind, MissingFile, MissingFiles, VolumeFormat};
 
 /// The most grids of one file that a scene may name, more than any file has. The file is read for each of them.

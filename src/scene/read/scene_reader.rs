@@ -12,7 +12,7 @@ use super::picture_search::PictureSearch;
 use crate::document::animation::animated_objects;
 use crate::document::paths::settle;
 use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span, Value};
-use crate::scene::description::{Identity, SceneDescription};
+use crate::scene::components::description::{Identity, SceneDescription};
 use crate::scene::{Authored, EulerAngles, Keys, Material, MissingFiles, ShapeKind};
 
 /// An object's place among all objects of the document.

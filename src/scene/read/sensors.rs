@@ -9,7 +9,7 @@ use super::picture_search::PictureSearch;
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
 use crate::files::ExrCompression;
-use crate::scene::description::{DeclarationPlace, SensorDescription};
+use crate::scene::components::description::{DeclarationPlace, SensorDescription};
 use crate::scene::encode::objects;
 use crate::scene::{
     ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PictureFormat, PixelFormat, ReconstructionFilter, Sensor,

@@ -10,9 +10,9 @@ use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use super::scene_reader::{SceneReader, angles_of};
 use crate::document::{Category, Object, Reader};
-use crate::scene::description::{DeclarationPlace, SceneDescription, ShapeDescription};
+use crate::scene::components::description::{DeclarationPlace, SceneDescription, ShapeDescription};
+use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::objects::{self, FRAME};
-use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid};
 
 /// The shapes of Mitsuba, also of old versions, that this program does not have.

@@ -12,12 +12,12 @@ use crate::color::Rgb;
 use crate::document::spectrum::{BlackBody, CLAMPED, Role, SampledSpectrum, SpectrumError};
 use crate::document::{Category, Reader, Value};
 use crate::scene::Parameter;
+use crate::scene::components::texture_parameters::UNIFORM;
 
 const BLACK_BODY: &str = "blackbody";
 const REGULAR: &str = "regular";
 const IRREGULAR: &str = "irregular";
 pub(crate) const D65: &str = "d65";
-pub(crate) const UNIFORM: &str = "uniform";
 const PLUGINS: [&str; 7] = [UNIFORM, D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
 
 /// The range that black bodies are seen in where the file does not give one, in nm.

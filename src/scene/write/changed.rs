@@ -12,16 +12,18 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 use super::error::SaveError;
-use super::known::{KnownTexts, is_text_of};
 use crate::document::source::read_text;
 use crate::document::{Severity, SourceError, SourceFile};
 use crate::files::{Access, FileError, FileSet, FolderBusy, FolderLock, lock_folder};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
-use crate::scene::file_moment::follow_file;
-use crate::scene::moment::shown_time;
+use crate::scene::components::moment::shown_time;
+use crate::scene::file::file_moment::follow_file;
+use crate::scene::file::known::{KnownTexts, is_text_of};
+use crate::scene::load::loading;
+use crate::scene::load::spawn;
 use crate::scene::read::{self, settle};
-use crate::scene::{AuthoredScene, SceneAccess, loading, spawn};
+use crate::scene::{AuthoredScene, SceneAccess};
 
 /// The treatment of files that were changed by others since they were read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-use super::entities::Entities;
 use super::snapshot::Snapshot;
 use crate::scene::SceneDescription;
+use crate::scene::file::entities::Entities;
 
 /// Describes all shapes, materials, emitters and sensors, each kind in the order of the file.
 pub fn describe(world: &mut World) -> SceneDescription {

@@ -7,16 +7,15 @@
 
 mod changed;
 mod defaults;
-pub(in crate::scene) mod entities;
 mod error;
 pub mod gather;
-mod known;
 mod parts;
 mod past;
 pub(in crate::scene) mod patch;
 mod portable;
 mod portable_medium;
 mod portable_volume;
+pub(super) mod rebase;
 mod save;
 pub(crate) mod snapshot;
 mod spectra;
@@ -30,8 +29,6 @@ use bevy::prelude::World;
 
 pub use self::changed::OnChange;
 pub use self::error::SaveError;
-pub use self::known::KnownTexts;
-pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
 pub(crate) use self::past::{GivenId, PastFile, TakenId};
 pub use self::portable::Extensions;
@@ -40,15 +37,17 @@ pub(crate) use self::save::{Following, MOST_ATTEMPTS, Save, Saved, Written, save
 pub use self::save::{save, save_with};
 pub(in crate::scene) use self::writer::Writer;
 pub(in crate::scene) use self::writer::identities;
-use super::AuthoredScene;
-use super::assets::gltf_scene::is_called_gltf;
-use super::description::SceneDescription;
-use super::read::mesh_search::MeshSearch;
-use super::read::settle;
 use crate::document::animation::stand_still;
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Document, SourceFile};
 use crate::files::{self, Access, FileSet, LARGEST_DATA};
+use crate::scene::AuthoredScene;
+use crate::scene::assets::gltf_scene::is_called_gltf;
+use crate::scene::components::description::SceneDescription;
+pub use crate::scene::file::known::KnownTexts;
+use crate::scene::file::known::are_as_read;
+use crate::scene::read::mesh_search::MeshSearch;
+use crate::scene::read::settle;
 
 /// Writes a scene over the text that it was read from: see [`files()`]. All files are replaced together.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {

@@ -12,11 +12,11 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::changed::Expected;
-use super::entities::Entities;
 use super::writer::identities;
 use crate::document::Document;
 use crate::document::paths::settle;
-use crate::scene::file_base::{FileBase, Thing};
+use crate::scene::file::entities::Entities;
+use crate::scene::file::file_base::{FileBase, Thing};
 use crate::scene::read::read;
 use crate::scene::{Authored, AuthoredScene, ObjectState, SceneDescription, SceneId};
 

@@ -6,35 +6,17 @@ use smol_str::SmolStr;
 use super::steps;
 use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
-use crate::scene::emitter::frame_along;
+use crate::scene::components::emitter::frame_along;
+use crate::scene::components::keys::superseded_by;
+use crate::scene::components::parameters::HEIGHT;
 use crate::scene::encode::poses::as_steps;
-use crate::scene::parameters::HEIGHT;
 use crate::scene::{Authored, EulerAngles};
-
-/// Parameters that mean the same in another way: writing the first removes the others.
-const SUPERSEDES: [(&str, &[&str]); 9] = [
-    ("fov", &["focal_length"]),
-    ("focal_length", &["fov", "fov_axis"]),
-    ("alpha", &["alpha_u", "alpha_v"]),
-    ("material", &["eta", "k"]),
-    ("eta", &["material"]),
-    ("k", &["material"]),
-    ("position", &["to_world"]),
-    ("direction", &["to_world"]),
-    ("to_world", &["position", "direction"]),
-];
 
 /// Factors, which are not written where they are 1.
 const FACTORS: [&str; 2] = ["emission_scale", "sampling_weight"];
 
 /// Parameters that depend on each other: writing one writes the other, if the file does not have it.
 const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
-
-/// The parameters that mean the same as this one in another way.
-pub(in crate::scene) fn superseded_by(name: &str) -> &'static [&'static str] {
-    let found = SUPERSEDES.iter().find(|(winner, _)| *winner == name);
-    found.map_or(&[], |(_, others)| others)
-}
 
 /// The value that a parameter has where it is not written, if it has keys and can be left out. `value` is one that it
 /// had.

@@ -10,8 +10,8 @@ use super::portable_medium::medium;
 use crate::document::{Category, Child, Object, TransformOp, Value};
 use crate::layer::Layer;
 use crate::scene::assets::solid_mesh::solid_ply;
+use crate::scene::components::wall_openings::parse_openings;
 use crate::scene::read::is_frame;
-use crate::scene::wall_openings::parse_openings;
 use crate::scene::{Declared, Emitter, ParameterMut, Solid};
 
 /// The triangle that all others are made from.

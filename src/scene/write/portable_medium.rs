@@ -5,7 +5,7 @@ use super::patch::value_of;
 use crate::color::Rgb;
 use crate::document::{Category, Object, Value};
 use crate::scene::Coefficients;
-use crate::scene::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
+use crate::scene::components::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 
 /// `is_approximate`: light that media emit is left out, which the format has no words for.
 pub(super) fn medium(object: &mut Object, is_approximate: bool) {

@@ -12,8 +12,8 @@ use crate::document::{Category, Child, Object, TransformOp, Value};
 use crate::files::{Access, FileSet};
 use crate::scene::VolumeFormat;
 use crate::scene::assets::volume_map::load_volume;
-use crate::scene::medium::GRID;
-use crate::scene::texture_parameters::FILENAME;
+use crate::scene::components::medium::GRID;
+use crate::scene::components::texture_parameters::FILENAME;
 
 /// The files that are written beside a scene.
 pub(super) struct VolumeFiles<'f> {

@@ -13,17 +13,18 @@ use bevy::prelude::World;
 
 use super::changed::{Expected, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
 use super::error::SaveError;
-use super::known::KnownTexts;
 use super::past::{GivenId, PastFile};
+use super::rebase::{Marks, Old, Pairing, Rebase};
 use super::snapshot::Snapshot;
 use super::{copy_parts, home, plan};
 use crate::document::{self, Diagnostics};
 use crate::files::{Access, FileSet, FolderLock};
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
+use crate::scene::file::known::KnownTexts;
+use crate::scene::load::loading;
 use crate::scene::read::{self, settle};
-use crate::scene::rebase::{Marks, Old, Pairing, Rebase};
-use crate::scene::{SceneDescription, SceneWatch, loading};
+use crate::scene::{SceneDescription, SceneWatch};
 
 /// The number of times that files are read again which change between reading and replacing them.
 pub(crate) const MOST_ATTEMPTS: usize = 5;

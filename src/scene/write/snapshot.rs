@@ -6,13 +6,13 @@ use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
-use super::entities::Entities;
-use crate::scene::description::{
+use crate::scene::components::description::{
     DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, MediumDescription,
     SceneDescription, SensorDescription, ShapeDescription,
 };
-use crate::scene::file_moment::follow_file;
-use crate::scene::moment::shown_time;
+use crate::scene::components::moment::shown_time;
+use crate::scene::file::entities::Entities;
+use crate::scene::file::file_moment::follow_file;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film,
     FirstNested, InMedium, InstanceOf, IntegratorKeys, IntegratorSettings, InteriorMedium, Keys, Material, Medium,

@@ -4,7 +4,7 @@ use bevy::math::{Affine3A, Vec3};
 
 use crate::document::{TransformOp, Value};
 use crate::scene::EulerAngles;
-use crate::scene::encode::poses::short_together;
+use crate::scene::components::shape::short_together;
 
 /// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the
 /// same.

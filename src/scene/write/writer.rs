@@ -10,9 +10,9 @@ use super::defaults::Defaults;
 use super::patch::Draft;
 use crate::document::animation::is_animated;
 use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
-use crate::scene::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
+use crate::scene::components::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
+use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::{lights, objects};
-use crate::scene::medium::{EXTERIOR, INTERIOR};
 use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
 
 /// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level

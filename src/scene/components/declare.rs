@@ -1,0 +1,151 @@
+//! How the plugins of a family are declared: each once, with its name, its parameters, their defaults and what is told
+//! of them.
+//!
+//! From the declaration follow the type that holds the values, the list of all plugins, and the trait
+//! [`Declared`](crate::scene::Declared), by which all others meet the parameters: the reader and the writer of files,
+//! panels, scripts and the checks of ranges.
+//!
+//! The file that declares has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
+
+use std::ops::RangeInclusive;
+
+/// What is declared of a plugin besides its parameters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PluginInfo {
+    /// The name in the file.
+    pub name: &'static str,
+    /// The name in lists.
+    pub label: &'static str,
+    /// How many bsdfs it takes inside.
+    pub nested: RangeInclusive<usize>,
+    /// Whether it always refracts: then it has two sides already.
+    pub refracts: bool,
+}
+
+impl PluginInfo {
+    pub const fn new(name: &'static str, label: &'static str) -> Self {
+        Self {
+            name,
+            label,
+            nested: 0..=0,
+            refracts: false,
+        }
+    }
+
+    /// Says how many bsdfs it has inside.
+    pub const fn nesting(mut self, count: RangeInclusive<usize>) -> Self {
+        self.nested = count;
+        self
+    }
+
+    /// Says that light is refracted.
+    pub const fn refracting(mut self) -> Self {
+        self.refracts = true;
+        self
+    }
+}
+
+/// Declares a family of plugins as an enum:
+///
+/// ```text
+/// [PLUGIN_INFO]
+/// Variant { field: Type = DEFAULT => Kind(PARAMETER_INFO), ... },
+/// [PLUGIN_INFO]
+/// Variant(name: Type => as_mut),
+/// ```
+///
+/// A kind is a variant of `ParameterRef` and `ParameterMut`. The second form is for parameters that are a struct of
+/// their own: `as_mut` gives that from a reference to what the variant holds.
+macro_rules! declare_plugins {
+    ($(#[$meta:meta])* pub enum $Family:ident { $(
+        $(#[$doc:meta])*
+        [$plugin:expr]
+        $Variant:ident
+        $({ $($(#[$field_doc:meta])* $field:ident: $type:ty = $default:expr => $kind:ident($info:expr)),* $(,)? })?
+        $(($inside:ident: $Inside:ty => $as_mut:path))?
+    ),* $(,)? }) => {
+        $(#[$meta])*
+        #[allow(missing_docs, reason = "the declaration says what each plugin and parameter is")]
+        pub enum $Family {
+            $($(#[$doc])* $Variant $({ $($(#[$field_doc])* $field: $type),* })? $(($Inside))?,)*
+        }
+
+        impl $Family {
+            /// What is declared of every plugin, in the order of lists.
+            pub(crate) const DECLARED: &'static [PluginInfo] = &[$($plugin),*];
+            /// The names of all plugins.
+            pub const PLUGINS: [&'static str; Self::DECLARED.len()] = [$($plugin.name),*];
+
+            /// What a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+            pub fn of_plugin(plugin: &str) -> Option<Self> {
+                $(if plugin == const { $plugin.name } {
+                    return Some(Self::$Variant $({ $($field: $default),* })? $((<$Inside>::default()))?);
+                })*
+                None
+            }
+
+            /// What is declared of its plugin.
+            pub(crate) fn info(&self) -> &'static PluginInfo {
+                match self {
+                    $(Self::$Variant { .. } => const { &$plugin },)*
+                }
+            }
+
+            /// The plugin's name in the file.
+            pub fn plugin(&self) -> &'static str {
+                self.info().name
+            }
+        }
+
+        impl Declared for $Family {
+            fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+                match self {
+                    $(Self::$Variant $({ $($field),* })? $(($inside))? => {
+                        $($(meet(const { &$info }, ParameterRef::$kind($field));)*)?
+                        $($inside.visit(meet);)?
+                    })*
+                }
+            }
+
+            fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+                match self {
+                    $(Self::$Variant $({ $($field),* })? $(($inside))? => {
+                        $($(meet(const { &$info }, ParameterMut::$kind($field));)*)?
+                        $($as_mut($inside).visit_mut(meet);)?
+                    })*
+                }
+            }
+        }
+    };
+}
+
+/// Declares the parameters of one plugin as a struct with defaults, in the syntax of `declare_plugins`.
+macro_rules! declare_parameters {
+    ($(#[$meta:meta])* pub struct $Plugin:ident {
+        $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr => $kind:ident($info:expr)),* $(,)?
+    }) => {
+        $(#[$meta])*
+        #[allow(missing_docs, reason = "the declaration says what each plugin and parameter is")]
+        pub struct $Plugin {
+            $($(#[$doc])* pub $field: $type,)*
+        }
+
+        impl Default for $Plugin {
+            fn default() -> Self {
+                Self { $($field: $default),* }
+            }
+        }
+
+        impl Declared for $Plugin {
+            fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+                $(meet(const { &$info }, ParameterRef::$kind(&self.$field));)*
+            }
+
+            fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+                $(meet(const { &$info }, ParameterMut::$kind(&mut self.$field));)*
+            }
+        }
+    };
+}
+
+pub(in crate::scene) use {declare_parameters, declare_plugins};

@@ -1,0 +1,320 @@
+//! Lights as the user knows them. Radiometric units; no photometry.
+
+use std::collections::HashMap;
+use std::convert::identity;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::declare::{PluginInfo, declare_parameters, declare_plugins};
+use super::parameter_info::ParameterInfo;
+use super::parameters::{CUTOFF_ANGLE, Cone, Declared, FOV, FieldOfView, ParameterMut, ParameterRef};
+use super::sun_sky::SunSky;
+use crate::color::Rgb;
+use crate::scene::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
+
+declare_parameters! {
+    /// Makes a shape emit from its front or from both sides, evenly in all directions.
+    #[derive(Component, Reflect, Clone, Debug, PartialEq)]
+    #[reflect(Component, PartialEq)]
+    pub struct AreaLight {
+        /// The radiance in W/(m^2 sr).
+        radiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(RADIANCE),
+        /// Whether the back shines as the front does.
+        two_sided: bool = false => Flag(ParameterInfo::switch(
+            "two_sided",
+            "Both sides",
+            "The back shines as well, as in glTF files whose materials have two sides. Mitsuba's lights shine from the front alone.",
+        )),
+        /// The sampling weight, as that of [`Emitter`].
+        sampling_weight: f32 = 1.0 => SamplingWeight(SAMPLING_WEIGHT),
+    }
+}
+
+/// A light that is no surface. Its place and direction are in [`ToWorld`].
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, PartialEq)]
+#[require(ToWorld, DocumentOrder)]
+pub struct Emitter {
+    /// The plugin with its parameters.
+    pub kind: EmitterKind,
+    /// The factor on the rate at which it is sampled; with 0 it is found only by chance. The picture does not depend
+    /// on it.
+    pub sampling_weight: f32,
+}
+
+declare_plugins! {
+    /// The kinds of lights that are no surfaces.
+    #[derive(Reflect, Clone, Debug, PartialEq)]
+    pub enum EmitterKind {
+        /// A point light of radiant intensity in W/sr.
+        [PluginInfo::new("point", "point")]
+        Point {
+            /// Linear Rec. 709.
+            intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
+        },
+
+        /// Parallel light, by its irradiance on a surface that faces it, in W/m^2.
+        [PluginInfo::new("directional", "directional")]
+        Directional {
+            /// Linear Rec. 709.
+            irradiance: Rgb = Rgb::ONE => Emission(ParameterInfo::new(
+                "irradiance",
+                "Irradiance",
+                "Power that arrives per area on a surface that faces the light.",
+                "W/m², 0 or more",
+            )
+            .in_units(" W/m²")),
+        },
+
+        /// The same radiance from every direction, W/(m^2 sr).
+        [PluginInfo::new("constant", "constant")]
+        Constant {
+            /// Linear Rec. 709.
+            radiance: Rgb = Rgb::ONE => Emission(RADIANCE),
+        },
+
+        /// A picture of all directions, `scale` times its radiance.
+        [PluginInfo::new("envmap", "environment map")]
+        Environment {
+            /// The absolute path of the picture.
+            picture: PathBuf = PathBuf::new() => Picture(ParameterInfo::new(
+                "filename",
+                "Picture",
+                "A picture of all directions: width is the way around, height from straight up to straight down. HDR and EXR keep the sun's strength.",
+                "a file, found from the scene's folder",
+            )),
+            /// The factor on the picture, not negative.
+            scale: f32 = 1.0 => Factor(ParameterInfo::factor(
+                "scale",
+                "Strength",
+                "Factor on the radiance of the picture.",
+            )),
+            /// Whether directions that surfaces find by themselves are sampled less.
+            mis_compensation: bool = true => Flag(ParameterInfo::switch(
+                "mis_compensation",
+                "Compensation",
+                "MIS compensation (Karlik and others, 2019): light sampling leaves the dim directions of the picture to BSDF sampling. Less noise, the same picture.",
+            )),
+        },
+
+        /// Shines along +z.
+        [PluginInfo::new("spot", "spot")]
+        Spot {
+            /// The intensity along the axis, in W/sr.
+            intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
+            /// The width of the cone.
+            cone: Cone = Cone { cutoff_angle: 20.0, beam_width: 15.0 } => Cone(CUTOFF_ANGLE),
+            /// The factor on the intensity, across the cone.
+            texture: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
+                "texture",
+                "Slide",
+                "A picture across the cone, as a slide in front of the lamp: factor on the intensity.",
+                "a texture, or none",
+            )),
+        },
+
+        /// Throws a picture along +z, as a camera would see it.
+        [PluginInfo::new("projector", "projector")]
+        Projector {
+            /// Pi times the irradiance on the plane z = 1.
+            irradiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(ParameterInfo::new(
+                "irradiance",
+                "Picture",
+                "The picture that is thrown; its brightness times pi is the power per area at distance 1 in front of the light.",
+                "W/m², or a texture",
+            )
+            .in_units(" W/m²")),
+            /// The factor on the irradiance, not negative.
+            scale: f32 = 1.0 => Factor(ParameterInfo::factor("scale", "Strength", "Factor on the light.")),
+            /// The field of view, as that of a sensor whose film is the picture.
+            field_of_view: FieldOfView = FieldOfView { fov: 45.0, axis: FovAxis::X } => FieldOfView(FOV),
+        },
+
+        /// A clear sky with its sun.
+        [PluginInfo::new("sunsky", "sun and sky")]
+        SunSky(sky: SunSky => identity),
+
+        /// No light: the box, a cube from -1 to 1, for whose surfaces `sunroom bake` makes a picture of what is seen
+        /// from its middle.
+        [PluginInfo::new("reflectionprobe", "reflection probe")]
+        ReflectionProbe {
+            /// Whether what is seen stands on the sides of the box, rather than far away.
+            parallax: bool = true => Flag(ParameterInfo::switch(
+                "parallax",
+                "Parallax",
+                "On: what is mirrored stands on the sides of the box, as the walls of a room. Off: it is far away, as a sky.",
+            )),
+        },
+
+        /// No light: the box, a cube from -1 to 1, in which `sunroom bake` finds the light for what moves.
+        [PluginInfo::new("irradiancevolume", "irradiance volume")]
+        IrradianceVolume {
+            /// The distance of the points of its grid, above 0.
+            spacing: f32 = 0.5 => Number(ParameterInfo::new(
+                "spacing",
+                "Spacing",
+                "The distance between the points where light is baked, in units of length.",
+                "a length above 0",
+            )
+            .within(SPACING)),
+        },
+    }
+}
+
+/// The distances of points that a volume may have.
+const SPACING: std::ops::RangeInclusive<f32> = 1e-4..=f32::MAX;
+
+const RADIANCE: ParameterInfo = ParameterInfo::new(
+    "radiance",
+    "Radiance",
+    "How bright the surface looks, or what comes from each direction: power per area and solid angle.",
+    "W/m²sr, 0 or more",
+)
+.in_units(" W/m²sr");
+
+const INTENSITY: ParameterInfo = ParameterInfo::new(
+    "intensity",
+    "Intensity",
+    "Power per solid angle; of a spot along its axis. On a surface it falls with the square of the distance.",
+    "W/sr, 0 or more",
+)
+.in_units(" W/sr");
+
+const SAMPLING_WEIGHT: ParameterInfo = ParameterInfo::sampling_rate(
+    "sampling_weight",
+    "Sampling",
+    "Sampling weight: how often light sampling chooses this light, relative to the others. 0 leaves it to paths that hit it by chance. Only the noise changes.",
+);
+
+impl Default for Emitter {
+    fn default() -> Self {
+        EmitterKind::Constant { radiance: Rgb::ONE }.into()
+    }
+}
+
+impl From<EmitterKind> for Emitter {
+    fn from(kind: EmitterKind) -> Self {
+        Self {
+            kind,
+            sampling_weight: 1.0,
+        }
+    }
+}
+
+/// The light of every plugin whose file gives no parameter.
+static USUAL: LazyLock<HashMap<&str, Emitter>> = LazyLock::new(|| {
+    let made = |plugin| Some((plugin, Emitter::of_plugin(plugin)?));
+    Emitter::PLUGINS.into_iter().filter_map(made).collect()
+});
+
+impl Declared for Emitter {
+    fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+        self.kind.visit(meet);
+        if !self.is_probe() {
+            meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
+        }
+    }
+
+    fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+        self.kind.visit_mut(meet);
+        if !self.is_probe() {
+            meet(
+                &SAMPLING_WEIGHT,
+                ParameterMut::SamplingWeight(&mut self.sampling_weight),
+            );
+        }
+    }
+}
+
+impl Emitter {
+    /// The names of all plugins.
+    pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
+
+    /// The light of a plugin of this name whose file gives no parameter; None if there is no such plugin.
+    pub fn of_plugin(plugin: &str) -> Option<Self> {
+        EmitterKind::of_plugin(plugin).map(Self::from)
+    }
+
+    /// The light of a plugin of this name whose file gives no parameter, to be read.
+    pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
+        USUAL.get(plugin)
+    }
+
+    /// The declaration of its plugin.
+    pub(crate) fn info(&self) -> &'static PluginInfo {
+        self.kind.info()
+    }
+
+    /// The plugin's name in the file.
+    pub fn plugin(&self) -> &'static str {
+        self.kind.plugin()
+    }
+
+    /// Shows `meet` every picture it needs, by absolute path.
+    pub(crate) fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
+        let texture = match &self.kind {
+            EmitterKind::Environment { picture, .. } => return meet(picture),
+            EmitterKind::Spot { texture, .. } => texture.as_ref(),
+            EmitterKind::Projector {
+                irradiance: Parameter::Texture(texture),
+                ..
+            } => Some(texture),
+            _ => None,
+        };
+        if let Some(texture) = texture {
+            texture.for_each_bitmap(&mut |bitmap| meet(&bitmap.path));
+        }
+    }
+
+    /// The picture at `path` as whatever it has a picture for, or at a place within that; other lights stay.
+    pub fn set_picture(&mut self, place: SquarePath, path: PathBuf) {
+        match &mut self.kind {
+            EmitterKind::Environment { picture, .. } => *picture = path,
+            EmitterKind::Spot { texture, .. } => {
+                let mut slide = match texture.take() {
+                    Some(texture) => Parameter::Texture(texture),
+                    None => Parameter::Constant(Rgb::ONE),
+                };
+                slide.set_picture_at(place, path.into());
+                if let Parameter::Texture(slide) = slide {
+                    *texture = Some(slide);
+                }
+            }
+            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture_at(place, path.into()),
+            _ => {}
+        }
+    }
+
+    /// Whether it is infinitely far away in many directions: then only how it is turned matters of where it is.
+    pub(crate) fn is_environment(&self) -> bool {
+        matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
+    }
+
+    /// Whether it surrounds the scene. Mitsuba takes one such light.
+    pub fn is_sky(&self) -> bool {
+        self.is_environment() || matches!(self.kind, EmitterKind::Constant { .. })
+    }
+
+    /// Whether it is a box that is baked for games, and gives no light itself.
+    pub fn is_probe(&self) -> bool {
+        matches!(
+            self.kind,
+            EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. }
+        )
+    }
+
+    /// Whether it is somewhere, and not infinitely far away.
+    pub(crate) fn has_place(&self) -> bool {
+        !self.is_sky() && !matches!(self.kind, EmitterKind::Directional { .. })
+    }
+}
+
+/// A frame whose +z is `direction` (not zero); which way its other axes turn does not matter, but is always the same.
+pub(crate) fn frame_along(direction: Vec3) -> Affine3A {
+    let forward = direction.normalize();
+    let (left, up) = forward.any_orthonormal_pair();
+    Affine3A::from_mat3(glam::Mat3::from_cols(left, up, forward))
+}

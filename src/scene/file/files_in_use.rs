@@ -1,0 +1,50 @@
+//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when
+//! it is no longer used. Paths are those of assets, which for a grid of a `.vdb` file is not that of the file.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use bevy::asset::AssetPath;
+use bevy::prelude::*;
+
+/// The assets of the files in use, by absolute path.
+#[derive(Resource, Debug)]
+pub struct FilesInUse<A: Asset>(BTreeMap<PathBuf, Handle<A>>);
+
+impl<A: Asset> Default for FilesInUse<A> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<A: Asset> FilesInUse<A> {
+    /// The asset of a file, which may still be loading; None for a path that nothing names.
+    pub fn get(&self, path: &Path) -> Option<&Handle<A>> {
+        self.0.get(path)
+    }
+
+    /// The absolute paths of all files that something in the scene names, sorted.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.0.keys().map(PathBuf::as_path)
+    }
+
+    /// The files with their assets, sorted.
+    pub(in crate::scene) fn iter(&self) -> impl Iterator<Item = (&PathBuf, &Handle<A>)> {
+        self.0.iter()
+    }
+
+    /// Loads the `wanted` files that are new and lets go of the others. The resource counts as changed only if
+    /// something is.
+    pub(in crate::scene) fn keep(files: &mut ResMut<Self>, wanted: BTreeSet<PathBuf>, server: &AssetServer) {
+        if wanted.iter().eq(files.0.keys()) {
+            return;
+        }
+        let mut old = std::mem::take(&mut files.0);
+        for path in wanted {
+            let handle = old
+                .remove(&path)
+                .unwrap_or_else(|| server.load(AssetPath::from_path_buf(path.clone())));
+            files.0.insert(path, handle);
+        }
+    }
+}
