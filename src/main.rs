@@ -1,6 +1,5 @@
 //! The `sunroom` program.
 
-#[macro_use]
 extern crate sunroom_core;
 
 mod cli;

@@ -3,7 +3,6 @@
 mod args;
 mod keeping;
 mod progress;
-mod shares;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -32,7 +31,6 @@ use sunroom::scene::export::Hidden;
 use sunroom::scene::read;
 
 pub use self::args::BakeArgs;
-pub use self::shares::Shares;
 
 use self::keeping::Keeper;
 use self::progress::BakeProgress;
@@ -83,7 +81,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Whether a bake into the folder may replace this file, be it there or not.
-fn is_file_of_level(folder: &Path, path: &Path) -> bool {
+pub fn is_file_of_level(folder: &Path, path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default();
     files::is_name_of_bake(&name.to_string_lossy()) && is_same_file(&folder.join(name), path)
 }
@@ -105,7 +103,7 @@ pub fn check_samples(samples: &Range<u32>, spp: Option<u32>) -> Result<(), Failu
 }
 
 /// Makes the folder and has it filled. Nothing is left of a bake that has failed.
-fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
+pub fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
     let _folder = files::OutputFolder::prepare(folder)?;
     fill()
 }
@@ -271,7 +269,7 @@ fn summary(blueprint: &Blueprint) -> String {
     )
 }
 
-fn report_invalid(samples: u64) {
+pub fn report_invalid(samples: u64) {
     if let Some(about) = about_invalid(samples) {
         report::line(format_args!("warning: {about}"));
     }

@@ -12,7 +12,7 @@ use sunroom::engine::{EngineSystems, RenderFilm};
 use sunroom::render::film::Film;
 use sunroom::render::tile::Tile;
 
-use super::{report, tev};
+use super::report;
 
 /// The time between two looks at what has changed.
 const INTERVAL: Duration = Duration::from_millis(250);
@@ -60,9 +60,9 @@ pub fn finish(world: &mut World, pixels: &[Vec3]) {
     let numbers: Vec<f32> = pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
     let mut messages = Vec::new();
     if server.shown_job.is_none() {
-        messages.push(tev::create_image(&server.name, size[0], size[1]));
+        messages.push(create_image(&server.name, size[0], size[1]));
     }
-    messages.push(tev::update_image(&server.name, [0, 0], size, &numbers));
+    messages.push(update_image(&server.name, [0, 0], size, &numbers));
     let deadline = Instant::now() + LAST_PATIENCE;
     if let Some(sender) = server.sender.take() {
         // An error means that the viewer has gone, which was reported, or hangs.
@@ -148,7 +148,7 @@ fn send_changes(mut server: ResMut<DisplayServer>, mut film: ResMut<RenderFilm>)
     tiles.sort_by_key(|tile| (tile.y, tile.x));
     let mut messages = Vec::new();
     if server.shown_job != Some(film.job) {
-        messages.push(tev::create_image(&server.name, film.film.width(), film.film.height()));
+        messages.push(create_image(&server.name, film.film.width(), film.film.height()));
     }
     messages.extend(tiles.iter().map(|tile| tile_message(&server.name, &film.film, *tile)));
     match sender.try_send(messages) {
@@ -165,7 +165,72 @@ fn tile_message(name: &str, film: &Film, tile: Tile) -> Vec<u8> {
     let pixels = rows.flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| (x, y)));
     let color = |(x, y)| film.pixel(x, y).unwrap_or_default().radiance.to_array();
     let numbers: Vec<f32> = pixels.flat_map(color).collect();
-    tev::update_image(name, [tile.x, tile.y], [tile.width, tile.height], &numbers)
+    update_image(name, [tile.x, tile.y], [tile.width, tile.height], &numbers)
+}
+
+const CREATE_IMAGE: u8 = 4;
+/// The third form of the operation, with several channels, offsets and strides.
+const UPDATE_IMAGE: u8 = 6;
+
+const CHANNELS: [&str; 3] = ["R", "G", "B"];
+
+/// Makes a black picture of this size in pixels, in place of one of the same name, and selects it.
+pub fn create_image(name: &str, width: u32, height: u32) -> Vec<u8> {
+    let mut message = Message::new(CREATE_IMAGE, true, name);
+    message.integers(&[width, height]);
+    message.channels();
+    message.finish()
+}
+
+/// Fills a rectangle of a picture with rows of R, G, B. `x` and `y` are its top left.
+pub fn update_image(name: &str, [x, y]: [u32; 2], [width, height]: [u32; 2], rgb: &[f32]) -> Vec<u8> {
+    let mut message = Message::new(UPDATE_IMAGE, false, name);
+    message.channels();
+    message.integers(&[x, y, width, height]);
+    let stride = CHANNELS.len() as i64;
+    for offset in 0..stride {
+        message.bytes.extend(offset.to_le_bytes());
+    }
+    for _ in CHANNELS {
+        message.bytes.extend(stride.to_le_bytes());
+    }
+    message.bytes.extend(rgb.iter().flat_map(|number| number.to_le_bytes()));
+    message.finish()
+}
+
+struct Message {
+    bytes: Vec<u8>,
+}
+
+impl Message {
+    fn new(operation: u8, takes_focus: bool, name: &str) -> Self {
+        let mut message = Self {
+            bytes: vec![0, 0, 0, 0, operation, u8::from(takes_focus)],
+        };
+        message.text(name);
+        message
+    }
+
+    fn text(&mut self, text: &str) {
+        self.bytes.extend(text.bytes().filter(|&byte| byte != 0));
+        self.bytes.push(0);
+    }
+
+    fn integers(&mut self, numbers: &[u32]) {
+        self.bytes
+            .extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    }
+
+    fn channels(&mut self) {
+        self.integers(&[CHANNELS.len() as u32]);
+        CHANNELS.into_iter().for_each(|channel| self.text(channel));
+    }
+
+    fn finish(mut self) -> Vec<u8> {
+        let length = self.bytes.len() as u32;
+        self.bytes[..4].copy_from_slice(&length.to_le_bytes());
+        self.bytes
+    }
 }
 
 #[cfg(test)]
@@ -179,5 +244,25 @@ mod tests {
         drop(running);
         // The end counts, however late it is.
         assert!(has_ended(&ended, Instant::now()));
+    }
+
+    /// The bytes follow from the description by hand.
+    #[test]
+    fn messages_have_the_bytes_of_the_protocol() {
+        let mut expected = vec![27, 0, 0, 0, 4, 1, b'a', 0, 2, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0];
+        expected.extend(*b"R\0G\0B\0");
+        expected[0] = expected.len() as u8;
+        assert_eq!(create_image("a", 2, 1), expected);
+        let message = update_image("a", [1, 2], [1, 1], &[0.5, 1.0, -2.0]);
+        assert_eq!(message[..4], (message.len() as u32).to_le_bytes());
+        assert_eq!(message[4..8], [6, 0, b'a', 0]);
+        assert_eq!(message[8..18], *b"\x03\0\0\0R\0G\0B\0");
+        assert_eq!(message[18..34], [1, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
+        let longs: Vec<i64> = message[34..82]
+            .chunks(8)
+            .map(|bytes| i64::from_le_bytes(bytes.try_into().unwrap()))
+            .collect();
+        assert_eq!(longs, [0, 1, 2, 3, 3, 3]);
+        assert_eq!(message[82..], [0.5f32, 1.0, -2.0].map(f32::to_le_bytes).concat());
     }
 }

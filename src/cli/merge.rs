@@ -6,7 +6,10 @@ use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use sunroom::app::origin::digest;
 use sunroom::app::threads::worker_count;
+use sunroom::bake::files;
+use sunroom::bake::merging::merge;
 use sunroom::bake::part::is_part;
 use sunroom::engine::PictureNames;
 use sunroom::layer::Layer;
@@ -18,10 +21,11 @@ use sunroom::render::image_io::{ExrCompression, ImageRgb};
 use sunroom::render::layered_image::{Attribute, LayeredImage};
 use sunroom::render::part::{PartFile, PartHeader, check_cover};
 use sunroom::scene::Film as SensorFilm;
+use sunroom::scene::export::ExportError;
 use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::args::{MemoryArgs, ThreadArgs};
-use super::bake::Shares;
+use super::bake::{BAKES_WITHOUT, is_file_of_level, report_invalid, within_folder};
 use super::outputs::{self, PART};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser};
@@ -65,15 +69,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, Failure> {
             let message = format!("{option} is for pictures, and the shares of a bake make a level");
             return Err(Failure::Usage(message));
         }
-        let shares = Shares {
-            paths: &args.parts,
-            outputs: &args.output,
-            denoise: !args.no_denoise,
-            force: args.force,
-            threads: worker_count(args.threads.threads, false).get(),
-            quiet: args.quiet,
-        };
-        return shares.merge();
+        return merge_bake(args);
     }
     outputs::check_inputs_stay(&args.output, &args.parts, PART).map_err(Failure::Usage)?;
     outputs::check_pictures(&args.output)?;
@@ -105,6 +101,39 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, Failure> {
     let end = parts.iter().map(|(_, file)| file.header().samples[1]).max();
     warn_of_missing("pixel", end.unwrap_or(0), of_whole);
     write(args, &film, header)
+}
+
+/// Puts the shares of a bake together.
+fn merge_bake(args: &MergeArgs) -> Result<ExitCode, Failure> {
+    check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
+    let [folder] = &args.output[..] else {
+        return Err(Failure::Usage(
+            "the shares of a bake make one folder: give one `-o`".to_owned(),
+        ));
+    };
+    let replaced = args.parts.iter().find(|path| is_file_of_level(folder, path));
+    let outputs: Vec<PathBuf> = [folder].into_iter().chain(replaced).cloned().collect();
+    outputs::check_inputs_stay(&outputs, &args.parts, PART).map_err(Failure::Usage)?;
+    within_folder(folder, || {
+        let mut merged = merge(&args.parts, args.force)?;
+        // A file that would be replaced in the folder, and that has the content of a file of the scene.
+        let is_of_scene =
+            |path: &PathBuf| digest(path).is_ok_and(|found| merged.files.iter().any(|file| file.digest == found));
+        if let Some(path) = files::replaceable(folder).into_iter().find(is_of_scene) {
+            return Err(ExportError::InUse { path }.into());
+        }
+        warn_of_missing("texel", merged.samples, merged.samples_of_whole);
+        merged.blueprint.denoise = !args.no_denoise;
+        let threads = worker_count(args.threads.threads, false).get();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let baked = merged.blueprint.finished(&merged.lights, &pool)?;
+        files::write(folder, &merged.blueprint, &baked)?;
+        report_invalid(merged.lights.iter().map(|light| light.invalid).sum());
+        if !args.quiet {
+            report::line(format_args!("the level is in {}", folder.display()));
+        }
+        Ok(ExitCode::SUCCESS)
+    })
 }
 
 /// Refuses parts that are not finished, that are of different pictures, or that do not make up a whole one.

@@ -30,7 +30,6 @@ mod sequence;
 mod share;
 mod stats;
 mod submit;
-mod tev;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -106,8 +106,8 @@ impl SequenceArgs {
         Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
     }
 
-    /// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never replaces
-    /// a file, which may be a picture that the scene shows.
+    /// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never
+    /// replaces a file, which may be a picture that the scene shows.
     pub fn default_output(&self, world: &World, scene: &Path) -> Result<PathBuf, Failure> {
         let format = active_film(world).and_then(|film| film.storage.file);
         let path = scene.with_extension(format.unwrap_or(PictureFormat::OpenExr).extension());

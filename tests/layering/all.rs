@@ -2,8 +2,8 @@
 //!
 //! Reads the sources as text: every path that begins with `crate::`, in `use` lines or elsewhere, and every name of a
 //! Bevy crate. Comments and a file's closing `mod tests` are left out: a test may compare two sides that do not know
-//! each other. The rooms of the editor and of the scene have tables of their own in `rooms`. The links of the documentation, which
-//! are read as text too, are held by `pages`.
+//! each other. The rooms of the editor and of the scene have tables of their own in `rooms`. The links of the
+//! documentation, which are read as text too, are held by `pages`.
 
 mod imports;
 mod pages;

@@ -1,22 +1,28 @@
 //! Figures by which a script decides.
 
+use clap::ValueEnum;
+
 use super::figures::Figures;
 
-declare_names! {
-    /// The figures that can be limited.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    enum Metric {
-        Mean = "mean",
-        Mse = "mse",
-        RelMse = "relmse",
-        Flip = "flip",
-        Z = "z",
-        Psnr = "psnr",
-        Ssim = "ssim",
-    }
+/// The figures that can be limited.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+#[value(rename_all = "lower")]
+enum Metric {
+    Mean,
+    Mse,
+    RelMse,
+    Flip,
+    Z,
+    Psnr,
+    Ssim,
 }
 
 impl Metric {
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// Whether greater values mean pictures that are more alike.
     fn is_likeness(self) -> bool {
         matches!(self, Self::Psnr | Self::Ssim)

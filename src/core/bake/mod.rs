@@ -17,7 +17,6 @@
 //! [`manifest`] says how the files belong together.
 
 pub mod blueprint;
-mod blueprint_bytes;
 pub mod cube;
 pub mod error;
 pub mod files;
@@ -38,11 +37,9 @@ pub mod preview;
 pub mod probes;
 pub mod progress;
 pub mod reflection;
-mod saving;
 pub mod seams;
 pub mod sides;
 pub mod spread;
-mod stage_words;
 pub mod texels;
 pub mod unwrap;
 pub mod volume;

@@ -1,10 +1,11 @@
 //! A scene file once it is read: its tree of plugins and all that the text said beside them.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::paths::file_candidates;
-use super::{Crowd, Diagnostics, Object, SourceId, Span};
+use super::{Category, Child, Crowd, Diagnostics, Object, SourceId, Span};
 use crate::files::Access;
 
 /// An `<include>`, once for each time it was read.
@@ -77,5 +78,67 @@ impl Document {
     /// The first of the places in that order where there is a file that the scene may read.
     pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
         self.access.find(&self.file_candidates(name, span)).cloned()
+    }
+}
+
+/// The name of the `default`, and of the property.
+pub const UNIT: &str = "length_unit";
+/// The values that are units. With another value it is a `default` like any other.
+const NAMES: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
+
+/// Whether a `default` directly inside of `object` says the unit of the scene.
+pub(super) fn is_unit(object: &Object, name: &str, value: &str) -> bool {
+    object.category == Category::Scene && name == UNIT && is_unit_name(value)
+}
+
+/// Whether a value of the `default` is a unit.
+pub(super) fn is_unit_name(value: &str) -> bool {
+    NAMES.contains(&value)
+}
+
+/// The objects that have ids. A parsed document has each id once, and no reference in it leads in a circle; one that
+/// leads nowhere has been reported.
+#[derive(Debug, Default)]
+pub struct Index<'a> {
+    by_id: HashMap<&'a str, &'a Object>,
+}
+
+impl<'a> Index<'a> {
+    /// Walks the whole tree under `root`. If an id occurs twice, one of the two is found.
+    pub fn new(root: &'a Object) -> Self {
+        let mut by_id = HashMap::new();
+        let mut waiting = vec![root];
+        while let Some(object) = waiting.pop() {
+            if let Some(id) = &object.id {
+                by_id.entry(id.as_str()).or_insert(object);
+            }
+            waiting.extend(object.objects());
+        }
+        Self { by_id }
+    }
+
+    /// Returns the object with this id.
+    pub fn get(&self, id: &str) -> Option<&'a Object> {
+        self.by_id.get(id).copied()
+    }
+
+    /// The object that `child` stands for: itself, or the one it refers to. None if there is none of that id.
+    pub fn resolve(&self, child: &'a Child) -> Option<&'a Object> {
+        match child {
+            Child::Object(object) => Some(object),
+            Child::Reference { id, .. } => self.get(id),
+        }
+    }
+}
+
+impl Document {
+    /// The index of the document, for readers that look up more than one id.
+    pub fn index(&self) -> Index<'_> {
+        Index::new(&self.root)
+    }
+
+    /// The object with this id; walks the whole tree.
+    pub fn by_id(&self, id: &str) -> Option<&Object> {
+        self.index().get(id)
     }
 }

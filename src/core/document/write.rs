@@ -8,9 +8,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::parsed::is_unit;
 use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
-use super::unit::is_unit;
 use super::value::format_float;
 use super::{Category, Child, Document, Interpolation, Key, Object, Property, Track, TransformOp, Value};
 

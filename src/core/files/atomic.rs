@@ -7,11 +7,11 @@
 //! system and file system has it.
 
 use std::collections::HashSet;
-use std::fs::{self, DirEntry, File};
+use std::fs::{self, DirEntry, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tempfile::{NamedTempFile, TempPath};
 
@@ -232,6 +232,37 @@ fn is_old_temporary_file(entry: &DirEntry) -> bool {
     age.is_some_and(|age| age >= LEFTOVER_AGE)
 }
 
+/// A folder is locked while this is there.
+#[derive(Debug)]
+pub struct FolderLock {
+    _folder: Option<File>,
+}
+
+/// Another program held the lock for the whole time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FolderBusy;
+
+/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, no lock is taken, and that is
+/// no error: locks only help other programs that take them, too.
+pub fn lock_folder(folder: &Path, longest: Duration) -> Result<FolderLock, FolderBusy> {
+    // Only a folder is opened, which neither blocks nor has effects.
+    let opened = folder.is_dir().then(|| File::open(folder).ok());
+    let Some(file) = opened.flatten() else {
+        return Ok(FolderLock { _folder: None });
+    };
+    let deadline = Instant::now() + longest;
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(FolderLock { _folder: Some(file) }),
+            Err(TryLockError::WouldBlock) if Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            Err(TryLockError::WouldBlock) => return Err(FolderBusy),
+            Err(TryLockError::Error(_)) => return Ok(FolderLock { _folder: None }),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::SystemTime;
@@ -345,5 +376,18 @@ mod tests {
         );
         assert_eq!(message("d.txt"), "it is a link that leads in a circle");
         assert!(path("c.txt").is_symlink() && path("d.txt").is_symlink());
+    }
+
+    #[test]
+    fn a_folder_is_locked_by_one_at_a_time() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let lock = || lock_folder(folder.path(), Duration::ZERO);
+        let first = lock().expect("nobody has it");
+        if first._folder.is_some() {
+            assert!(lock().is_err());
+        }
+        drop(first);
+        assert!(lock().is_ok());
+        assert!(lock_folder(&folder.path().join("missing"), Duration::ZERO).is_ok());
     }
 }

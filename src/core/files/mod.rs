@@ -10,16 +10,15 @@ mod access;
 mod atomic;
 mod exr_compression;
 mod folder_names;
-mod locking;
 mod reading;
 mod record;
 mod set;
 
 pub use self::access::Access;
+pub use self::atomic::{FolderBusy, FolderLock, lock_folder};
 pub use self::atomic::{check_writable, write_atomically, write_atomically_with};
 pub use self::exr_compression::ExrCompression;
 pub use self::folder_names::FolderNames;
-pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};
 pub use self::record::{SameFiles, is_same_file, keep_reads, note_read, record_reads, recorded_reads};
 pub use self::set::{FileSet, WriteError, checksum, finish_set, finish_set_within};

@@ -1,12 +1,5 @@
 //! The table of all lights of a scene.
 
-mod chosen;
-mod emitting;
-mod sole;
-
-pub(crate) use self::chosen::Alike;
-pub(crate) use self::sole::SoleLight;
-
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -24,14 +17,22 @@ use super::reference::Reference;
 use super::spot::SpotLight;
 use super::sun_sky::SunSkyLight;
 use super::surface::SurfaceLight;
-use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
+use super::{LightId, LightReference, LightSample, LightSource, ReferenceLanes, SurfaceHit, WeightedSource};
 use crate::accel::{Primitive, Tlas};
 use crate::color::Rgb;
-use crate::math::{Aabb, Real};
+use crate::light::plain::{Glow, PlainSurface};
+use crate::light::rectangle::UniformRectangle;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
+use crate::math::{Aabb, Real, Same};
 use crate::sampling::hash::pcg3d;
 use crate::texture::TextureTable;
 
-/// The index of a source's light in the tables.
+mod chosen;
+mod emitting;
+
+pub(crate) use self::chosen::Alike;
+
+/// The place of a source's light in the tables.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     /// Index into the finite lights.
@@ -341,4 +342,57 @@ fn shines_whole(geometry: &Tlas, instance: u32, parts: u32) -> bool {
 fn refined(u_choice: f32, u: Vec2) -> f64 {
     let [bits, ..] = pcg3d([u_choice, u.x, u.y].map(f32::to_bits));
     f64::from(u_choice) + f64::from(bits >> 3) * (1.0 / (1u64 << 53) as f64)
+}
+
+/// A bit for every lane.
+const ALL: u32 = (1 << LANES) - 1;
+
+/// The commonest lights that a scene has alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SoleLight<'a> {
+    Rectangle(UniformRectangle, Glow),
+    Constant(&'a ConstantLight),
+}
+
+impl LightTable {
+    /// The scene's only light, if there is one alone and it can be sampled in lanes.
+    pub(crate) fn sole(&self) -> Option<(LightId, SoleLight<'_>)> {
+        if !self.choice.is_certain() {
+            return None;
+        }
+        match (&self.finite[..], &self.infinite[..]) {
+            ([finite], []) => match &finite.light {
+                FiniteLight::Surface(light) => match light.plain()? {
+                    PlainSurface::Rectangle(shape, glow) => Some((finite.id, SoleLight::Rectangle(shape, glow))),
+                    PlainSurface::Sphere(..) => None,
+                },
+                _ => None,
+            },
+            ([], [(id, InfiniteLight::Constant(light))]) => Some((*id, SoleLight::Constant(light))),
+            _ => None,
+        }
+    }
+}
+
+impl SoleLight<'_> {
+    /// Directions to the light as of [`LightTable::sample`].
+    #[inline(always)]
+    pub fn sample(&self, reference: &ReferenceLanes, u: [Lanes; 2]) -> LightSample<Lanes> {
+        match self {
+            Self::Rectangle(shape, glow) => {
+                let point = Same::<Lanes>::same(*shape).sample(reference.position, u);
+                Same::<Lanes>::same(*glow).towards(point, reference.position)
+            }
+            Self::Constant(light) => light.sample(&reference.of_lanes(ALL), u),
+        }
+    }
+
+    /// Places on the light as of [`LightTable::sample_place`]; None if it is at infinity.
+    #[inline(always)]
+    pub fn place(&self, u: [Lanes; 2]) -> Option<Vec3Lanes> {
+        match self {
+            Self::Rectangle(shape, _) => Some(Same::<Lanes>::same(*shape).at(u)),
+            Self::Constant(_) => None,
+        }
+    }
 }

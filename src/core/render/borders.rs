@@ -2,11 +2,14 @@
 
 use glam::Vec3;
 
+use super::path_state::PathSample;
 use super::scene::{RenderScene, SurfaceSlot};
 use crate::accel::{Detail, Hit, SurfacePoint};
+use crate::color::Rgb;
 use crate::material::Material;
 use crate::math::{Ray, offset_origin};
 use crate::medium::{MediumId, Way};
+use crate::shading::TransportMode;
 
 /// The most borders that a ray passes.
 const MOST_BORDERS: u32 = 1024;
@@ -83,4 +86,65 @@ pub(crate) fn behind_borders(
         };
     }
     (None, MOST_BORDERS)
+}
+
+/// The largest depth that is told apart: nothing is seen through it. It is finite, as the film's sums have to be.
+const DEEPEST: f32 = 1e4;
+
+/// The optical depth up to the first surface that is not merely the border of a medium, by colour. The ray begins in
+/// `medium`.
+pub(super) fn optical_depth(scene: &RenderScene, ray: &Ray, medium: Option<MediumId>) -> PathSample {
+    let mut depth = Rgb::ZERO;
+    let (met, rays) = behind_borders(scene, ray, medium, |medium, way| {
+        depth += scene.media.get(medium).optical_depth(way);
+    });
+    PathSample {
+        radiance: depth.min(Rgb::splat(DEEPEST)),
+        normal: met
+            .as_ref()
+            .map_or_else(Default::default, |met| met.point.shading_normal),
+        depth: met.as_ref().map_or(0.0, |met| met.hit.t),
+        first_hit: met.map(|met| met.hit),
+        rays,
+        ..PathSample::default()
+    }
+}
+
+/// The brightness of a surface that is seen edge on, as a share of that of one seen from the front.
+const EDGE_ON: f32 = 0.15;
+/// The colour of all surfaces in clay.
+const CLAY: f32 = 0.55;
+/// The colour where there is nothing.
+const NOTHING: f32 = 0.03;
+
+/// The colour of the surface that `ray` meets, or that of clay. Masks and glass count as opaque; borders of media are
+/// not there.
+pub(super) fn headlight(scene: &RenderScene, ray: &Ray, is_clay: bool) -> PathSample {
+    let (met, rays) = behind_borders(scene, ray, None, |_, _| {});
+    let Some(Met { hit, slot, point }) = met else {
+        return PathSample {
+            radiance: Rgb::splat(NOTHING),
+            rays,
+            ..PathSample::default()
+        };
+    };
+    let albedo = match slot.light {
+        Some(_) => Rgb::ONE,
+        None => scene
+            .scattering(slot.material, &hit, &point, -ray.dir, TransportMode::Radiance)
+            .albedo()
+            .clamp(Rgb::ZERO, Rgb::ONE),
+    };
+    let normal = point.shading_normal;
+    let facing = normal.dot(ray.dir).abs() / ray.dir.length().max(f32::MIN_POSITIVE);
+    let color = if is_clay { Vec3::splat(CLAY) } else { albedo };
+    PathSample {
+        radiance: color * (EDGE_ON + (1.0 - EDGE_ON) * facing.min(1.0)),
+        seen: Rgb::ZERO,
+        albedo,
+        normal,
+        depth: hit.t,
+        first_hit: Some(hit),
+        rays,
+    }
 }

@@ -5,10 +5,6 @@
 //! [`super::tonemap`] maps radiance to displays; for standard output the caller uses [`encode`]. Pictures are read by
 //! [`crate::texture::load_image`], and with their layers by [`exr::decode_exr`].
 
-mod displayed;
-pub mod exr;
-mod reading;
-
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -16,12 +12,18 @@ use image::ImageError;
 use image::codecs::hdr::HdrEncoder;
 use thiserror::Error;
 
-pub use self::reading::{LoadedPicture, load_picture};
+use self::exr::decode_exr;
 use super::layered_image::{LayeredImage, StoredColors};
 use super::tonemap::Display;
 use crate::color::Rgb;
-pub use crate::files::ExrCompression;
 use crate::files::write_atomically;
+use crate::memory;
+use crate::texture::{ImageFileError, Transfer, is_exr, load_image};
+
+mod displayed;
+pub mod exr;
+
+pub use crate::files::ExrCompression;
 
 /// A picture of linear Rec. 709 radiance, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
@@ -286,6 +288,45 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageIoError> {
     write_atomically(path, bytes).map_err(|source| ImageIoError::Write {
         path: path.to_path_buf(),
         source,
+    })
+}
+
+/// A picture from a file.
+#[derive(Clone, Debug)]
+pub struct LoadedPicture {
+    /// The linear colours, with the layers of an EXR file. The channel of a grey picture is `Y`.
+    pub image: LayeredImage,
+    /// Whether the file holds what a display shows, in place of radiance.
+    pub is_displayed: bool,
+}
+
+/// Reads a picture in any of the formats that textures may have, and of EXR files all channels.
+pub fn load_picture(bytes: &[u8]) -> Result<LoadedPicture, ImageFileError> {
+    if is_exr(bytes) {
+        return Ok(LoadedPicture {
+            image: decode_exr(bytes)?,
+            is_displayed: false,
+        });
+    }
+    let picture = load_image(bytes)?;
+    let (width, height) = (picture.width(), picture.height());
+    let bytes = u64::from(width) * u64::from(height) * size_of::<Rgb>() as u64;
+    let memory = memory::reserve(bytes).map_err(|shortage| ImageFileError::Memory {
+        width: width.into(),
+        height: height.into(),
+        shortage,
+    })?;
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let pixels: Vec<_> = places.map(|(x, y)| picture.pixel(x, y)).collect();
+    let mut image = LayeredImage::new(width, height);
+    match picture.channels() {
+        1 => image.add_float("Y", pixels.iter().map(|pixel| pixel.x).collect()),
+        _ => image.add_rgb("", &pixels),
+    }
+    image.memory = memory.into();
+    Ok(LoadedPicture {
+        image,
+        is_displayed: picture.transfer() == Transfer::Srgb,
     })
 }
 

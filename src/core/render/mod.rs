@@ -1,4 +1,4 @@
-//! Renders pixels from the tables of a scene and a view, independently of entities and scene files.
+//! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
 pub mod auto;
 mod bidirectional;
@@ -16,7 +16,6 @@ mod fireflies;
 pub mod gathering;
 pub mod gbuffer;
 pub mod guide;
-mod headlight;
 pub mod image_io;
 pub mod inspect;
 pub mod irradiance;
@@ -29,7 +28,6 @@ mod mis;
 pub mod motion;
 pub mod noise;
 pub mod observer;
-mod optical_depth;
 pub mod part;
 pub mod passes;
 pub mod path;

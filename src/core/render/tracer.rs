@@ -5,11 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::UVec2;
 
 use super::bidirectional;
-use super::headlight;
+use super::borders::{headlight, optical_depth};
 use super::lanes::{self, Job};
 use super::layers::{LayerNotes, PixelLayers};
 use super::observer::PathObserver;
-use super::optical_depth;
 use super::path::{PathSample, trace_path};
 use super::scene::RenderScene;
 use super::splats::TileSplats;
@@ -137,7 +136,7 @@ pub(super) fn render_sample(
     let ray = view.sight.narrow(&scene.geometry, camera.ray);
     let sample = match (view.path_settings(pixel), view.shown) {
         (Some(settings), _) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
-        (None, Shown::OpticalDepth) => optical_depth::sample(scene, &ray, view.medium),
+        (None, Shown::OpticalDepth) => optical_depth(scene, &ray, view.medium),
         (None, Shown::BvhSteps) => {
             let mut stats = TraversalStats::default();
             let hit = scene.geometry.intersect_counting(&ray, &mut stats);
@@ -148,7 +147,7 @@ pub(super) fn render_sample(
                 ..PathSample::default()
             }
         }
-        (None, shown) => headlight::sample(scene, &ray, shown == Shown::Clay),
+        (None, shown) => headlight(scene, &ray, shown == Shown::Clay),
     };
     if let (None, Some(hit)) = (view.path_settings(pixel), &sample.first_hit) {
         observer.met(&ray, hit);

@@ -3,13 +3,10 @@
 //! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores
 //! something that a file says plainly, it makes a choice and notes it. Messages have the places of the original file.
 
-mod attributes;
 mod import;
 mod known_files;
 mod lights;
 mod materials;
-mod mesh_files;
-mod numbers;
 mod objects;
 mod settings;
 mod subsurface;

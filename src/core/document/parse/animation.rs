@@ -4,7 +4,7 @@ use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::element::{known, leaf};
-use super::names::Names;
+use super::parser::Names;
 use super::parser::{Frame, OpenAnimation, Parser};
 use crate::document::animation::MOST_TIME;
 use crate::document::property::{VALUE_TAGS, read_value};

@@ -2,17 +2,17 @@
 
 use smol_str::SmolStr;
 
-use super::names::Names;
+use super::parser::Names;
 use super::parser::{Frame, MAX_PROPERTIES, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::{rename, snake_case};
+use crate::document::parsed::{UNIT, is_unit};
 use crate::document::property::{
     TRANSFORM_TAGS, VALUE_TAGS, color_of_spectrum, read_spectrum, read_transform_op, read_value,
 };
 use crate::document::source::read_text_within;
 use crate::document::spectrum::{Role, SampledSpectrum};
 use crate::document::tag::Tag;
-use crate::document::unit::{UNIT, is_unit};
 use crate::document::value::quote;
 use crate::document::{Category, Child, Object, Property, Severity, Span, TransformOp, Value};
 

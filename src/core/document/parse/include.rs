@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use smol_str::SmolStr;
 
-use super::names::Names;
+use super::parser::Names;
 use super::parser::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Parser};
 use crate::document::paths::{canonical, file_candidates};
 use crate::document::source::read_text_within;

@@ -6,10 +6,8 @@
 mod animation;
 mod element;
 mod include;
-mod names;
 mod parser;
 mod spare;
-mod spectrum_files;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,9 +17,9 @@ pub(super) use self::parser::parse_children;
 use super::define::Defines;
 use super::dialect;
 use super::links::link;
+use super::parsed::{UNIT, is_unit_name};
 use super::paths::canonical;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
-use super::unit::{UNIT, is_unit_name};
 use super::unpack::{keep_known, pack_rest};
 use super::{Category, Document, Object, Severity};
 use crate::files::Access;

@@ -1,24 +1,25 @@
 //! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the
 //! program's.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Vec3;
 use quick_xml::Reader as XmlReader;
 use quick_xml::events::{BytesStart, Event};
 use smol_str::SmolStr;
 
-use super::names::Names;
 use super::spare::Spare;
-use super::spectrum_files::SpectrumFiles;
 use crate::document::crowd::Packer;
 use crate::document::define::Defines;
 use crate::document::links::Alias;
 use crate::document::naming::modernize;
 use crate::document::object::MAX_DEPTH;
+use crate::document::paths::canonical;
 use crate::document::source::MAX_FILE_BYTES;
+use crate::document::spectrum::{Role, SampledSpectrum};
 use crate::document::tag::Tag;
 use crate::document::{
     Category, Child, Crowd, Diagnostics, Include, Interpolation, Key, Object, Property, Severity, SourceFile, SourceId,
@@ -399,5 +400,68 @@ impl Level {
             start: end,
             end,
         }
+    }
+}
+
+/// Up to this number, names are compared one by one.
+const FEW: usize = 16;
+
+/// Answers whether a name is given twice. Nearly all objects have few properties, and need no set of names.
+#[derive(Debug, Default)]
+pub(super) struct Names(HashSet<SmolStr>);
+
+impl Names {
+    /// Whether one of the properties has this name. `properties` must be those of the same object each time, and may
+    /// only grow.
+    pub fn contain(&mut self, name: &str, properties: &[Property]) -> bool {
+        if properties.len() <= FEW {
+            return properties.iter().any(|property| property.name == name);
+        }
+        let new = &properties[self.0.len()..];
+        self.0.extend(new.iter().map(|property| property.name.clone()));
+        self.0.contains(name)
+    }
+}
+
+/// A colour and whether it was clamped, or the reason why there is none.
+type Color = Result<(Vec3, bool), String>;
+
+/// The colours of the files that were read.
+#[derive(Default)]
+pub(super) struct SpectrumFiles {
+    colors: HashMap<(PathBuf, Role), Color>,
+}
+
+impl SpectrumFiles {
+    /// The colour of a file's spectrum, which `read` gives the first time.
+    pub fn color(&mut self, path: &Path, role: Role, read: impl FnOnce() -> Result<SampledSpectrum, String>) -> Color {
+        let key = (canonical(path), role);
+        let color = self.colors.entry(key);
+        color.or_insert_with(|| Ok(read()?.to_rgb(role))).clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_once_for_each_role() {
+        let mut files = SpectrumFiles::default();
+        let mut readings = 0;
+        let mut color = |file: &str, role| {
+            files.color(Path::new(file), role, || {
+                readings += 1;
+                SampledSpectrum::parse_file("400 1\n700 1\n").map_err(|error| error.to_string())
+            })
+        };
+        let first = color("/nowhere/a", Role::Emission);
+        assert!(first.is_ok());
+        for _ in 0..100 {
+            assert_eq!(color("/nowhere/a", Role::Emission), first);
+        }
+        assert_ne!(color("/nowhere/a", Role::Reflectance), first);
+        assert_eq!(color("/nowhere/b", Role::Emission), first);
+        assert_eq!(readings, 3);
     }
 }

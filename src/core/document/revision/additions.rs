@@ -2,7 +2,7 @@
 
 use super::edits::{Edit, apply, margin_of_line, resettle};
 use super::elements::Element;
-use super::slot::slot_after;
+use super::source::slot_after;
 use super::source::{Place, Source, is_scene};
 use super::{Pair, Reviser};
 use crate::document::write::{WriteError, check_finite, property_to_block, to_block};

@@ -2,8 +2,8 @@
 //! changes.
 
 use super::edits::{Edit, apply, margin_of_line, resettle};
-use super::slot::slot_after;
 use super::source::Source;
+use super::source::slot_after;
 use super::values::{revise_attribute, revise_value};
 use crate::document::value::format_float;
 use crate::document::write::{WriteError, animation_tag, check_finite, key_to_block};

@@ -9,7 +9,6 @@ pub(super) mod edits;
 pub mod elements;
 mod files;
 mod keys;
-mod slot;
 mod source;
 mod values;
 

@@ -5,8 +5,8 @@ use glam::Vec3;
 
 use super::edits::Edit;
 use super::elements::Element;
-use super::slot::slot_after;
 use super::source::Source;
+use super::source::slot_after;
 use crate::document::value::{fields, format_float, parse_float};
 use crate::document::write::{WriteError, escape, step_to_block};
 use crate::document::{Object, Property, TransformOp, Value};

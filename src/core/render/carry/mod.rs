@@ -8,7 +8,6 @@
 //! blended by their worth in samples, and the old light vanishes once the new samples are worth far more.
 
 mod coarse;
-mod earlier;
 mod reproject;
 #[cfg(test)]
 mod tests;
@@ -22,7 +21,7 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 pub use self::coarse::Coarse;
-pub use self::earlier::Earlier;
+pub use self::reproject::Earlier;
 pub use self::reproject::Reprojection;
 pub use self::tile::CarriedTile;
 use self::trust::{Standing, Trust, doubt_of_pixel, pooled};

@@ -3,8 +3,7 @@
 use glam::{UVec2, Vec3};
 
 use super::camera_rays::CameraRays;
-use super::context::{Coherence, Context, Job, Samples};
-use super::travelled::Travelled;
+use super::context::{Coherence, Context, Job, Samples, Travelled};
 use super::vertices::{Met, Vertices};
 use crate::accel::{Detail, Hit};
 use crate::light::LightId;

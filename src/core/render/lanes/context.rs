@@ -96,3 +96,16 @@ impl Coherence {
         Obstacles { opaque, clear: 0 }
     }
 }
+
+/// The paths that have gone through the commonest media, a bit each.
+#[derive(Clone, Copy)]
+pub(super) struct Travelled {
+    pub lanes: u32,
+    /// The paths among them that are scattered before the ends of their rays, at the places that are the vertices.
+    pub scattered: u32,
+}
+
+impl Travelled {
+    /// No path.
+    pub const NOTHING: Self = Self { lanes: 0, scattered: 0 };
+}

@@ -5,8 +5,7 @@
 use glam::{Vec2, Vec3};
 
 use super::batch::PathBatch;
-use super::context::{Context, Samples};
-use super::travelled::Travelled;
+use super::context::{Context, Samples, Travelled};
 use crate::accel::{Detail, Hit};
 use crate::light::LightReference;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};

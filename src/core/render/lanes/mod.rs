@@ -9,22 +9,9 @@
 //!
 //! [`PathState::advance`]: super::path_state::PathState::advance
 
-mod batch;
-mod begun;
-mod camera_rays;
-mod context;
-mod guided;
-mod light_samples;
-mod media;
-mod scatter;
-mod travelled;
-mod vertices;
-
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-pub(super) use self::context::{Job, Samples};
 
 use self::batch::PathBatch;
 use self::context::{Coherence, Context, STEPS_TO_CANCEL};
@@ -34,7 +21,20 @@ use super::guide::{Field, PhotonPaths};
 use super::path_state::PathState;
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy, View};
+use crate::color::Rgb;
 use crate::math::lanes::{LANES, each_lane};
+use crate::render::path::PathSample;
+
+mod batch;
+mod camera_rays;
+mod context;
+mod guided;
+mod light_samples;
+mod media;
+mod scatter;
+mod vertices;
+
+pub(super) use self::context::{Job, Samples};
 
 /// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set in the meantime.
 pub(super) fn trace<'v>(
@@ -103,8 +103,8 @@ pub(super) fn trace_begun(
         field: None,
     };
     match settings.media && !scene.media.is_empty() {
-        true => begun::trace::<true>(&context, begun, cancel),
-        false => begun::trace::<false>(&context, begun, cancel),
+        true => trace_lanes::<true>(&context, begun, cancel),
+        false => trace_lanes::<false>(&context, begun, cancel),
     }
 }
 
@@ -162,6 +162,53 @@ impl<'a, const MEDIA: bool> Paths<'a, MEDIA> {
             }
             let next = self.first.active.trailing_zeros() as usize % LANES;
             self.later.move_lane_from(lane, &mut self.first, next);
+        }
+    }
+}
+
+/// All lanes.
+const ALL: u32 = (1 << LANES) - 1;
+
+/// See [`trace_begun`].
+fn trace_lanes<const MEDIA: bool>(context: &Context, begun: &[PathState], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+    let mut batch = PathBatch::<MEDIA>::new(context.view);
+    let mut samples = Samples {
+        list: vec![(PathSample::default(), 1.0); begun.len()],
+        notes: None,
+    };
+    let mut backs = vec![false; begun.len()];
+    let mut waiting = begun.iter().enumerate();
+    loop {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        for _ in 0..STEPS_TO_CANCEL {
+            let mut new = 0;
+            for lane in each_lane(!batch.active & ALL) {
+                let next = waiting.find(|(job, path)| {
+                    let goes_on = path.throughput != Rgb::ZERO;
+                    samples.list[*job].0 = path.sample();
+                    goes_on
+                });
+                let Some((job, path)) = next else {
+                    break;
+                };
+                batch.set(lane, path, job);
+                new |= 1 << lane;
+            }
+            if batch.active == 0 {
+                let arrived = |((sample, _), meets_back): (&(PathSample, f32), bool)| Arrived {
+                    light: sample.radiance,
+                    meets_back,
+                    rays: sample.rays,
+                };
+                return Some(samples.list.iter().zip(backs).map(arrived).collect());
+            }
+            batch.trace(Coherence::Incoherent, context, &mut samples);
+            for lane in each_lane(new & batch.active) {
+                backs[batch.outputs[lane].job] = batch.meets_back(lane, context);
+            }
+            batch.step(Coherence::Incoherent, context, &mut samples);
         }
     }
 }

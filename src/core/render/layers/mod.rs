@@ -6,13 +6,12 @@
 
 mod cryptomatte;
 mod image;
-mod matte;
 mod notes;
 mod read;
 mod sums;
 
+pub use self::cryptomatte::{Matte, MatteEntry};
 pub use self::image::{LayerNames, layered_image, picture_of_camera};
-pub use self::matte::{Matte, MatteEntry};
 pub use self::read::LayerPixels;
 pub use self::sums::{FilmLayers, LayerSums};
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::matte::Matte;
+use super::cryptomatte::Matte;
 use super::sums::Sum;
 use super::{FilmLayers, Layer};
 use crate::color::Rgb;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec2;
 
-use super::matte::Matte;
+use super::cryptomatte::Matte;
 use super::notes::LayerNotes;
 use super::{Layer, Layer as L, Layers};
 use crate::color::Rgb;

@@ -19,8 +19,8 @@ pub enum Fault {
     Gap { part: &'static str, samples: [u32; 2] },
 }
 
-/// The first fault of parts with these names and samples, which are to have those from 0 to `end` once each. A `part` is
-/// called so in messages.
+/// The first fault of parts with these names and samples, which are to have those from 0 to `end` once each. Messages
+/// call them by the word `part`.
 pub fn fault<'a>(
     part: &'static str,
     parts: impl Iterator<Item = (&'a String, [u32; 2])>,

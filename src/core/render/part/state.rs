@@ -1,5 +1,5 @@
-//! The state at the end of a part, of a picture or of a bake: the version of the format, a header in JSON, the exact sums,
-//! a checksum, the length of the state, and a mark at the very end.
+//! The state at the end of a part, of a picture or of a bake: the version of the format, a header in JSON, the exact
+//! sums, a checksum, the length of the state, and a mark at the very end.
 
 use std::io::{self, Read, Seek, SeekFrom, Take, Write};
 
