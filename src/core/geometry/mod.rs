@@ -1,7 +1,6 @@
 //! Shapes: what a ray meets, in the shape's own space, and the files meshes come from.
 
 pub mod attribute;
-mod closed;
 pub mod cylinder;
 mod decimal;
 pub mod disk;
