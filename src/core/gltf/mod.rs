@@ -66,6 +66,14 @@ fn is_supported(extension: &str) -> bool {
     SUPPORTED.contains(&extension)
 }
 
+/// A character of a name as ids and files may have it, with `_` in place of others.
+fn plain_character(character: char) -> char {
+    match character.is_alphanumeric() || "-_. ".contains(character) {
+        true => character,
+        false => '_',
+    }
+}
+
 /// The byte order mark of UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 

@@ -15,7 +15,7 @@ use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::{KnownPicture, Picture};
 use super::schema::{Node, Primitive};
-use super::{Gltf, GltfError, studio};
+use super::{Gltf, GltfError, plain_character, studio};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
@@ -414,14 +414,7 @@ impl Builder<'_> {
 
     /// The name as an id that no other has, of the characters that ids may have, between a folder and an end.
     pub(super) fn unique_in(&mut self, folder: &str, name: &str, end: &str) -> String {
-        let plain = |c: char| {
-            if c.is_alphanumeric() || "-_. ".contains(c) {
-                c
-            } else {
-                '_'
-            }
-        };
-        let name: String = name.chars().take(LONGEST_NAME).map(plain).collect();
+        let name: String = name.chars().take(LONGEST_NAME).map(plain_character).collect();
         let name = if name.trim().is_empty() { "unnamed" } else { &name };
         let base = format!("{folder}{name}");
         let next = self.next_numbers.entry(format!("{base}{end}")).or_insert(1);

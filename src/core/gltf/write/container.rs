@@ -2,6 +2,7 @@
 
 use super::model::{Buffer, FileExtras, Image};
 use super::{GltfWriteError, GltfWriter};
+use crate::gltf::plain_character;
 
 /// A file beside the one that names it.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,14 +60,7 @@ impl GltfWriter {
     /// The text of the `.gltf` file, and the files that it names. Their names begin with `stem`, in which other
     /// characters than letters, digits and `-_. ` are replaced.
     pub fn text(mut self, stem: &str) -> Result<(Vec<u8>, Vec<BesideFile>), GltfWriteError> {
-        let plain = |c: char| {
-            if c.is_alphanumeric() || "-_. ".contains(c) {
-                c
-            } else {
-                '_'
-            }
-        };
-        let stem: String = stem.chars().map(plain).collect();
+        let stem: String = stem.chars().map(plain_character).collect();
         let mut files: Vec<BesideFile> = Vec::new();
         for (index, picture) in std::mem::take(&mut self.pictures).into_iter().enumerate() {
             let name = format!("{stem}-picture-{index}.{}", picture.kind().0);
