@@ -9,12 +9,11 @@ use crate::scene::components::description::{DeclarationPlace, Identity, SceneDes
 use crate::scene::components::folders::FreeFolders;
 use crate::scene::components::names::TakenNames;
 pub use crate::scene::components::names::names;
+use crate::scene::file::entities::Entities;
+use crate::scene::file::file_base::Thing;
 use crate::scene::write::gather::describe_entities;
 use crate::scene::write::identities;
-use crate::scene::{
-    DeclaredIn, DocumentOrder, ExteriorMedium, FirstNested, InMedium, InstanceOf, InteriorMedium, Material, Medium,
-    MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld, UsesMaterial,
-};
+use crate::scene::{DocumentOrder, FirstNested, Material, Medium, ObjectState, SceneId, SecondNested, ToWorld};
 
 /// The entities that [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -32,186 +31,104 @@ pub(crate) fn next_order(world: &mut World) -> u32 {
     last.map_or(0, |last| last.saturating_add(1))
 }
 
+/// Gives names that are free.
+struct FreeNames {
+    folders: FreeFolders,
+    taken: TakenNames,
+}
+
+impl FreeNames {
+    fn new(world: &mut World, scene: &SceneDescription) -> Self {
+        let mut folders = FreeFolders::default();
+        let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
+        let frames = frames.filter_map(|frame| frame.identity.id.as_deref()?.strip_suffix('/'));
+        folders.find(|| names(world), frames.map(str::to_owned));
+        let ids = identities(scene).filter_map(|identity| identity.id.as_deref());
+        let taken = TakenNames::like(world, ids);
+        Self { folders, taken }
+    }
+
+    fn take(&mut self, identity: &Identity) -> (Option<SceneId>, Name) {
+        let in_folder = |name: &str| self.folders.in_copy(name).unwrap_or_else(|| name.to_owned());
+        match &identity.id {
+            Some(id) => {
+                // What is in a folder that was found free needs no number.
+                let id = self.taken.take(&in_folder(id));
+                (Some(SceneId(id.clone())), Name::new(id))
+            }
+            None => {
+                let name = in_folder(&identity.name);
+                self.taken.note(&name);
+                (None, Name::new(name))
+            }
+        }
+    }
+}
+
 /// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders
 /// of groups with everything in them. A material or medium is not added again if the scene has an equal one of the same
 /// id: that one is used then.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let shared_media = shared_media(world, scene);
+    let mut free_names = FreeNames::new(world, scene);
     let mut order = next_order(world);
-    let mut inserted = Inserted::default();
-    let mut folders = FreeFolders::default();
-    let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
-    let frames = frames.filter_map(|frame| frame.identity.id.as_deref()?.strip_suffix('/'));
-    folders.find(|| names(world), frames.map(str::to_owned));
-    let ids = identities(scene).filter_map(|identity| identity.id.as_deref());
-    let mut taken = TakenNames::like(world, ids);
-    let in_folder = |name: &str| folders.in_copy(name).unwrap_or_else(|| name.to_owned());
-    let mut spawn = |world: &mut World, identity: &Identity| {
-        let entity = world.spawn(DocumentOrder(order)).id();
-        order = order.saturating_add(1);
-        let name = match &identity.id {
-            Some(id) => {
-                // What is in a folder that was found free needs no number.
-                let id = taken.take(&in_folder(id));
-                world.entity_mut(entity).insert(SceneId(id.clone()));
-                id
-            }
-            None => {
-                let name = in_folder(&identity.name);
-                taken.note(&name);
-                name
-            }
-        };
-        world.entity_mut(entity).insert(Name::new(name));
-        if let Some(angles) = identity.angles {
-            world.entity_mut(entity).insert(angles);
-        }
-        if let Some(keys) = &identity.keys {
-            world.entity_mut(entity).insert(keys.clone());
-        }
-        inserted.all.push(entity);
-        entity
+    let mut entity_of = |known: &Option<Entity>| known.unwrap_or_else(|| world.spawn_empty().id());
+    let media = shared_media.iter().map(&mut entity_of).collect();
+    let materials = shared.iter().map(&mut entity_of).collect();
+    let mut new = |count: usize| (0..count).map(|_| entity_of(&None)).collect();
+    let made = Entities {
+        media,
+        materials,
+        groups: new(scene.groups.len()),
+        shapes: new(scene.shapes.len()),
+        emitters: new(scene.emitters.len()),
+        sensors: new(scene.sensors.len()),
     };
-    let mut media = Vec::with_capacity(scene.media.len());
-    for (medium, shared) in scene.media.iter().zip(&shared_media) {
-        let entity = shared.unwrap_or_else(|| spawn(world, &medium.identity));
-        if shared.is_none() {
-            world.entity_mut(entity).insert(medium.medium.clone());
-        }
-        media.push(entity);
-    }
-    let mut materials = Vec::with_capacity(scene.materials.len());
-    for (material, shared) in scene.materials.iter().zip(&shared) {
-        let entity = shared.unwrap_or_else(|| spawn(world, &material.identity));
-        if shared.is_none() {
-            world.entity_mut(entity).insert(material.material.clone());
-        }
-        materials.push(entity);
-    }
-    let mut groups = Vec::with_capacity(scene.groups.len());
-    for group in &scene.groups {
-        let entity = spawn(world, &group.identity);
-        world.entity_mut(entity).insert(ShapeGroup);
-        groups.push(entity);
-    }
-    let mut shapes = Vec::with_capacity(scene.shapes.len());
-    for shape in &scene.shapes {
-        let entity = spawn(world, &shape.identity);
-        let mut shown = world.entity_mut(entity);
-        shown.insert((shape.shape.clone(), ToWorld(shape.to_world)));
-        if let Some(light) = &shape.area_light {
-            shown.insert(light.clone());
-        }
-        if let Some(material) = shape.material {
-            shown.insert(UsesMaterial(materials[material]));
-        }
-        if let Some(group) = shape.member_of {
-            shown.insert(MemberOf(groups[group]));
-        }
-        if let Some(group) = shape.instance_of {
-            shown.insert(InstanceOf(groups[group]));
-        }
-        if let Some(medium) = shape.interior {
-            shown.insert(InteriorMedium(media[medium]));
-        }
-        if let Some(medium) = shape.exterior {
-            shown.insert(ExteriorMedium(media[medium]));
-        }
-        shapes.push(entity);
+    let is_new = |thing: &Thing| match *thing {
+        Thing::Medium(index) => shared_media[index].is_none(),
+        Thing::Material(index) => shared[index].is_none(),
+        _ => true,
+    };
+    let mut all = Vec::new();
+    for thing in Thing::all(scene).filter(is_new) {
+        let mut state = thing.state(scene, &made);
         // Each of very many instances becomes an entity of its own here.
-        let mut places = shape
-            .placements
-            .iter()
-            .flat_map(|many| many.places.iter().map(|&place| place.into()));
-        if let Some(first) = places.next() {
-            world.entity_mut(entity).insert(ToWorld(first));
-        }
-        for place in places {
-            let another = spawn(world, &shape.identity);
-            let parts = (shape.shape.clone(), ToWorld(place));
-            world.entity_mut(another).insert(parts);
-            if let Some(group) = shape.instance_of {
-                world.entity_mut(another).insert(InstanceOf(groups[group]));
-            }
-        }
-    }
-    let added = scene.materials.iter().zip(&materials).zip(&shared);
-    for ((material, &entity), _) in added.filter(|(_, shared)| shared.is_none()) {
-        let mut nesting = world.entity_mut(entity);
-        if let Some(first) = material.first {
-            nesting.insert(FirstNested(materials[first]));
-        }
-        if let Some(second) = material.second {
-            nesting.insert(SecondNested(materials[second]));
-        }
-        let owner = match material.declared_in {
-            DeclarationPlace::Shape(index) => shapes.get(index),
-            DeclarationPlace::Material(index) => materials.get(index),
-            DeclarationPlace::TopLevel | DeclarationPlace::Sensor(_) | DeclarationPlace::Emitter(_) => None,
-        };
-        if let Some(owner) = owner {
-            nesting.insert(DeclaredIn(*owner));
+        let placements = state.placements.take();
+        let placements = placements.iter().flat_map(|many| many.places.iter());
+        let mut places = placements.map(|&place| ToWorld(place.into()));
+        state.to_world = places.next().or(state.to_world);
+        let mut entity = thing.entity(&made);
+        loop {
+            let (id, name) = free_names.take(thing.identity(scene));
+            let named = ObjectState {
+                order: Some(DocumentOrder(order)),
+                id,
+                name: Some(name),
+                ..state.clone()
+            };
+            named.write_new(world, entity, None);
+            order = order.saturating_add(1);
+            all.push(entity);
+            let Some(place) = places.next() else { break };
+            state.to_world = Some(place);
+            entity = world.spawn_empty().id();
         }
     }
-    let mut objects: Vec<Entity> = scene
-        .shapes
-        .iter()
-        .zip(&shapes)
-        .filter(|(shape, _)| shape.member_of.is_none())
-        .map(|(_, entity)| *entity)
-        .collect();
-    let mut emitters = Vec::with_capacity(scene.emitters.len());
-    for emitter in &scene.emitters {
-        let entity = spawn(world, &emitter.identity);
-        let light = (emitter.emitter.clone(), ToWorld(emitter.to_world));
-        world.entity_mut(entity).insert(light);
-        if let Some(medium) = emitter.medium {
-            world.entity_mut(entity).insert(InMedium(media[medium]));
-        }
-        emitters.push(entity);
-    }
-    objects.extend(&emitters);
-    let mut sensors = Vec::with_capacity(scene.sensors.len());
-    for sensor in &scene.sensors {
-        let entity = spawn(world, &sensor.identity);
-        let camera = (sensor.sensor, sensor.film, ToWorld(sensor.to_world));
-        world.entity_mut(entity).insert(camera);
-        if let Some(medium) = sensor.medium {
-            world.entity_mut(entity).insert(InMedium(media[medium]));
-        }
-        sensors.push(entity);
-    }
-    objects.extend(&sensors);
-    let added = scene.media.iter().zip(&media).zip(&shared_media);
-    for ((medium, &entity), _) in added.filter(|(_, shared)| shared.is_none()) {
-        let owner = match medium.declared_in {
-            DeclarationPlace::Shape(index) => shapes.get(index),
-            DeclarationPlace::Sensor(index) => sensors.get(index),
-            DeclarationPlace::Emitter(index) => emitters.get(index),
-            DeclarationPlace::TopLevel | DeclarationPlace::Material(_) => None,
-        };
-        if let Some(owner) = owner {
-            world.entity_mut(entity).insert(DeclaredIn(*owner));
-        }
-    }
+    let shapes = scene.shapes.iter().zip(&made.shapes);
+    let shapes = shapes.filter(|(shape, _)| shape.member_of.is_none());
+    let shapes = shapes.map(|(_, entity)| entity);
+    let mut objects: Vec<Entity> = shapes.chain(&made.emitters).chain(&made.sensors).copied().collect();
     if objects.is_empty() {
-        let is_outermost = |place| place == DeclarationPlace::TopLevel;
-        let outermost = scene.materials.iter().zip(&materials);
-        objects.extend(
-            outermost
-                .filter(|(material, _)| is_outermost(material.declared_in))
-                .map(|(_, entity)| *entity),
-        );
-        let outermost = scene.media.iter().zip(&media);
-        objects.extend(
-            outermost
-                .filter(|(medium, _)| is_outermost(medium.declared_in))
-                .map(|(_, entity)| *entity),
-        );
+        let materials = scene.materials.iter().map(|material| material.declared_in);
+        let media = scene.media.iter().map(|medium| medium.declared_in);
+        let materials = materials.zip(&made.materials);
+        let outermost = materials
+            .chain(media.zip(&made.media))
+            .filter(|(place, _)| *place == DeclarationPlace::TopLevel);
+        objects.extend(outermost.map(|(_, entity)| *entity));
     }
-    inserted.objects = objects;
-    inserted
+    Inserted { all, objects }
 }
 
 /// Finds for each material of the scene the one in the world that it would duplicate: it is used by a shape, and has
@@ -336,73 +253,50 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
         };
         place.unwrap_or(DeclarationPlace::TopLevel)
     };
-    let unwritten = |identity: Identity| Identity {
-        authored: None,
-        ..identity
+    let renumber = |index: &mut Option<usize>, places: &[Option<usize>]| {
+        *index = index.and_then(|index| places[index]);
     };
-    let media = kept(whole.media, &is_medium_used)
-        .map(|mut medium| {
-            medium.identity = unwritten(medium.identity);
+    let unwritten = |identity: &mut Identity| identity.authored = None;
+    SceneDescription {
+        media: kept(whole.media, &is_medium_used, |medium| {
+            unwritten(&mut medium.identity);
             medium.declared_in = place_of(medium.declared_in);
-            medium
-        })
-        .collect();
-    let materials = kept(whole.materials, &is_material_used)
-        .map(|mut material| {
-            material.identity = unwritten(material.identity);
-            material.first = material.first.and_then(|index| material_at[index]);
-            material.second = material.second.and_then(|index| material_at[index]);
+        }),
+        materials: kept(whole.materials, &is_material_used, |material| {
+            unwritten(&mut material.identity);
+            renumber(&mut material.first, &material_at);
+            renumber(&mut material.second, &material_at);
             material.declared_in = place_of(material.declared_in);
-            material
-        })
-        .collect();
-    let groups = kept(whole.groups, &is_group_used)
-        .map(|mut group| {
-            group.identity = unwritten(group.identity);
-            group
-        })
-        .collect();
-    let shapes = kept(whole.shapes, &is_shape_used)
-        .map(|mut shape| {
-            shape.identity = unwritten(shape.identity);
-            shape.material = shape.material.and_then(|index| material_at[index]);
-            shape.member_of = shape.member_of.and_then(|index| group_at[index]);
-            shape.instance_of = shape.instance_of.and_then(|index| group_at[index]);
-            shape.interior = shape.interior.and_then(|index| medium_at[index]);
-            shape.exterior = shape.exterior.and_then(|index| medium_at[index]);
+        }),
+        groups: kept(whole.groups, &is_group_used, |group| unwritten(&mut group.identity)),
+        shapes: kept(whole.shapes, &is_shape_used, |shape| {
+            unwritten(&mut shape.identity);
+            renumber(&mut shape.material, &material_at);
+            renumber(&mut shape.member_of, &group_at);
+            renumber(&mut shape.instance_of, &group_at);
+            renumber(&mut shape.interior, &medium_at);
+            renumber(&mut shape.exterior, &medium_at);
             // Very many instances would become very many elements here.
             shape.placements = None;
-            shape
-        })
-        .collect();
-    let emitters = kept(whole.emitters, &is_emitter_used)
-        .map(|mut emitter| {
-            emitter.identity = unwritten(emitter.identity);
-            emitter.medium = emitter.medium.and_then(|index| medium_at[index]);
-            emitter
-        })
-        .collect();
-    let sensors = kept(whole.sensors, &is_sensor_used)
-        .map(|mut sensor| {
-            sensor.identity = unwritten(sensor.identity);
-            sensor.medium = sensor.medium.and_then(|index| medium_at[index]);
-            sensor
-        })
-        .collect();
-    SceneDescription {
-        media,
-        materials,
-        groups,
-        shapes,
-        emitters,
-        sensors,
+        }),
+        emitters: kept(whole.emitters, &is_emitter_used, |emitter| {
+            unwritten(&mut emitter.identity);
+            renumber(&mut emitter.medium, &medium_at);
+        }),
+        sensors: kept(whole.sensors, &is_sensor_used, |sensor| {
+            unwritten(&mut sensor.identity);
+            renumber(&mut sensor.medium, &medium_at);
+        }),
         ..SceneDescription::default()
     }
 }
 
-fn kept<'a, T: 'a>(all: Vec<T>, is_used: &'a [bool]) -> impl Iterator<Item = T> + 'a {
+/// Those that are used, with changes.
+fn kept<T>(all: Vec<T>, is_used: &[bool], change: impl Fn(&mut T)) -> Vec<T> {
     let used = all.into_iter().zip(is_used).filter(|(_, used)| **used);
-    used.map(|(item, _)| item)
+    let mut kept: Vec<T> = used.map(|(item, _)| item).collect();
+    kept.iter_mut().for_each(change);
+    kept
 }
 
 /// The index of each used one among the used ones.
