@@ -324,65 +324,29 @@ trait Described {
     fn is_alike(&self, other: &Self) -> bool;
 }
 
-impl Described for MediumDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
+macro_rules! described {
+    ($($Description:ty: |$one:ident, $two:ident| $is_alike:expr;)*) => {$(
+        impl Described for $Description {
+            fn identity(&self) -> &Identity {
+                &self.identity
+            }
 
-    fn is_alike(&self, other: &Self) -> bool {
-        self.medium == other.medium
-    }
+            fn is_alike(&self, $two: &Self) -> bool {
+                let $one = self;
+                $is_alike
+            }
+        }
+    )*};
 }
 
-impl Described for MaterialDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    fn is_alike(&self, other: &Self) -> bool {
-        self.material == other.material
-    }
-}
-
-impl Described for GroupDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    fn is_alike(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Described for ShapeDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    fn is_alike(&self, other: &Self) -> bool {
-        (&self.shape, &self.to_world, &self.area_light, &self.placements)
-            == (&other.shape, &other.to_world, &other.area_light, &other.placements)
-    }
-}
-
-impl Described for EmitterDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    fn is_alike(&self, other: &Self) -> bool {
-        (&self.emitter, &self.to_world) == (&other.emitter, &other.to_world)
-    }
-}
-
-impl Described for SensorDescription {
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    fn is_alike(&self, other: &Self) -> bool {
-        (&self.sensor, &self.film, &self.to_world) == (&other.sensor, &other.film, &other.to_world)
-    }
+described! {
+    MediumDescription: |one, two| one.medium == two.medium;
+    MaterialDescription: |one, two| one.material == two.material;
+    GroupDescription: |_one, _two| true;
+    ShapeDescription: |one, two| (&one.shape, &one.to_world, &one.area_light, &one.placements)
+        == (&two.shape, &two.to_world, &two.area_light, &two.placements);
+    EmitterDescription: |one, two| (&one.emitter, &one.to_world) == (&two.emitter, &two.to_world);
+    SensorDescription: |one, two| (&one.sensor, &one.film, &one.to_world) == (&two.sensor, &two.film, &two.to_world);
 }
 
 /// Compares by [`Described::is_alike`].

@@ -4,6 +4,7 @@
 use bevy::ecs::archetype::{Archetype, ArchetypeId};
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::relationship::Relationship;
 use bevy::prelude::*;
 
 use crate::scene::components::description::{
@@ -246,99 +247,73 @@ impl Snapshot {
             keys: thing.get::<Keys>().cloned(),
         };
         let to_world = thing.get::<ToWorld>().map(|pose| pose.0);
-        let (kind, index);
-        if let (Some(shape), Some(to_world)) = (thing.get::<Shape>(), to_world) {
-            (kind, index) = (Kind::Shape, self.shapes.len());
-            self.shapes.push(Described {
-                entity: Some(entity),
-                thing: ShapeDescription {
-                    identity,
-                    shape: shape.clone(),
-                    to_world,
-                    material: None,
-                    interior: None,
-                    exterior: None,
-                    area_light: thing.get::<AreaLight>().cloned(),
-                    member_of: None,
-                    instance_of: None,
-                    placements: thing.get::<Placements>().cloned(),
-                },
-                refers_to: [
-                    thing.get::<UsesMaterial>().map(|uses| uses.0),
-                    thing.get::<MemberOf>().map(|group| group.0),
-                    thing.get::<InstanceOf>().map(|group| group.0),
-                    thing.get::<InteriorMedium>().map(|medium| medium.0),
-                    thing.get::<ExteriorMedium>().map(|medium| medium.0),
-                ],
-            });
+        let (kind, index) = if let (Some(shape), Some(to_world)) = (thing.get::<Shape>(), to_world) {
+            let described = ShapeDescription {
+                identity,
+                shape: shape.clone(),
+                to_world,
+                material: None,
+                interior: None,
+                exterior: None,
+                area_light: thing.get::<AreaLight>().cloned(),
+                member_of: None,
+                instance_of: None,
+                placements: thing.get::<Placements>().cloned(),
+            };
+            let refers_to = [
+                referred::<UsesMaterial>(thing),
+                referred::<MemberOf>(thing),
+                referred::<InstanceOf>(thing),
+                referred::<InteriorMedium>(thing),
+                referred::<ExteriorMedium>(thing),
+            ];
+            (Kind::Shape, add(&mut self.shapes, entity, described, refers_to))
         } else if let Some(material) = thing.get::<Material>() {
-            (kind, index) = (Kind::Material, self.materials.len());
-            self.materials.push(Described {
-                entity: Some(entity),
-                thing: MaterialDescription {
-                    identity,
-                    material: material.clone(),
-                    first: None,
-                    second: None,
-                    declared_in: DeclarationPlace::TopLevel,
-                },
-                refers_to: [
-                    thing.get::<FirstNested>().map(|nested| nested.0),
-                    thing.get::<SecondNested>().map(|nested| nested.0),
-                    thing.get::<DeclaredIn>().map(|owner| owner.0),
-                    None,
-                    None,
-                ],
-            });
+            let described = MaterialDescription {
+                identity,
+                material: material.clone(),
+                first: None,
+                second: None,
+                declared_in: DeclarationPlace::TopLevel,
+            };
+            let [first, second] = [referred::<FirstNested>(thing), referred::<SecondNested>(thing)];
+            let refers_to = [first, second, referred::<DeclaredIn>(thing), None, None];
+            (Kind::Material, add(&mut self.materials, entity, described, refers_to))
         } else if let Some(medium) = thing.get::<Medium>() {
-            (kind, index) = (Kind::Medium, self.media.len());
-            self.media.push(Described {
-                entity: Some(entity),
-                thing: MediumDescription {
-                    identity,
-                    medium: medium.clone(),
-                    declared_in: DeclarationPlace::TopLevel,
-                },
-                refers_to: only(thing.get::<DeclaredIn>().map(|owner| owner.0)),
-            });
+            let described = MediumDescription {
+                identity,
+                medium: medium.clone(),
+                declared_in: DeclarationPlace::TopLevel,
+            };
+            let owner = only(referred::<DeclaredIn>(thing));
+            (Kind::Medium, add(&mut self.media, entity, described, owner))
         } else if let (Some(emitter), Some(to_world)) = (thing.get::<Emitter>(), to_world) {
-            (kind, index) = (Kind::Emitter, self.emitters.len());
-            let emitter = emitter.clone();
-            self.emitters.push(Described {
-                entity: Some(entity),
-                thing: EmitterDescription {
-                    identity,
-                    emitter,
-                    to_world,
-                    medium: None,
-                },
-                refers_to: only(thing.get::<InMedium>().map(|medium| medium.0)),
-            });
+            let described = EmitterDescription {
+                identity,
+                emitter: emitter.clone(),
+                to_world,
+                medium: None,
+            };
+            let medium = only(referred::<InMedium>(thing));
+            (Kind::Emitter, add(&mut self.emitters, entity, described, medium))
         } else if let (Some(&sensor), Some(&film), Some(to_world)) =
             (thing.get::<Sensor>(), thing.get::<Film>(), to_world)
         {
-            (kind, index) = (Kind::Sensor, self.sensors.len());
-            self.sensors.push(Described {
-                entity: Some(entity),
-                thing: SensorDescription {
-                    identity,
-                    sensor,
-                    film,
-                    to_world,
-                    medium: None,
-                },
-                refers_to: only(thing.get::<InMedium>().map(|medium| medium.0)),
-            });
+            let described = SensorDescription {
+                identity,
+                sensor,
+                film,
+                to_world,
+                medium: None,
+            };
+            let medium = only(referred::<InMedium>(thing));
+            (Kind::Sensor, add(&mut self.sensors, entity, described, medium))
         } else if thing.contains::<ShapeGroup>() {
-            (kind, index) = (Kind::Group, self.groups.len());
-            self.groups.push(Described {
-                entity: Some(entity),
-                thing: GroupDescription { identity },
-                refers_to: only(None),
-            });
+            let described = GroupDescription { identity };
+            (Kind::Group, add(&mut self.groups, entity, described, only(None)))
         } else {
             return;
-        }
+        };
         let archetype = thing.archetype().id();
         let copied = Copied { archetype, kind, index };
         self.copied.insert(entity, copied);
@@ -443,6 +418,26 @@ impl Snapshot {
         scene.materials = materials.into_iter().map(material).collect();
         (scene, entities)
     }
+}
+
+/// The entity that a thing refers to.
+fn referred<R: Relationship>(thing: EntityRef) -> Option<Entity> {
+    thing.get::<R>().map(Relationship::get)
+}
+
+/// Adds the description of an entity to those of its kind, and returns its place there.
+fn add<T>(
+    list: &mut Vec<Described<T>>,
+    entity: Entity,
+    thing: T,
+    refers_to: [Option<Entity>; MOST_REFERENCES],
+) -> usize {
+    list.push(Described {
+        entity: Some(entity),
+        thing,
+        refers_to,
+    });
+    list.len() - 1
 }
 
 /// The references of what refers to one thing at most.
