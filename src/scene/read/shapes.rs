@@ -8,6 +8,7 @@ use super::from_file::FromFile;
 use super::media::media_of_shape;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
+use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, angles_of};
 use crate::document::{Category, Object, Reader};
 use crate::scene::components::description::{DeclarationPlace, SceneDescription, ShapeDescription};
@@ -35,77 +36,8 @@ impl<'a> SceneReader<'a> {
             return self.read_group(object);
         }
         let mut reader = Reader::new(&self.index, object, &mut self.diagnostics);
-        let mut file_name = None;
-        let kind = match object.plugin.as_str() {
-            "sphere" => ShapeKind::Sphere {
-                center: reader.point("center").unwrap_or_default(),
-                radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
-            },
-            "rectangle" => ShapeKind::Rectangle,
-            "cube" => ShapeKind::Cube,
-            "disk" => ShapeKind::Disk,
-            "triangle" => {
-                let corners = ["v0", "v1", "v2"].map(|name| reader.point(name).unwrap_or_default());
-                let [a, b, c] = corners;
-                if (b - a).cross(c - a).try_normalize().is_none() {
-                    let message = "a triangle needs three corners `v0`, `v1` and `v2` that are not in one line";
-                    reader.diagnostics().error(object.span, message);
-                }
-                ShapeKind::Triangle { corners }
-            }
-            "cylinder" => ShapeKind::Cylinder {
-                p0: reader.point("p0").unwrap_or(Vec3::ZERO),
-                p1: reader.point("p1").unwrap_or(Vec3::Z),
-                radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
-            },
-            "instance" => ShapeKind::Instance,
-            FRAME if object.category == Category::Volume => {
-                reader.ignore(&["value"]);
-                ShapeKind::Frame
-            }
-            plugin @ ("obj" | "ply" | "serialized") => {
-                file_name = reader.string("filename");
-                if file_name.is_none() && !reader.has("filename") {
-                    let message = format!("{} needs a `filename`", object.title());
-                    reader.diagnostics().error(object.span, message);
-                }
-                let face_normals = reader.boolean_or("face_normals", false);
-                let format = match plugin {
-                    "obj" => MeshFormat::Obj,
-                    "ply" => MeshFormat::Ply,
-                    _ => MeshFormat::Serialized,
-                };
-                ShapeKind::Mesh(MeshFile {
-                    path: PathBuf::new(),
-                    format,
-                    shape_index: match format {
-                        MeshFormat::Serialized => {
-                            reader.integer_in("shape_index", 0..=i64::from(u32::MAX)).unwrap_or(0) as u32
-                        }
-                        MeshFormat::Obj | MeshFormat::Ply => 0,
-                    },
-                    face_normals,
-                    flip_tex_coords: match format {
-                        MeshFormat::Obj | MeshFormat::Ply => {
-                            reader.boolean_or("flip_tex_coords", format.flips_tex_coords())
-                        }
-                        MeshFormat::Serialized => false,
-                    },
-                })
-            }
-            other if let Some(mut solid) = Solid::of_plugin(other) => {
-                FromFile {
-                    reader: &mut reader,
-                    pictures: &mut self.pictures,
-                }
-                .read_all(&mut solid);
-                ShapeKind::Solid(solid)
-            }
-            other => {
-                let help = reader.diagnostics().did_you_mean(other, ShapeKind::PLUGINS);
-                report_left_out(&mut reader, FOREIGN_SHAPES.contains(&other), help);
-                return false;
-            }
+        let Some((kind, file_name)) = read_kind(&mut reader, &mut self.pictures) else {
+            return false;
         };
         let is_instance = kind == ShapeKind::Instance;
         let has_surface = !is_instance && kind != ShapeKind::Frame;
@@ -226,4 +158,72 @@ impl<'a> SceneReader<'a> {
             *declared_in = DeclarationPlace::TopLevel;
         }
     }
+}
+
+/// The kind of a shape, with the name of its mesh file. None if there is no such plugin, which has been reported.
+fn read_kind<'a>(reader: &mut Reader<'a, '_>, pictures: &mut PictureSearch) -> Option<(ShapeKind, Option<&'a str>)> {
+    let object = reader.object();
+    let kind = match object.plugin.as_str() {
+        "sphere" => ShapeKind::Sphere {
+            center: reader.point("center").unwrap_or_default(),
+            radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
+        },
+        "rectangle" => ShapeKind::Rectangle,
+        "cube" => ShapeKind::Cube,
+        "disk" => ShapeKind::Disk,
+        "triangle" => {
+            let corners = ["v0", "v1", "v2"].map(|name| reader.point(name).unwrap_or_default());
+            let [a, b, c] = corners;
+            if (b - a).cross(c - a).try_normalize().is_none() {
+                let message = "a triangle needs three corners `v0`, `v1` and `v2` that are not in one line";
+                reader.diagnostics().error(object.span, message);
+            }
+            ShapeKind::Triangle { corners }
+        }
+        "cylinder" => ShapeKind::Cylinder {
+            p0: reader.point("p0").unwrap_or(Vec3::ZERO),
+            p1: reader.point("p1").unwrap_or(Vec3::Z),
+            radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
+        },
+        "instance" => ShapeKind::Instance,
+        FRAME if object.category == Category::Volume => {
+            reader.ignore(&["value"]);
+            ShapeKind::Frame
+        }
+        plugin => {
+            if let Some(format) = MeshFormat::of_name(plugin) {
+                return Some(read_mesh(reader, format));
+            }
+            let Some(mut solid) = Solid::of_plugin(plugin) else {
+                let help = reader.diagnostics().did_you_mean(plugin, ShapeKind::PLUGINS);
+                report_left_out(reader, FOREIGN_SHAPES.contains(&plugin), help);
+                return None;
+            };
+            FromFile { reader, pictures }.read_all(&mut solid);
+            ShapeKind::Solid(solid)
+        }
+    };
+    Some((kind, None))
+}
+
+/// A mesh, whose file is still to be found by its name.
+fn read_mesh<'a>(reader: &mut Reader<'a, '_>, format: MeshFormat) -> (ShapeKind, Option<&'a str>) {
+    let file_name = reader.string("filename");
+    if file_name.is_none() && !reader.has("filename") {
+        let object = reader.object();
+        let message = format!("{} needs a `filename`", object.title());
+        reader.diagnostics().error(object.span, message);
+    }
+    let mut mesh = MeshFile {
+        format,
+        face_normals: reader.boolean_or("face_normals", false),
+        ..MeshFile::default()
+    };
+    if format == MeshFormat::Serialized {
+        let index = reader.integer_in("shape_index", 0..=i64::from(u32::MAX));
+        mesh.shape_index = index.unwrap_or(0) as u32;
+    } else {
+        mesh.flip_tex_coords = reader.boolean_or("flip_tex_coords", format.flips_tex_coords());
+    }
+    (ShapeKind::Mesh(mesh), file_name)
 }
