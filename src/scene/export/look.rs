@@ -35,6 +35,16 @@ pub(super) enum Appearance {
     Surface(Box<Look>),
 }
 
+impl Appearance {
+    /// The appearance with another look if it is a surface.
+    pub fn changed(self, change: impl FnOnce(Look) -> Look) -> Self {
+        match self {
+            Self::Nothing => Self::Nothing,
+            Self::Surface(look) => Self::Surface(change(*look).into()),
+        }
+    }
+}
+
 impl Look {
     /// A matt surface of this colour.
     pub fn matt(base: Level) -> Self {

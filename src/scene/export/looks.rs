@@ -34,23 +34,16 @@ impl Looks<'_, '_> {
                 if about.second.is_some() && about.second != about.first {
                     lost("the back looks like the front");
                 }
-                return match self.nested(about.first) {
-                    Appearance::Surface(look) => Appearance::Surface(
-                        Look {
-                            is_two_sided: true,
-                            ..*look
-                        }
-                        .into(),
-                    ),
-                    nothing => nothing,
-                };
+                return self.nested(about.first).changed(|look| Look {
+                    is_two_sided: true,
+                    ..look
+                });
             }
             Material::Mask { opacity } => {
                 let opacity = Level::of_number(opacity);
-                return match self.nested(about.first) {
-                    Appearance::Surface(look) => self.masked(*look, opacity, name),
-                    nothing => nothing,
-                };
+                return self
+                    .nested(about.first)
+                    .changed(|look| self.masked(look, opacity, name));
             }
             Material::Blend { weight } => return self.blend(about, Level::of_number(weight)),
             Material::NormalMap {
@@ -58,17 +51,11 @@ impl Looks<'_, '_> {
             } => {
                 let normals = Some(Level::of_color(normals)).filter(|level| level.constant().is_none());
                 let gltf_tangents = *gltf_tangents;
-                return match self.nested(about.first) {
-                    Appearance::Surface(look) => Appearance::Surface(
-                        Look {
-                            normals,
-                            gltf_tangents,
-                            ..*look
-                        }
-                        .into(),
-                    ),
-                    nothing => nothing,
-                };
+                return self.nested(about.first).changed(|look| Look {
+                    normals,
+                    gltf_tangents,
+                    ..look
+                });
             }
             Material::BumpMap { height, .. } => {
                 if height.constant().is_none() {
@@ -234,7 +221,7 @@ impl Looks<'_, '_> {
         self.messages.note("material", name, what);
     }
 
-    fn masked(&mut self, look: Look, opacity: Level, name: &str) -> Appearance {
+    fn masked(&mut self, look: Look, opacity: Level, name: &str) -> Look {
         let opacity = match (look.opacity, opacity) {
             (Level::Constant(inner), outer) => outer.times(inner),
             (inner, Level::Constant(outer)) => inner.times(outer),
@@ -243,7 +230,7 @@ impl Looks<'_, '_> {
                 outer
             }
         };
-        Appearance::Surface(Look { opacity, ..look }.into())
+        Look { opacity, ..look }
     }
 
     fn blend(&mut self, about: &MaterialDescription, weight: Level) -> Appearance {
@@ -251,10 +238,12 @@ impl Looks<'_, '_> {
         let (first, second) = (self.nested(about.first), self.nested(about.second.or(about.first)));
         let (first, second) = match (first, second) {
             // A share of nothing is a mask.
-            (Appearance::Nothing, Appearance::Surface(look)) => return self.masked(*look, weight, name),
-            (Appearance::Surface(look), Appearance::Nothing) if weight.constant().is_some() => {
-                let share = Rgb::ONE - self.mean(&weight);
-                return self.masked(*look, Level::Constant(share), name);
+            (Appearance::Nothing, second @ Appearance::Surface(_)) => {
+                return second.changed(|look| self.masked(look, weight, name));
+            }
+            (first @ Appearance::Surface(_), Appearance::Nothing) if weight.constant().is_some() => {
+                let share = Level::Constant(Rgb::ONE - self.mean(&weight));
+                return first.changed(|look| self.masked(look, share, name));
             }
             (Appearance::Surface(first), Appearance::Surface(second)) => (*first, *second),
             (surface @ Appearance::Surface(_), _) | (_, surface) => {

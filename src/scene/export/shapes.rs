@@ -343,19 +343,8 @@ impl<'a> Shapes<'a> {
                 let Some(indices) = indices.map_err(fails)? else {
                     continue;
                 };
-                let key = format!("{} {colors:?}", key_of(form, &placing, is_unwelded));
-                let mut attributes = match self.vertices.get(&key) {
-                    Some(known) => known.clone(),
-                    None => {
-                        let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
-                        let values = colors
-                            .as_ref()
-                            .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
-                        let attributes = writer.add_vertices(&mesh, values.as_deref()).map_err(fails)?;
-                        self.vertices.insert(key, attributes.clone());
-                        attributes
-                    }
-                };
+                let attributes = self.attributes(form, &placing, &colors, is_unwelded, writer);
+                let mut attributes = attributes.map_err(fails)?;
                 if normal_map.is_some() {
                     self.add_tangents(form, &placing, is_unwelded, part, &mut attributes, writer);
                 }
@@ -367,6 +356,28 @@ impl<'a> Shapes<'a> {
             }
         }
         Ok(primitives)
+    }
+
+    /// The vertices of a form, which are written once for all that show them in the same way.
+    fn attributes(
+        &mut self,
+        form: &Form,
+        placing: &Placing,
+        colors: &Colors,
+        is_unwelded: bool,
+        writer: &mut GltfWriter,
+    ) -> Result<Attributes, GltfWriteError> {
+        let key = format!("{} {colors:?}", key_of(form, placing, is_unwelded));
+        if let Some(known) = self.vertices.get(&key) {
+            return Ok(known.clone());
+        }
+        let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
+        let values = colors
+            .as_ref()
+            .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
+        let attributes = writer.add_vertices(&mesh, values.as_deref())?;
+        self.vertices.insert(key, attributes.clone());
+        Ok(attributes)
     }
 
     /// The parts of a form with a normal map that need tangents of their own.
