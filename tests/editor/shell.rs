@@ -22,7 +22,7 @@ use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{
     Command, FileCommand, FileDialogKind, HistoryCommand, RenderCommand, SelectionCommand,
 };
-use sunroom::app::editor::input::actions::{ACTIONS, Group};
+use sunroom::app::editor::input::actions::{ACTIONS, ActionContext, Group};
 use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;
 use sunroom::app::editor::picture::awaited_image::{AwaitedImage, Before};
@@ -38,8 +38,6 @@ use sunroom::app::editor::window::{full_film, recovery_question, save_question, 
 use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::render::tonemap::ToneMap;
 use sunroom::scene::write::{OnChange, SaveError};
-
-use crate::support::context;
 
 /// What is shown, what came of it, and whether it is still there.
 struct Shown<T> {
@@ -100,7 +98,7 @@ fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
         if shown.is_open {
             let (palette, model) = &mut shown.it;
             let selection = Selection::default();
-            shown.is_open = palette.show(egui, model, &context(&selection), &[], &mut shown.commands);
+            shown.is_open = palette.show(egui, model, &ActionContext::new(&selection), &[], &mut shown.commands);
         }
     })
 }
@@ -141,7 +139,7 @@ fn the_palette_is_walked_with_the_arrows_and_left_with_escape() {
     press(&mut harness, Key::ArrowUp);
     press(&mut harness, Key::Enter);
     let selection = Selection::default();
-    let second = (ACTIONS[1].command)(&context(&selection)).expect("it needs no selection");
+    let second = (ACTIONS[1].command)(&ActionContext::new(&selection)).expect("it needs no selection");
     assert_eq!(harness.state().commands, [second]);
     let mut harness = palette();
     type_text(&mut harness, "quit");
@@ -260,7 +258,7 @@ fn a_question_over_the_palette_has_the_keys() {
         let (palette, question, said) = &mut shown.it;
         let (selection, model) = (Selection::default(), Model::default());
         if shown.is_open {
-            shown.is_open = palette.show(egui, &model, &context(&selection), &[], &mut shown.commands);
+            shown.is_open = palette.show(egui, &model, &ActionContext::new(&selection), &[], &mut shown.commands);
         }
         let unsaved = UnsavedState {
             name: "box.xml",

@@ -11,12 +11,13 @@ use sunroom::app::editor::command::samples::SAMPLES;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{Command, FileCommand, FileDialogKind, ViewCommand};
+use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::session::tutorial::{LESSONS, Tutorial};
 use sunroom::app::editor::window::{start_page, tutorial};
 use sunroom::document;
 use sunroom::scene::read::read;
 
-use crate::support::{context, presses};
+use crate::support::presses;
 
 struct Page {
     preferences: Preferences,
@@ -43,7 +44,7 @@ fn page_with(size: egui::Vec2, recent: &[&str], left: Vec<Offer>) -> Harness<'st
     let mut harness = Harness::builder().with_size(size).build_ui_state(
         |ui, page: &mut Page| {
             let selection = Selection::default();
-            let context = context(&selection);
+            let context = ActionContext::new(&selection);
             if page.is_open {
                 page.is_open = start_page::show(
                     &ui.ctx().clone(),

@@ -4,9 +4,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui;
 use sunroom::app::editor::camera::navigation::Navigation;
-use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::compare_view::CompareView;
-use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
@@ -40,33 +38,6 @@ pub fn presses(ui: &egui::Ui) -> Vec<Press> {
         _ => None,
     };
     ui.input(|input| input.events.iter().filter_map(press).collect())
-}
-
-/// What keys refer to in an editor that was just opened.
-pub fn context(selection: &Selection) -> ActionContext<'_> {
-    ActionContext {
-        display: DisplaySettings::default(),
-        overlay: BvhOverlay::default(),
-        gizmo: GizmoSettings::default(),
-        paused: false,
-        panels_shown: true,
-        selection,
-        tool: Default::default(),
-        bound: &NO_BINDINGS,
-        denoising: false,
-        safe_frame: false,
-        grid: Default::default(),
-        dimensions: false,
-        seeing: Default::default(),
-        isolated: false,
-        has_textures: false,
-        has_kept_picture: false,
-        has_missing: false,
-        can_revert: false,
-        timeline_shown: false,
-        playing: false,
-        flying: false,
-    }
 }
 
 /// What the viewport refers to, empty as long as a test adds nothing.
@@ -132,7 +103,7 @@ impl ViewportContent {
                 scene_size: 10.0,
                 ..Navigation::default()
             },
-            keys: context(&self.selection),
+            keys: ActionContext::new(&self.selection),
             extent: None,
             rulers: &[],
             is_empty: false,

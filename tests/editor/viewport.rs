@@ -29,7 +29,7 @@ use sunroom::engine::Outdated;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
 
-use crate::support::{ViewportContent, context, presses};
+use crate::support::{ViewportContent, presses};
 
 fn entity(index: u32) -> Entity {
     Entity::from_raw_u32(index).expect("a small index is valid")
@@ -490,7 +490,7 @@ fn digits_of_the_numpad_are_views_along_axes() {
         numpad: true,
     };
     let selection = Selection::default();
-    let commands = sunroom::app::editor::input::keys::shortcuts(&[press], &context(&selection));
+    let commands = sunroom::app::editor::input::keys::shortcuts(&[press], &ActionContext::new(&selection));
     assert_eq!(commands, [Command::from(ViewCommand::LookAlong(AxisView::Top))]);
 }
 

@@ -13,7 +13,7 @@ use sunroom::app::editor::input::press::Press;
 use sunroom::app::editor::panels::key_bindings::{KeyList, key_bindings};
 
 use super::click;
-use crate::support::{context, presses};
+use crate::support::presses;
 
 #[derive(Default)]
 struct Keys {
@@ -60,7 +60,7 @@ fn pressed(harness: &Harness<Keys>, modifiers: Modifiers, key: Key) -> Vec<Comma
     let selection = Default::default();
     let context = ActionContext {
         bound: &harness.state().bound,
-        ..context(&selection)
+        ..ActionContext::new(&selection)
     };
     shortcuts(&[press], &context)
 }

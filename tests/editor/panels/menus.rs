@@ -6,9 +6,6 @@ use bevy_egui::egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
-use sunroom::app::editor::command::display::DisplaySettings;
-use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
-use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{
@@ -22,8 +19,6 @@ use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::session::layout::Layout;
 use sunroom::document::Severity;
 use sunroom::engine::{RenderState, RenderStatus};
-
-use crate::support::context;
 
 use super::{Panel, Shown, click, entity, item, show, show_at};
 
@@ -41,29 +36,11 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
         ..Model::default()
     };
     show_at(640.0, model, |ui, model, commands| {
+        let selection = Selection::default();
         let state = MenuState {
             context: ActionContext {
-                display: DisplaySettings::default(),
-                overlay: BvhOverlay::default(),
-                gizmo: GizmoSettings::default(),
                 paused: model.status.paused,
-                panels_shown: true,
-                selection: &Selection::default(),
-                tool: Default::default(),
-                bound: &NO_BINDINGS,
-                denoising: false,
-                safe_frame: false,
-                grid: Default::default(),
-                dimensions: false,
-                seeing: Default::default(),
-                isolated: false,
-                has_textures: false,
-                has_kept_picture: false,
-                has_missing: false,
-                can_revert: false,
-                timeline_shown: false,
-                playing: false,
-                flying: false,
+                ..ActionContext::new(&selection)
             },
             camera: None,
             layout: &Layout::default(),
@@ -120,7 +97,7 @@ fn what_has_nothing_to_do_is_grey() {
     let context = ActionContext {
         has_missing: true,
         can_revert: true,
-        ..context(&selection)
+        ..ActionContext::new(&selection)
     };
     for name in ["missing-files", "revert"] {
         let action = find(name).expect("an action");
@@ -146,10 +123,10 @@ fn without_a_kept_picture_there_is_none_to_resume() {
     let selection = Selection::default();
     let kept = ActionContext {
         has_kept_picture: true,
-        ..context(&selection)
+        ..ActionContext::new(&selection)
     };
     let resume = find("continue-picture").expect("an action");
-    assert!((resume.command)(&kept).is_some() && (resume.command)(&context(&selection)).is_none());
+    assert!((resume.command)(&kept).is_some() && (resume.command)(&ActionContext::new(&selection)).is_none());
 }
 
 #[test]

@@ -107,19 +107,16 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::editor::command::{DisplayCommand, ToolCommand, ViewCommand};
     use bevy::input::ButtonState;
     use bevy::prelude::Entity;
 
     use super::*;
-    use crate::app::editor::command::bvh_overlay::BvhOverlay;
-    use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
-    use crate::app::editor::command::gizmo_settings::GizmoSettings;
-    use crate::app::editor::command::key_bindings::NO_BINDINGS;
+    use crate::app::editor::command::display::DisplayMode;
     use crate::app::editor::command::seeing::{CutOpen, Seeing, Walls};
     use crate::app::editor::command::selection::Selection;
     use crate::app::editor::command::shortcut::Shortcut;
     use crate::app::editor::command::tool::Tool;
+    use crate::app::editor::command::{DisplayCommand, ToolCommand, ViewCommand};
     use crate::app::editor::input::actions::find;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
@@ -133,35 +130,9 @@ mod tests {
         }
     }
 
-    fn context(selection: &Selection) -> ActionContext<'_> {
-        ActionContext {
-            display: DisplaySettings::default(),
-            overlay: BvhOverlay::default(),
-            paused: false,
-            denoising: false,
-            panels_shown: true,
-            gizmo: GizmoSettings::default(),
-            selection,
-            tool: Default::default(),
-            bound: &NO_BINDINGS,
-            safe_frame: false,
-            grid: Default::default(),
-            dimensions: false,
-            seeing: Default::default(),
-            isolated: false,
-            has_textures: false,
-            has_kept_picture: false,
-            has_missing: false,
-            can_revert: false,
-            timeline_shown: false,
-            playing: false,
-            flying: false,
-        }
-    }
-
     fn commands(events: &[KeyboardInput], modifiers: Modifiers) -> Vec<Command> {
         let presses = presses(events.iter(), modifiers);
-        shortcuts(&presses, &context(&Selection::default()))
+        shortcuts(&presses, &ActionContext::new(&Selection::default()))
     }
 
     #[test]
@@ -178,7 +149,7 @@ mod tests {
         let selection = Selection::default();
         let context = ActionContext {
             seeing,
-            ..context(&selection)
+            ..ActionContext::new(&selection)
         };
         assert_eq!(seeing.notes().count(), 2);
         for (text, name) in seeing.notes() {

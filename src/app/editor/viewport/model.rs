@@ -14,9 +14,10 @@ use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
+use crate::app::editor::command::selection::Selection;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
-use crate::app::editor::model::Outline;
+use crate::app::editor::model::{Model, Outline};
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::legend::Legend;
@@ -24,6 +25,7 @@ use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::wireframe::Wireframe;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{Outdated, PackedScene};
 use crate::math::Aabb;
 use crate::render::camera::Camera;
@@ -133,5 +135,29 @@ impl<'a> ViewportModel<'a> {
             locked: self.locked,
             unit: self.gizmo.unit,
         }
+    }
+}
+
+/// The state that actions refer to, by the settings of the view and the model alone.
+pub(crate) fn action_context<'a>(
+    settings: &ViewSettings,
+    model: &Model,
+    selection: &'a Selection,
+) -> ActionContext<'a> {
+    ActionContext {
+        display: settings.display,
+        overlay: settings.overlay,
+        gizmo: settings.gizmo,
+        denoising: settings.denoising,
+        panels_shown: settings.panels_shown,
+        tool: settings.tool,
+        safe_frame: settings.safe_frame,
+        grid: settings.grid,
+        dimensions: settings.dimensions,
+        seeing: settings.seeing,
+        isolated: !settings.isolated.is_empty(),
+        timeline_shown: model.timeline.is_shown(settings.timeline_shown),
+        playing: settings.playback.is_playing(),
+        ..ActionContext::new(selection)
     }
 }

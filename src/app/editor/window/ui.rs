@@ -41,6 +41,7 @@ use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::gizmo;
 use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
+use crate::app::editor::viewport::model::action_context;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
 use crate::engine::{PackedScene, RenderFilm};
@@ -159,27 +160,13 @@ pub fn show_window(
         }
     };
     let action_context = ActionContext {
-        display: settings.display,
-        overlay: settings.overlay,
-        gizmo: settings.gizmo,
         paused: model.status.paused,
-        denoising: settings.denoising,
-        panels_shown: settings.panels_shown,
-        selection: &scene.selection,
-        tool: settings.tool,
-        bound: &shell.preferences.keys,
-        safe_frame: settings.safe_frame,
-        grid: settings.grid,
-        dimensions: settings.dimensions,
-        seeing: settings.seeing,
-        isolated: !settings.isolated.is_empty(),
+        bound,
         has_textures: model.inspected.as_ref().is_some_and(Inspected::has_textures),
         has_kept_picture: shell.kept_pictures.is_there,
         has_missing: !model.missing.is_empty(),
         can_revert: model.status.scene.is_some() && (model.status.unsaved || model.status.load_failed),
-        timeline_shown: model.timeline.is_shown(settings.timeline_shown),
-        playing: settings.playback.is_playing(),
-        flying: false,
+        ..action_context(settings, model, &scene.selection)
     };
     let menus = MenuState {
         context: action_context,

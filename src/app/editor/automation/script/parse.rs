@@ -21,7 +21,6 @@ use crate::app::editor::command::asset_kind::FileUse;
 use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
-use crate::app::editor::command::key_bindings::NO_BINDINGS;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::{MaterialTree, can_wrap};
 use crate::app::editor::command::preferences::Preferences;
@@ -37,6 +36,7 @@ use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::session::tutorial::LESSONS;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::viewport::model::action_context;
 use crate::document::paths::settle;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::engine::RenderControl;
@@ -122,30 +122,17 @@ fn no_words_behind(verb: &str) -> ScriptError {
 }
 
 fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
-    let settings = world.resource::<ViewSettings>();
-    let model = &world.resource::<EditorModel>().0;
     ActionContext {
-        display: settings.display,
-        overlay: settings.overlay,
-        gizmo: settings.gizmo,
         paused: world.resource::<RenderControl>().paused,
-        denoising: settings.denoising,
-        panels_shown: settings.panels_shown,
-        selection,
-        tool: settings.tool,
-        bound: &NO_BINDINGS,
-        safe_frame: settings.safe_frame,
-        grid: settings.grid,
-        dimensions: settings.dimensions,
-        seeing: settings.seeing,
-        isolated: !settings.isolated.is_empty(),
         has_textures: true,
         has_kept_picture: true,
         has_missing: true,
         can_revert: true,
-        timeline_shown: model.timeline.is_shown(settings.timeline_shown),
-        playing: settings.playback.is_playing(),
-        flying: false,
+        ..action_context(
+            world.resource::<ViewSettings>(),
+            &world.resource::<EditorModel>().0,
+            selection,
+        )
     }
 }
 

@@ -7,7 +7,7 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::kept_picture::KeptPicture;
-use crate::app::editor::command::key_bindings::KeyBindings;
+use crate::app::editor::command::key_bindings::{KeyBindings, NO_BINDINGS};
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shell::ShellCommand;
@@ -180,6 +180,35 @@ impl Action {
                 Some(Command::Tool(ToolCommand::SetTool(tool))) => tool == context.tool,
                 _ => false,
             },
+        }
+    }
+}
+
+impl<'a> ActionContext<'a> {
+    /// The state of an editor that was just opened, with this selection.
+    pub fn new(selection: &'a Selection) -> Self {
+        Self {
+            display: DisplaySettings::default(),
+            overlay: BvhOverlay::default(),
+            gizmo: GizmoSettings::default(),
+            paused: false,
+            denoising: false,
+            panels_shown: true,
+            selection,
+            tool: Tool::default(),
+            bound: &NO_BINDINGS,
+            safe_frame: false,
+            grid: GridSettings::default(),
+            dimensions: false,
+            seeing: Seeing::default(),
+            isolated: false,
+            has_textures: false,
+            has_kept_picture: false,
+            has_missing: false,
+            can_revert: false,
+            timeline_shown: false,
+            playing: false,
+            flying: false,
         }
     }
 }
