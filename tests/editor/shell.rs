@@ -8,7 +8,8 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Context, Key};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::automation::script::verbs::VERBS;
+use sunroom::app::editor::automation::script::parse::VERBS;
+use sunroom::app::editor::automation::script::verb::Verb;
 use sunroom::app::editor::command::addition::AdditionKind;
 use sunroom::app::editor::command::display::DisplayMode;
 use sunroom::app::editor::command::file_access::Question;
@@ -640,9 +641,10 @@ fn the_page_about_scripts_lists_what_the_program_accepts() {
             cells.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()
         })
         .collect();
-    let (verbs, actions) = rows.split_at(VERBS.len());
-    for (row, (name, usage)) in verbs.iter().zip(VERBS) {
-        assert_eq!(row[..2], [format!("`{name}`"), usage.to_owned()]);
+    let known: Vec<&Verb> = VERBS.into_iter().flatten().collect();
+    let (verbs, actions) = rows.split_at(known.len());
+    for (row, verb) in verbs.iter().zip(known) {
+        assert_eq!(row[..2], [format!("`{}`", verb.name), verb.usage.to_owned()]);
         assert!(row[2].ends_with('.'), "{row:?}");
     }
     let listed = actions.iter().map(|row| (row[0].clone(), row[1].clone()));

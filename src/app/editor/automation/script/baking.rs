@@ -5,14 +5,29 @@ use bevy::prelude::World;
 use super::assign::within;
 use super::error::ScriptError;
 use super::names::{count, sample_count};
+use super::parse::Step;
 use super::rendering::{noise, positive, switch};
-use crate::app::editor::command::Command;
+use super::verb::verbs;
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::picture::baking::Baking;
 use crate::app::editor::picture::compare::Comparison;
 use crate::bake::unwrap::ATLAS_SIZES;
 use crate::document::value::parse_float;
+
+verbs! {
+    VERBS(world):
+    "bake-with" "SETTING=VALUE... (texels-per-unit, page-size, samples, time, noise, light, probes, denoise)"
+        words if !words.is_empty() => choices(world, words)?;
+    "bake-to" "FOLDER"
+        [folder] => Step::Bake(folder.into());
+    "begin-bake" "FOLDER"
+        [folder] => BakeCommand::Begin(folder.into());
+    "wait-for-bake" "SAMPLES|done"
+        [event] => Step::AwaitBake(wait(event)?);
+    "show-lightmap" "NUMBER (from 0)"
+        [number] => page(number)?;
+}
 
 /// The event of a bake that a script waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +39,7 @@ pub enum BakeWait {
 }
 
 /// Parses the event that a script waits for: a number of samples, or `done`.
-pub(super) fn wait(text: &str) -> Result<BakeWait, ScriptError> {
+fn wait(text: &str) -> Result<BakeWait, ScriptError> {
     match text {
         "done" => Ok(BakeWait::End),
         number => Ok(BakeWait::Samples(count(number)?)),
@@ -68,7 +83,7 @@ pub fn is_lit_level_seen(world: &World) -> bool {
 }
 
 /// The command that sets how lightmaps are baked: what is not named stays.
-pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptError> {
+fn choices(world: &World, words: &[&str]) -> Result<BakeCommand, ScriptError> {
     let mut choices = world
         .get_resource::<BakePlan>()
         .map_or_else(BakeChoices::default, |plan| plan.choices);
@@ -94,11 +109,11 @@ pub(super) fn choices(world: &World, words: &[&str]) -> Result<Command, ScriptEr
             _ => return Err(format!("`{word}` is no setting of a bake").into()),
         }
     }
-    Ok(BakeCommand::Choose(choices).into())
+    Ok(BakeCommand::Choose(choices))
 }
 
 /// The command that shows another lightmap, counted from 0.
-pub(super) fn page(text: &str) -> Result<Command, ScriptError> {
+fn page(text: &str) -> Result<BakeCommand, ScriptError> {
     let page = within(parse_float(text)?, &(0.0..=1e6))?;
-    Ok(BakeCommand::ShowPage(page as usize).into())
+    Ok(BakeCommand::ShowPage(page as usize))
 }

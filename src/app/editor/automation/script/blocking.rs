@@ -1,24 +1,39 @@
-//! The verbs that block out: `draw`, `push` and `cut`.
+//! The verbs that add things and block out: `add`, `draw`, `push` and `cut`.
 
 use bevy::prelude::*;
 
+use super::assign;
 use super::error::ScriptError;
 use super::names::named;
+use super::verb::verbs;
+use crate::app::editor::command::SceneEdit;
+use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::blocking::block::{Block, Plane};
 use crate::app::editor::command::blocking::faces::{Face, pushed};
 use crate::app::editor::command::blocking::openings::{Cut, wall_of};
 use crate::app::editor::command::blocking::{BlockKind, Reshaping};
-use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::scene::{Opening, Shape, Solid, ToWorld};
+
+verbs! {
+    VERBS(world):
+    "add" "KIND [name=NAME] [at=X,Y,Z (where it stands)] [size=S (half its extent)]"
+        [kind, options @ ..] => SceneEdit::Add(addition(kind, options)?);
+    "draw" "box|floor|wall FROM TO [name=NAME] [height=H] [thickness=T]"
+        [kind, from, to, options @ ..] => draw(world, kind, [from, to], options)?;
+    "push" "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"
+        [name, face, distance] => push(world, name, face, distance)?;
+    "cut" "door|window|french-window WALL FROM [sill=H] [width=W] [height=H]"
+        [kind, wall, from, options @ ..] => cut(world, wall, kind, from, options)?;
+}
 
 /// The heights of what is drawn without one, world units.
 const HEIGHT: f32 = 2.5;
 const FLOOR_HEIGHT: f32 = 0.1;
 const THICKNESS: f32 = 0.2;
 
-pub(super) fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[&str]) -> Result<Command, ScriptError> {
+fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[&str]) -> Result<SceneEdit, ScriptError> {
     let known = BlockKind::ALL.iter().find(|(_, name)| *name == kind);
     let (kind, _) = known.ok_or_else(|| format!("expected box, floor or wall, found `{kind}`"))?;
     let up = world.resource::<ViewSettings>().navigation.up;
@@ -43,25 +58,24 @@ pub(super) fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[
             _ => return Err(format!("expected name=, height= or thickness=, found `{option}`").into()),
         }
     }
-    Ok(SceneEdit::Build(Box::new(block)).into())
+    Ok(SceneEdit::Build(Box::new(block)))
 }
 
-pub(super) fn push(world: &mut World, name: &str, face: &str, distance: &str) -> Result<Command, ScriptError> {
+fn push(world: &mut World, name: &str, face: &str, distance: &str) -> Result<SceneEdit, ScriptError> {
     let face = Face::of_name(face).ok_or("expected a face: +x, -x, +y, -y, +z or -z")?;
     let distance = parse_float(distance)?;
     let entity = named(world, name)?;
     let (shape, pose) = parts(world, entity)?;
     let (kind, pose) = pushed(&shape.kind, pose, face, distance).ok_or("it has no such face to push")?;
-    Ok(SceneEdit::Reshape(entity, Shape { kind, ..shape.clone() }, pose, Reshaping::Push).into())
+    Ok(SceneEdit::Reshape(
+        entity,
+        Shape { kind, ..shape.clone() },
+        pose,
+        Reshaping::Push,
+    ))
 }
 
-pub(super) fn cut(
-    world: &mut World,
-    wall: &str,
-    kind: &str,
-    from: &str,
-    options: &[&str],
-) -> Result<Command, ScriptError> {
+fn cut(world: &mut World, wall: &str, kind: &str, from: &str, options: &[&str]) -> Result<SceneEdit, ScriptError> {
     let usual = match kind {
         "door" => Opening::DOOR,
         "window" => Opening::WINDOW,
@@ -98,11 +112,40 @@ pub(super) fn cut(
         }
     }
     let (kind, pose) = Cut { wall, pose, opening }.done();
-    Ok(SceneEdit::Reshape(entity, Shape { kind, ..shape.clone() }, pose, Reshaping::Cut).into())
+    Ok(SceneEdit::Reshape(
+        entity,
+        Shape { kind, ..shape.clone() },
+        pose,
+        Reshaping::Cut,
+    ))
 }
 
 fn parts(world: &World, entity: Entity) -> Result<(&Shape, &bevy::math::Affine3A), ScriptError> {
     let shape = world.get::<Shape>(entity).ok_or("it is no shape")?;
     let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?;
     Ok((shape, &pose.0))
+}
+
+fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
+    let known = AdditionKind::of_name(kind).ok_or_else(|| {
+        let names: Vec<&str> = AdditionKind::all().map(AdditionKind::name).collect();
+        format!("\"{kind}\" cannot be added, only {}", names.join(", "))
+    })?;
+    let mut addition = Addition::from(known);
+    for option in options {
+        match option.split_once('=') {
+            Some(("name", name)) => addition.name = Some(name.to_owned()),
+            Some(("at", place)) => addition.at = Some(parse_vec3(place)?),
+            Some(("size", size)) => {
+                let size = assign::within(parse_float(size)?, &(f32::MIN_POSITIVE..=f32::MAX))?;
+                addition.size = Some(size);
+            }
+            _ => return Err(format!("expected name=, at= or size=, found `{option}`").into()),
+        }
+    }
+    // The same whatever the camera sees.
+    if addition.at.is_some() {
+        addition.size.get_or_insert(known.usual_size());
+    }
+    Ok(addition)
 }

@@ -1,14 +1,33 @@
-//! The words of scripts about keys.
+//! The verbs about the window: keys and the tutorial.
 
 use super::error::ScriptError;
-use crate::app::editor::command::Command;
+use super::names::count;
+use super::verb::verbs;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::actions::bindings::{bind, bindables, reserved};
+use crate::app::editor::session::tutorial::LESSONS;
+
+verbs! {
+    VERBS(world):
+    "bind" "ACTION KEY|none|usual"
+        [action, key] => choose(world.get_resource::<Preferences>(), action, key)?;
+    "tutorial-step" "NUMBER|off (1 to 5)"
+        ["off"] => ShellCommand::ShowTutorial(None),
+        [number] => tutorial_step(number)?;
+}
+
+fn tutorial_step(number: &str) -> Result<ShellCommand, ScriptError> {
+    let step = (count(number)? as usize).checked_sub(1);
+    let step = step
+        .filter(|step| *step < LESSONS.len())
+        .ok_or("expected off or 1 to 5")?;
+    Ok(ShellCommand::ShowTutorial(Some(step)))
+}
 
 /// Gives an action a key. If another action has that key, the two exchange their keys.
-pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Result<Command, ScriptError> {
+fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Result<ShellCommand, ScriptError> {
     let own = bindables().find(|own| own.name == action);
     let own = own.ok_or_else(|| format!("no action is called `{action}`"))?;
     let mut preferences = preferences.cloned().unwrap_or_default();
@@ -29,7 +48,7 @@ pub fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Res
             bind(&mut preferences.keys, own.name, key);
         }
     }
-    Ok(ShellCommand::SetPreferences(Box::new(preferences)).into())
+    Ok(ShellCommand::SetPreferences(Box::new(preferences)))
 }
 
 #[cfg(test)]

@@ -1,15 +1,33 @@
-//! The verbs of media: `medium`, `medium-of` and `fill`.
+//! The verbs of media and of shapes that shine.
 
 use bevy::prelude::*;
 
+use super::assign;
 use super::error::ScriptError;
 use super::names::{all_named, named, unknown};
+use super::verb::verbs;
 use crate::app::editor::command::media::{Filling, MediumSide};
-use crate::app::editor::command::{Command, MediumEdit};
-use crate::scene::Medium;
+use crate::app::editor::command::{MediumEdit, ValueEdit};
+use crate::scene::{AreaLight, Medium};
 
-/// `medium MEDIUM|none interior|exterior|around THING...`
-pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> Result<Command, ScriptError> {
+verbs! {
+    VERBS(world):
+    "medium" "MEDIUM|none interior|exterior|around THING..."
+        [medium, side, things @ ..] if !things.is_empty() => use_medium(world, medium, side, things)?;
+    "medium-of" "THING [interior|exterior|around] (a new one of its own)"
+        [thing, side @ ..] if side.len() <= 1 => new_medium(world, thing, side.first().copied())?;
+    "fill" "fog|smoke|MEDIUM SHAPE..."
+        [with, shapes @ ..] if !shapes.is_empty() => fill(world, with, shapes)?;
+    "emit" "SHAPE RADIANCE|none"
+        [shape, "none"] => ValueEdit::SetAreaLight(named(world, shape)?, None),
+        [shape, radiance] => {
+            let mut light = AreaLight::default();
+            assign::area_light(&mut light, "radiance", radiance)?;
+            ValueEdit::SetAreaLight(named(world, shape)?, Some(light))
+        };
+}
+
+fn use_medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> Result<MediumEdit, ScriptError> {
     let side = side_of(side)?;
     Ok(MediumEdit::UseMedium {
         medium: match medium {
@@ -18,22 +36,18 @@ pub fn medium(world: &mut World, medium: &str, side: &str, things: &[&str]) -> R
         },
         things: all_named(world, things)?,
         side,
-    }
-    .into())
+    })
 }
 
-/// `medium-of THING [interior|exterior|around]`
-pub fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<Command, ScriptError> {
+fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<MediumEdit, ScriptError> {
     let side = side.map_or(Ok(MediumSide::Interior), side_of)?;
     Ok(MediumEdit::GiveMedium {
         thing: named(world, thing)?,
         side,
-    }
-    .into())
+    })
 }
 
-/// `fill fog|smoke|MEDIUM SHAPE...`
-pub fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<Command, ScriptError> {
+fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<MediumEdit, ScriptError> {
     // A medium of the scene is meant if there is one of this name.
     let known = named(world, with).ok();
     let known = known.filter(|thing| world.get::<Medium>(*thing).is_some());
@@ -46,8 +60,7 @@ pub fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<Command, S
     Ok(MediumEdit::Fill {
         shapes: all_named(world, shapes)?,
         with,
-    }
-    .into())
+    })
 }
 
 fn side_of(word: &str) -> Result<MediumSide, ScriptError> {

@@ -10,8 +10,9 @@ pub mod assign;
 pub mod baking;
 mod blocking;
 pub mod error;
+mod files;
 mod keys;
-mod layers;
+mod materials;
 mod media;
 mod names;
 pub mod parse;
@@ -19,8 +20,10 @@ mod placing;
 mod rendering;
 mod set;
 mod texturing;
+mod things;
 mod timeline;
-pub mod verbs;
+pub mod verb;
+mod view;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -41,7 +44,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::words::figures::counted;
 use crate::app::terminal;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
-use crate::files::{self, LARGEST_NOTE};
+use crate::files::{LARGEST_NOTE, read_text};
 use crate::scene::{SceneState, SceneStatus, SceneWatch};
 use baking::BakeWait;
 use error::{ScriptError, ScriptNotBegun};
@@ -85,7 +88,7 @@ impl Script {
     /// Reads a script. An error if a line has a fault that no scene could mend: then none is done.
     pub fn read(path: &Path) -> Result<Self, ScriptNotBegun> {
         let path = path.to_owned();
-        let text = match files::read_text(&path, LARGEST_NOTE) {
+        let text = match read_text(&path, LARGEST_NOTE) {
             Ok(text) => text,
             Err(error) => return Err(ScriptNotBegun::File { path, error }),
         };

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use crate::document::suggest::did_you_mean;
-use crate::document::value::parse_integer;
+use crate::document::value::{parse_floats, parse_integer};
 use crate::scene::{DocumentOrder, Film, InteriorMedium, Material, Medium, SceneId, UsesMaterial};
 
 pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
@@ -42,6 +42,14 @@ pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError
 fn ambiguous(name: &str, count: usize) -> ScriptError {
     let message = format!("there are {count} things called \"{name}\": give the one that is meant an id of its own");
     ScriptError::from(message).of_scene()
+}
+
+/// A place of the picture.
+pub(super) fn parse_place(text: &str) -> Result<Vec2, ScriptError> {
+    match parse_floats(text)?[..] {
+        [x, y] => Ok(Vec2::new(x, y)),
+        _ => Err("expected two numbers".into()),
+    }
 }
 
 pub(super) fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, ScriptError> {

@@ -5,18 +5,58 @@ use bevy::prelude::*;
 
 use super::error::ScriptError;
 use super::names::{count as count_of, named, unknown};
+use super::verb::verbs;
+use crate::app::editor::camera::rounding;
 use crate::app::editor::command::arrange::{Reference, Series, Side, Spacing, Way};
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::seeing::AXES;
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
-use crate::app::editor::command::{ArrangeEdit, Command, SceneEdit, ToolCommand, ValueEdit};
+use crate::app::editor::command::{ArrangeEdit, SceneEdit, ToolCommand, ValueEdit};
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
 use crate::scene::euler::tidied;
+use bevy::math::Quat;
 
-/// `snap TO [always] [align]`
-pub fn snap(world: &World, to: &str, how: &[&str]) -> Result<Command, ScriptError> {
+verbs! {
+    VERBS(world):
+    "move" "NAME X,Y,Z (by)"
+        [name, by] => shifted(world, name, parse_vec3(by)?)?;
+    "rotate" "NAME X,Y,Z DEGREES (about its origin)"
+        [name, axis, degrees] => rotated(world, name, parse_vec3(axis)?, degrees)?;
+    "scale" "NAME FACTOR (about its origin)"
+        [name, factor] => {
+            let factor = Affine3A::from_scale(Vec3::splat(parse_float(factor)?));
+            transformed(world, name, |pose| about_origin(factor, pose))?
+        };
+    "align" "X|Y|Z low|middle|high [active] (what is selected)"
+        [axis, side] => align(axis, side, Reference::Bounds)?,
+        [axis, side, "active"] => align(axis, side, Reference::Active)?;
+    "distribute" "X|Y|Z gaps|middles (what is selected)"
+        [axis, by] => distribute(axis, by)?;
+    "series" "COUNT along X,Y,Z [instances] | COUNT around X|Y|Z DEGREES X,Y,Z (the center) [instances]"
+        [count, "along", step, how @ ..] if is_series(how) => series(count, Way::Along(parse_vec3(step)?), how)?,
+        [count, "around", axis, degrees, center, how @ ..] if is_series(how) => {
+            series(count, around(axis, degrees, center)?, how)?
+        };
+    "snap" "increments|grid|vertices|edges|faces [always] [align]"
+        [to, how @ ..] => snap(world, to, how)?;
+}
+
+fn shifted(world: &mut World, name: &str, by: Vec3) -> Result<ValueEdit, ScriptError> {
+    transformed(world, name, |pose| Affine3A {
+        translation: rounding::sum_of_places(pose.translation.into(), by).into(),
+        ..pose
+    })
+}
+
+fn rotated(world: &mut World, name: &str, axis: Vec3, degrees: &str) -> Result<ValueEdit, ScriptError> {
+    let axis = axis.try_normalize().ok_or("the axis has no length")?;
+    let turn = Affine3A::from_quat(Quat::from_axis_angle(axis, parse_float(degrees)?.to_radians()));
+    transformed(world, name, |pose| about_origin(turn, pose))
+}
+
+fn snap(world: &World, to: &str, how: &[&str]) -> Result<ToolCommand, ScriptError> {
     let names = || SnapTo::ALL.into_iter().map(|(_, name, _)| name);
     let known = SnapTo::ALL.into_iter().find(|(_, name, _)| *name == to);
     let (to, ..) = known.ok_or_else(|| unknown("place to snap to", to, names()))?;
@@ -29,56 +69,41 @@ pub fn snap(world: &World, to: &str, how: &[&str]) -> Result<Command, ScriptErro
         aligns: how.contains(&"align"),
     };
     let gizmo = world.resource::<ViewSettings>().gizmo;
-    Ok(ToolCommand::SetGizmo(GizmoSettings { snap, ..gizmo }).into())
+    Ok(ToolCommand::SetGizmo(GizmoSettings { snap, ..gizmo }))
 }
 
-/// `align AXIS SIDE [active]`
-pub fn align(words: &[&str]) -> Result<Command, ScriptError> {
-    let (axis, side, to) = match words {
-        [axis, side] => (axis, side, Reference::Bounds),
-        [axis, side, "active"] => (axis, side, Reference::Active),
-        _ => return Err("`align` takes other words".into()),
-    };
-    let known = Side::ALL.into_iter().find(|(_, name)| name == side);
+fn align(axis: &str, side: &str, to: Reference) -> Result<ArrangeEdit, ScriptError> {
+    let known = Side::ALL.into_iter().find(|(_, name)| *name == side);
     let (known, _) = known.ok_or_else(|| unknown("side", side, Side::ALL.into_iter().map(|(_, name)| name)))?;
-    Ok(ArrangeEdit::Align(axis_of(axis)?, known, to).into())
+    Ok(ArrangeEdit::Align(axis_of(axis)?, known, to))
 }
 
-/// `distribute AXIS SPACING`
-pub fn distribute(words: &[&str]) -> Result<Command, ScriptError> {
-    let [axis, by] = words else {
-        return Err("`distribute` takes other words".into());
-    };
-    let known = Spacing::ALL.into_iter().find(|(_, name)| name == by);
+fn distribute(axis: &str, by: &str) -> Result<ArrangeEdit, ScriptError> {
+    let known = Spacing::ALL.into_iter().find(|(_, name)| *name == by);
     let names = || Spacing::ALL.into_iter().map(|(_, name)| name);
     let (known, _) = known.ok_or_else(|| unknown("spacing", by, names()))?;
-    Ok(ArrangeEdit::Distribute(axis_of(axis)?, known).into())
+    Ok(ArrangeEdit::Distribute(axis_of(axis)?, known))
 }
 
-/// `series COUNT along STEP [instances]` or `series COUNT around AXIS DEGREES CENTER [instances]`
-pub fn series(words: &[&str]) -> Result<Command, ScriptError> {
-    let (words, instances) = match words {
-        [words @ .., "instances"] => (words, true),
-        words => (words, false),
-    };
-    let (count, way) = match words {
-        [count, "along", step] => (count, Way::Along(parse_vec3(step)?)),
-        [count, "around", axis, degrees, center] => {
-            let way = Way::Around {
-                axis: axis_of(axis)?,
-                degrees: parse_float(degrees)?,
-                center: parse_vec3(center)?,
-            };
-            (count, way)
-        }
-        _ => return Err("`series` takes other words".into()),
-    };
+/// Whether nothing but `instances` follows.
+fn is_series(how: &[&str]) -> bool {
+    matches!(how, [] | ["instances"])
+}
+
+fn around(axis: &str, degrees: &str, center: &str) -> Result<Way, ScriptError> {
+    Ok(Way::Around {
+        axis: axis_of(axis)?,
+        degrees: parse_float(degrees)?,
+        center: parse_vec3(center)?,
+    })
+}
+
+fn series(count: &str, way: Way, how: &[&str]) -> Result<SceneEdit, ScriptError> {
     Ok(SceneEdit::MakeSeries(Series {
         count: count_of(count)?,
         way,
-        instances,
-    })
-    .into())
+        instances: !how.is_empty(),
+    }))
 }
 
 /// The number of an axis, in capitals or not.
@@ -87,29 +112,21 @@ pub(super) fn axis_of(name: &str) -> Result<usize, ScriptError> {
     found.ok_or_else(|| unknown("axis", name, AXES))
 }
 
-pub(super) fn transformed(
+fn transformed(
     world: &mut World,
     name: &str,
     change: impl FnOnce(Affine3A) -> Affine3A,
-) -> Result<Command, ScriptError> {
+) -> Result<ValueEdit, ScriptError> {
     let entity = named(world, name)?;
     let before = pose_of(world, entity).ok_or("it has no place")?;
     let mut pose = change(before);
     if pose.matrix3 != before.matrix3 {
         pose.matrix3 = tidied(&pose.matrix3);
     }
-    Ok(ValueEdit::Transform(vec![(entity, pose)]).into())
+    Ok(ValueEdit::Transform(vec![(entity, pose)]))
 }
 
-pub(super) fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
+fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
     let to_origin = Affine3A::from_translation(pose.translation.into());
     to_origin * change * to_origin.inverse() * pose
-}
-
-pub(super) fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, ScriptError> {
-    let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
-    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
-    let left = up.cross(forward).normalize();
-    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
-    Ok(Affine3A::from_mat3_translation(axes, from))
 }

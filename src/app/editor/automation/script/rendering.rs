@@ -7,17 +7,120 @@ use bevy::prelude::*;
 use super::assign::within;
 use super::error::ScriptError;
 use super::names::named;
+use super::names::{all_named, sample_count, unknown};
 use super::placing::axis_of;
+use super::verb::verbs;
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
+use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::CutOpen;
-use crate::app::editor::command::{Command, DisplayCommand, SettingsEdit};
+use crate::app::editor::command::seeing::{Seeing, Walls};
+use crate::app::editor::command::{DisplayCommand, RenderCommand, SettingsEdit, ToolCommand, ViewCommand};
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
+use crate::document::value::parse_vec3;
 use crate::document::value::{parse_float, parse_floats, parse_noise, parse_rgb};
 use crate::layer::Layers;
+use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::IntegratorSettings;
+
+verbs! {
+    VERBS(world):
+    "samples" "N"
+        [number] => RenderCommand::SetTargetSamples(sample_count(number)?);
+    "show" "MODE"
+        [mode] => show(world, mode)?;
+    "exposure" "STOPS"
+        [stops] => {
+            let stops = within(parse_float(stops)?, &DisplaySettings::EXPOSURES)?;
+            display(world, |display| display.exposure = stops)
+        };
+    "tone-map" "NAME"
+        [name] => tone_map(world, name)?;
+    "white" "KELVIN [TINT]"
+        [kelvin, tint @ ..] if tint.len() <= 1 => {
+            let white_balance = white(kelvin, tint.first().copied())?;
+            display(world, |display| display.white_balance = white_balance)
+        };
+    "limit-time" "SECONDS|none"
+        [seconds] => RenderCommand::SetTimeLimit(positive(seconds)?);
+    "limit-noise" "NOISE|none"
+        [limit] => RenderCommand::SetNoiseTarget(noise(limit)?);
+    "adaptive" "on|off"
+        [word] => RenderCommand::SetAdaptive(switch(word)?);
+    "resolution" "view|after-rest|full"
+        [name] => RenderCommand::SetResolution(resolution(name)?);
+    "enlarge" "smooth|sharp"
+        [name] => DisplayCommand::SetEnlarging(enlarging(name)?);
+    "region" "none | X,Y X,Y (0 to 1 from the upper left)"
+        corners => RenderCommand::SetRegion(region(corners)?);
+    "layers" "none | LAYER... (saved with EXR images)"
+        names => layers(world, names)?;
+    "choose-integrator" "on|off"
+        [word] => RenderCommand::SetPathIsAuto(switch(word)?);
+    "split-strategies" "on|off"
+        [word] => RenderCommand::SetStrategySplit(switch(word)?);
+    "show-grid" "on|off"
+        [word] => DisplayCommand::SetGrid(GridSettings {
+            shown: switch(word)?,
+            ..world.resource::<ViewSettings>().grid
+        });
+    "measure-between" "FROM TO (each X,Y,Z)"
+        [from, to] => ToolCommand::AddRuler(Ruler { from: parse_vec3(from)?, to: parse_vec3(to)? });
+    "hide-walls" "on|off"
+        [word] => {
+            let walls = if switch(word)? { Walls::Hidden } else { Walls::Shown };
+            seeing(world, |seen| seen.walls = walls)
+        };
+    "cut-plane" "none | x|y|z|-x|-y|-z AT (leaves out what is beyond)"
+        words => {
+            let cut = cut(words)?;
+            seeing(world, |seen| seen.cut = cut)
+        };
+    "show-alone" "none | NAME..."
+        ["none"] => ViewCommand::Isolate(Vec::new()),
+        names if !names.is_empty() => ViewCommand::Isolate(all_named(world, names)?);
+    "keep-lights-apart" "on|off"
+        [word] => RenderCommand::SetLightLayers(switch(word)?);
+    "mix" "none | LIGHT STRENGTH [R,G,B]"
+        ["none"] => DisplayCommand::SetLightMix(LightMix::default()),
+        [light, gain @ ..] => mix(world, light, gain)?;
+    "denoise" "[on | off] (without a word it switches)"
+        [word @ ("on" | "off")] => DisplayCommand::SetDenoising(switch(word)?);
+    "compare" "off | wipe FRACTION | difference | noisy FRACTION | baked FRACTION"
+        view => DisplayCommand::SetCompareView(compare_view(view)?);
+}
+
+fn show(world: &World, mode: &str) -> Result<DisplayCommand, ScriptError> {
+    let mode = mode.replace('-', " ");
+    let known = DisplayMode::ALL
+        .iter()
+        .find(|(_, name)| name.eq_ignore_ascii_case(&mode));
+    let known = known.ok_or_else(|| unknown("mode", &mode, DisplayMode::ALL.iter().map(|(_, name)| *name)))?;
+    Ok(display(world, |display| display.mode = known.0))
+}
+
+fn tone_map(world: &World, name: &str) -> Result<DisplayCommand, ScriptError> {
+    let known = ToneMap::ALL.into_iter().find(|map| map.name() == name);
+    let known = known.ok_or_else(|| unknown("tone map", name, ToneMap::ALL.iter().map(|map| map.name())))?;
+    Ok(display(world, |display| display.tone_map = known))
+}
+
+fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> DisplayCommand {
+    let mut display = world.resource::<ViewSettings>().display;
+    change(&mut display);
+    DisplayCommand::SetDisplay(display)
+}
+
+fn seeing(world: &World, change: impl FnOnce(&mut Seeing)) -> ViewCommand {
+    let mut seeing = world.resource::<ViewSettings>().seeing;
+    change(&mut seeing);
+    ViewCommand::SetSeeing(seeing)
+}
 
 /// A part of the width or the height of the picture.
 const SHARE: RangeInclusive<f32> = 0.0..=1.0;
@@ -30,13 +133,13 @@ pub fn switch(text: &str) -> Result<bool, ScriptError> {
     }
 }
 
-pub fn resolution(name: &str) -> Result<Resolution, ScriptError> {
+fn resolution(name: &str) -> Result<Resolution, ScriptError> {
     let known = Resolution::ALL.into_iter().find(|(_, known, _)| *known == name);
     let known = known.ok_or_else(|| format!("expected `view`, `after-rest` or `full`, found `{name}`"))?;
     Ok(known.0)
 }
 
-pub fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
+fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
     let known = Enlarging::ALL.into_iter().find(|(_, known)| *known == name);
     let known = known.ok_or_else(|| format!("expected `smooth` or `sharp`, found `{name}`"))?;
     Ok(known.0)
@@ -58,15 +161,14 @@ pub fn noise(text: &str) -> Result<Option<f32>, ScriptError> {
     }
 }
 
-/// `KELVIN [TINT]`
-pub fn white(kelvin: &str, tint: Option<&str>) -> Result<WhiteBalance, ScriptError> {
+fn white(kelvin: &str, tint: Option<&str>) -> Result<WhiteBalance, ScriptError> {
     Ok(WhiteBalance {
         temperature: within(parse_float(kelvin)?, &WhiteBalance::TEMPERATURES)?,
         tint: within(parse_float(tint.unwrap_or("0"))?, &WhiteBalance::TINTS)?,
     })
 }
 
-pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
+fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
     match words {
         ["none"] => Ok(None),
         [from, to] => Ok(Some(Rect::from_corners(place(from)?, place(to)?))),
@@ -75,14 +177,14 @@ pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
 }
 
 /// The settings with these layers alone.
-pub fn layers(world: &World, names: &[&str]) -> Result<Command, ScriptError> {
+fn layers(world: &World, names: &[&str]) -> Result<SettingsEdit, ScriptError> {
     let layers = match names {
         [] => return Err("expected `none` or names of layers".into()),
         ["none"] => Layers::default(),
         names => Layers::parse(&names.join(",")).map_err(|error| error.to_string())?,
     };
     let integrator = world.get_resource().copied().unwrap_or_default();
-    Ok(SettingsEdit::SetIntegrator(IntegratorSettings { layers, ..integrator }).into())
+    Ok(SettingsEdit::SetIntegrator(IntegratorSettings { layers, ..integrator }))
 }
 
 fn place(text: &str) -> Result<Vec2, ScriptError> {
@@ -93,7 +195,7 @@ fn place(text: &str) -> Result<Vec2, ScriptError> {
 }
 
 /// The mix with another gain of a light: strength, and colour if it is not white. Solo and mute stay.
-pub fn mix(world: &mut World, light: &str, gain: &[&str]) -> Result<Command, ScriptError> {
+fn mix(world: &mut World, light: &str, gain: &[&str]) -> Result<DisplayCommand, ScriptError> {
     let (strength, color) = match gain {
         [strength] => (parse_float(strength)?, Rgb::ONE),
         [strength, color] => (parse_float(strength)?, parse_rgb(color)?),
@@ -107,11 +209,11 @@ pub fn mix(world: &mut World, light: &str, gain: &[&str]) -> Result<Command, Scr
         ..mix.channel(light)
     };
     mix.set(light, channel);
-    Ok(DisplayCommand::SetLightMix(mix).into())
+    Ok(DisplayCommand::SetLightMix(mix))
 }
 
 /// Parses a cut plane; None is none.
-pub fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
+fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
     let (axis, at) = match words {
         ["none"] => return Ok(None),
         [axis, at] => (*axis, parse_float(at)?),
@@ -125,7 +227,7 @@ pub fn cut(words: &[&str]) -> Result<Option<CutOpen>, ScriptError> {
     Ok(Some(CutOpen { axis, at, above }))
 }
 
-pub fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {
+fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {
     let border = |text: &str| Ok::<f32, ScriptError>(within(parse_float(text)?, &SHARE)?);
     match words {
         ["off"] => Ok(CompareView::Off),

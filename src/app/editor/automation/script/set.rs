@@ -4,17 +4,27 @@ use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
 use super::error::ScriptError;
-use super::names::{material_of, medium_of};
+use super::names::{material_of, medium_of, named};
+use super::verb::verbs;
+use crate::app::editor::command::ValueEdit;
 use crate::app::editor::command::material_tree::materials_inside;
-use crate::app::editor::command::{Command, ValueEdit};
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
 use crate::scene::{AreaLight, Emitter, EulerAngles, Film, LengthUnit, Material, Medium, Sensor, Shape};
 
+verbs! {
+    VERBS(world):
+    "set" "NAME PARAMETER VALUE"
+        [name, parameter, value @ ..] if !value.is_empty() => {
+            let entity = named(world, name)?;
+            set(world, entity, parameter, &value.join(" "))?
+        };
+}
+
 /// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the
 /// known ones.
-pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
+fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<ValueEdit, ScriptError> {
     let mut known = Vec::new();
     if let Some(pose) = pose_of(world, entity) {
         known = vec!["position", "rotation", "scale"];
@@ -28,8 +38,8 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
             let rest = shape.map_or(Vec3::ZERO, |shape| shape.rest_angles(up));
             let angles = world.get::<EulerAngles>(entity).copied();
             return Ok(match assign::pose(&pose, parameter, value, angles, rest)? {
-                (pose, None) => Command::from(ValueEdit::Transform(vec![(entity, pose)])),
-                (pose, Some(angles)) => Command::from(ValueEdit::Turn(entity, pose, angles)),
+                (pose, None) => ValueEdit::Transform(vec![(entity, pose)]),
+                (pose, Some(angles)) => ValueEdit::Turn(entity, pose, angles),
             });
         }
     }
@@ -39,7 +49,7 @@ pub(super) fn set(world: &mut World, entity: Entity, parameter: &str, value: &st
         ($of:expr, $component:ty, $assign:expr, $command:expr) => {
             if let Some(mut edited) = world.get::<$component>($of).cloned() {
                 match $assign(&mut edited, parameter, value) {
-                    Ok(()) => return Ok($command(edited).into()),
+                    Ok(()) => return Ok($command(edited)),
                     Err(AssignError::Unknown { known: names }) => known.extend(names),
                     Err(error) => wrong_value = wrong_value.or(Some(error)),
                 }

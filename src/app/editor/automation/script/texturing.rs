@@ -4,16 +4,30 @@ use bevy::math::Vec2;
 use bevy::prelude::*;
 
 use super::error::ScriptError;
-use super::names::unknown;
+use super::names::{all_named, named, unknown};
+use super::verb::verbs;
+use crate::app::editor::command::TextureEdit;
 use crate::app::editor::command::texture_placing::{Placing, TextureGroup, texture_groups};
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
-use crate::app::editor::command::{Command, TextureEdit};
 use crate::app::editor::commands::texturing::material_parts;
 use crate::document::value::{parse_float, parse_floats};
 use crate::scene::{LengthUnit, Material};
 
-/// `project-texture FROM TILE SHAPE...`
-pub fn projection(world: &World, from: &str, tile: &str) -> Result<Projection, ScriptError> {
+verbs! {
+    VERBS(world):
+    "place-texture" "NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]"
+        [name, options @ ..] => {
+            let owner = named(world, name)?;
+            place(world, owner, options)?
+        };
+    "project-texture" "box|face|view|above|sphere|cylinder TILE (its edge) SHAPE..."
+        [from, tile, shapes @ ..] if !shapes.is_empty() => {
+            let projection = projection(world, from, tile)?;
+            TextureEdit::ProjectTextures { shapes: all_named(world, shapes)?, projection }
+        };
+}
+
+fn projection(world: &World, from: &str, tile: &str) -> Result<Projection, ScriptError> {
     let names = || ProjectedFrom::ALL.into_iter().map(|(_, name, _)| name);
     let known = ProjectedFrom::ALL.into_iter().find(|(_, name, _)| *name == from);
     let (from, ..) = known.ok_or_else(|| unknown("projection", from, names()))?;
@@ -22,8 +36,7 @@ pub fn projection(world: &World, from: &str, tile: &str) -> Result<Projection, S
     Ok(Projection { from, tile })
 }
 
-/// `place-texture NAME [PARAMETER] [offset=U,V] [rotation=DEGREES] [repeats=U,V] [shear=S]`
-pub fn place(world: &World, owner: Entity, options: &[&str]) -> Result<Command, ScriptError> {
+fn place(world: &World, owner: Entity, options: &[&str]) -> Result<TextureEdit, ScriptError> {
     let parts = material_parts(world, owner);
     let groups = texture_groups(parts.iter().filter_map(|part| world.get::<Material>(*part)));
     let (parameter, options) = match options {
@@ -57,8 +70,7 @@ pub fn place(world: &World, owner: Entity, options: &[&str]) -> Result<Command, 
         owner,
         before: group.to_uv,
         after,
-    }
-    .into())
+    })
 }
 
 fn pair(text: &str) -> Result<Vec2, ScriptError> {
