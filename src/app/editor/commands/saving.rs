@@ -54,11 +54,21 @@ fn pool() -> &'static AsyncComputeTaskPool {
 
 /// Where and how a command saves the scene.
 fn target(world: &World, command: &Command) -> Option<(PathBuf, OnChange)> {
+    let Command::File(command) = command else {
+        return None;
+    };
     match command {
-        Command::File(FileCommand::Save) => Some((world.resource::<SceneStatus>().path.clone()?, OnChange::Refuse)),
-        Command::File(FileCommand::SaveScene(path)) => Some((path.clone(), OnChange::Refuse)),
-        Command::File(FileCommand::SaveChanged(path, on_change)) => Some((path.clone(), *on_change)),
-        _ => None,
+        FileCommand::Save => Some((world.resource::<SceneStatus>().path.clone()?, OnChange::Refuse)),
+        FileCommand::SaveScene(path) => Some((path.clone(), OnChange::Refuse)),
+        FileCommand::SaveChanged(path, on_change) => Some((path.clone(), *on_change)),
+        FileCommand::NewScene
+        | FileCommand::OpenScene(_)
+        | FileCommand::ReloadScene
+        | FileCommand::RevertScene
+        | FileCommand::ExportScene(_)
+        | FileCommand::SaveImage(_)
+        | FileCommand::ShowDialog(_)
+        | FileCommand::Quit => None,
     }
 }
 

@@ -116,10 +116,10 @@ fn is_about_material(command: &Command) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::editor::command::MaterialEdit;
     use bevy::math::Affine3A;
 
     use super::*;
+    use crate::app::editor::command::MaterialEdit;
     use crate::app::editor::command::addition::AdditionKind;
 
     #[test]

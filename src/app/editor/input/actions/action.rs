@@ -173,13 +173,12 @@ impl Action {
         match self.name {
             // They have no state to be in.
             "gizmo-axes" | "select-none" => false,
-            _ => match (self.command)(context) {
-                Some(Command::Tool(ToolCommand::SetGizmo(settings))) => settings == context.gizmo,
+            _ => (self.command)(context).is_some_and(|command| match command {
+                Command::Tool(ToolCommand::SetGizmo(settings)) => settings == context.gizmo,
                 // A tool that is in use is put away by its own action.
-                Some(Command::Tool(ToolCommand::SetTool(Tool::Select))) => context.tool != Tool::Select,
-                Some(Command::Tool(ToolCommand::SetTool(tool))) => tool == context.tool,
-                _ => false,
-            },
+                Command::Tool(ToolCommand::SetTool(Tool::Select)) => context.tool != Tool::Select,
+                command => command == ToolCommand::SetTool(context.tool).into(),
+            }),
         }
     }
 }
@@ -246,7 +245,10 @@ impl ActionContext<'_> {
             Command::Shell(ShellCommand::ShowPanels(shown)) => self.panels_shown = *shown,
             Command::Time(TimeCommand::ShowTimeline(shown)) => self.timeline_shown = *shown,
             Command::Time(TimeCommand::SetPlaying(plays)) => self.playing = *plays,
-            _ => {}
+            // Actions refer to no more than that.
+            Command::Edit(_) | Command::File(_) | Command::History(_) | Command::Selection(_) | Command::View(_) => {}
+            Command::Time(_) | Command::Render(_) | Command::Display(_) | Command::Tool(_) => {}
+            Command::Bake(_) | Command::KeptPicture(_) | Command::Shell(_) => {}
         }
     }
 }
