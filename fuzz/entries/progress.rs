@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use sunroom_core::bake::part::{decode as decode_part, encode as encode_part};
+use sunroom_core::bake::part::{decode as decode_part, read_part as read_bake, write_part as write_bake};
 use sunroom_core::render::bytes::Writer;
 use sunroom_core::render::film::Film;
 use sunroom_core::render::part::{PartFile, PartHeader, write_part};
@@ -33,10 +33,10 @@ pub fn bake(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    let mut written = Vec::new();
     let (header, blueprint, light) = &part;
-    let result = encode_part(&mut written, header, blueprint.as_ref(), &light.lights, &light.spent);
-    assert!(result.is_ok() && decode_part(&mut Cursor::new(written)).is_ok_and(|again| again == part));
+    let file = tempfile::NamedTempFile::new().expect("a temporary folder");
+    let written = write_bake(file.path(), header, blueprint.as_ref(), &light.lights, &light.spent);
+    assert!(written.is_ok() && read_bake(file.path()).is_ok_and(|again| again == part));
     let (_, Some(mut blueprint), light) = part else {
         return false;
     };

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::ops::{Range, RangeInclusive};
+use std::str::FromStr;
 use std::time::Duration;
 
 use sunroom::document::value::parse_noise;
@@ -119,17 +120,20 @@ pub fn white(text: &str) -> Result<WhiteBalance, String> {
         })
 }
 
+/// A number in a range; `expected` says which are.
+pub fn within<T: FromStr + PartialOrd>(text: &str, range: RangeInclusive<T>, expected: &str) -> Result<T, String> {
+    let number = text.trim().parse().ok();
+    number
+        .filter(|number| range.contains(number))
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
 /// An exposure in stops.
 pub fn exposure(text: &str) -> Result<f32, String> {
     let range = Display::EXPOSURES;
-    let number = text.trim().parse::<f32>().ok().filter(|number| range.contains(number));
-    number.ok_or_else(|| {
-        format!(
-            "expected a number of stops from {} to {}, such as 1.5",
-            range.start(),
-            range.end()
-        )
-    })
+    let (start, end) = (range.start(), range.end());
+    let expected = format!("a number of stops from {start} to {end}, such as 1.5");
+    within(text, range, &expected)
 }
 
 /// The name of a layer or a channel.
@@ -170,14 +174,9 @@ pub fn noise(text: &str) -> Result<f32, String> {
 /// The percentile of a clamp.
 pub fn percentile(text: &str) -> Result<f32, String> {
     let range = IntegratorSettings::CLAMP_PERCENTILES;
-    let number = text.trim().parse::<f32>().ok().filter(|number| range.contains(number));
-    number.ok_or_else(|| {
-        format!(
-            "expected a percentile from {} to {}, such as 99.9",
-            range.start(),
-            range.end()
-        )
-    })
+    let (start, end) = (range.start(), range.end());
+    let expected = format!("a percentile from {start} to {end}, such as 99.9");
+    within(text, range, &expected)
 }
 
 /// A number above 0.

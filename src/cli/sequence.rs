@@ -11,6 +11,7 @@ use sunroom::render::shutter::Shutter;
 use sunroom::scene::{ActiveSensor, Authored, PictureFormat, Sensor, ToWorld, Turntable, show_moment};
 
 use super::outputs::{check_pictures, is_stdout};
+use super::parse::within;
 use super::report::Failure;
 use super::share::Settings;
 
@@ -53,22 +54,19 @@ pub fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
 }
 
 fn frame_rate(text: &str) -> Result<f64, String> {
-    let rate = text.trim().parse::<f64>().ok();
-    rate.filter(|rate| (0.001..=100_000.0).contains(rate))
-        .ok_or_else(|| "expected frames per second, from 0.001 to 100000".to_owned())
+    within(text, 0.001..=100_000.0, "frames per second, from 0.001 to 100000")
 }
 
 fn part_of_frame(text: &str) -> Result<f64, String> {
-    let part = text.trim().parse::<f64>().ok();
-    part.filter(|part| (0.0..=1.0).contains(part))
-        .ok_or_else(|| "expected a part of a frame's time from 0 to 1".to_owned())
+    within(text, 0.0..=1.0, "a part of a frame's time from 0 to 1")
 }
 
 fn turn_frames(text: &str) -> Result<u32, String> {
-    let count = text.trim().parse::<u32>().ok();
-    count
-        .filter(|count| (1..=MOST_FRAMES).contains(count))
-        .ok_or_else(|| format!("expected a number of frames from 1 to {MOST_FRAMES}"))
+    within(
+        text,
+        1..=MOST_FRAMES,
+        &format!("a number of frames from 1 to {MOST_FRAMES}"),
+    )
 }
 
 /// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the

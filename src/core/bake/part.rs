@@ -4,7 +4,7 @@
 //! The file is `SUNBAKE` and a line feed, and behind that a state as pictures have it: what the bake is of, in a share
 //! everything that its files need but the light, and the sums.
 
-use std::io::{self, Read, Seek, Take, Write};
+use std::io::{self, Read, Seek, Take};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -97,25 +97,16 @@ pub fn write_part(
     lights: &[Lightmaps],
     spent: &[Duration],
 ) -> io::Result<()> {
-    write_atomically_with(path, |file| encode(file, header, blueprint, lights, spent))
-}
-
-/// Writes the content of a file. A share has a blueprint.
-pub fn encode(
-    file: &mut dyn Write,
-    header: &PartHeader,
-    blueprint: Option<&Blueprint>,
-    lights: &[Lightmaps],
-    spent: &[Duration],
-) -> io::Result<()> {
-    file.write_all(MAGIC)?;
-    write_state(file, header, |state| {
-        let mut bytes = Writer::default();
-        blueprint.into_iter().for_each(|blueprint| blueprint.write(&mut bytes));
-        bytes.put(lights.len() as u32);
-        state.write(&bytes.0)?;
-        let mut lights = lights.iter().zip(spent);
-        lights.try_for_each(|(light, spent)| write_light(light, *spent, state))
+    write_atomically_with(path, |file| {
+        file.write_all(MAGIC)?;
+        write_state(file, header, |state| {
+            let mut bytes = Writer::default();
+            blueprint.into_iter().for_each(|blueprint| blueprint.write(&mut bytes));
+            bytes.put(lights.len() as u32);
+            state.write(&bytes.0)?;
+            let mut lights = lights.iter().zip(spent);
+            lights.try_for_each(|(light, spent)| write_light(light, *spent, state))
+        })
     })
 }
 

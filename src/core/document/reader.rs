@@ -147,11 +147,6 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// A whole number, or `default` if it is absent or unusable.
-    pub fn integer_or(&mut self, name: &str, default: i64) -> i64 {
-        self.integer(name).unwrap_or(default)
-    }
-
     /// An integer in `range`; one outside is an error.
     pub fn integer_in(&mut self, name: &str, range: impl RangeBounds<i64>) -> Option<i64> {
         let value = self.integer(name)?;

@@ -1,6 +1,7 @@
 //! The factor by which a light has become stronger. Light transport is linear: known light from a lamp stays correct if
 //! it is multiplied by that factor.
 
+use std::mem::replace;
 use std::sync::Arc;
 
 use super::{LightSource, WeightedSource};
@@ -18,110 +19,50 @@ impl WeightedSource {
 
 impl LightSource {
     fn gain_since(&self, old: &Self) -> Option<Rgb> {
-        use LightSource as L;
         if self == old {
             return Some(Rgb::ONE);
         }
-        // The old light with the strength of the new one: the two must be equal.
-        let (as_strong, gain) = match (old.clone(), self) {
-            (
-                L::Surface {
-                    radiance,
-                    instance,
-                    slot,
-                    is_two_sided,
-                },
-                L::Surface { radiance: new, .. },
-            ) => {
-                let (Parameter::Constant(before), Parameter::Constant(now)) = (radiance, *new) else {
-                    return None;
-                };
-                let radiance = *new;
-                (
-                    L::Surface {
-                        radiance,
-                        instance,
-                        slot,
-                        is_two_sided,
-                    },
-                    ratio(before, now)?,
-                )
-            }
-            (
-                L::Point {
-                    position,
-                    intensity: before,
-                },
-                &L::Point { intensity, .. },
-            ) => (L::Point { position, intensity }, ratio(before, intensity)?),
-            (
-                L::Directional {
-                    direction,
-                    irradiance: before,
-                },
-                &L::Directional { irradiance, .. },
-            ) => (L::Directional { direction, irradiance }, ratio(before, irradiance)?),
-            (L::Constant { radiance: before }, &L::Constant { radiance }) => {
-                (L::Constant { radiance }, ratio(before, radiance)?)
-            }
-            (L::Spot(mut spot), L::Spot(new)) => {
-                let gain = ratio(spot.intensity, new.intensity)?;
-                spot.intensity = new.intensity;
-                (L::Spot(spot), gain)
-            }
-            (L::Projector(mut projector), L::Projector(new)) => {
-                let gain = ratio(Rgb::splat(projector.scale), Rgb::splat(new.scale))?;
-                projector.scale = new.scale;
-                (L::Projector(projector), gain)
-            }
-            (
-                L::Environment {
-                    map,
-                    world_from_local,
-                    scale: before,
-                },
-                L::Environment {
-                    map: new_map, scale, ..
-                },
-            ) if Arc::ptr_eq(&map, new_map) => {
-                let gain = ratio(Rgb::splat(before), Rgb::splat(*scale))?;
-                (
-                    L::Environment {
-                        map,
-                        world_from_local,
-                        scale: *scale,
-                    },
-                    gain,
-                )
-            }
-            (
-                L::SunSky {
-                    mut atmosphere,
-                    world_from_local,
-                },
-                L::SunSky { atmosphere: new, .. },
-            ) => {
-                let sky = ratio(Rgb::splat(atmosphere.sky_scale), Rgb::splat(new.sky_scale))?;
-                let sun = ratio(Rgb::splat(atmosphere.sun_scale), Rgb::splat(new.sun_scale))?;
-                let (has_sky, has_sun) = (atmosphere.sky_scale > 0.0, atmosphere.sun_scale > 0.0);
-                (atmosphere.sky_scale, atmosphere.sun_scale) = (new.sky_scale, new.sun_scale);
-                let gain = match (has_sky, has_sun) {
-                    (true, false) => sky,
-                    (false, _) => sun,
-                    (true, true) if is_about(sky, sun) => sky,
-                    (true, true) => return None,
-                };
-                (
-                    L::SunSky {
-                        atmosphere,
-                        world_from_local,
-                    },
-                    gain,
-                )
-            }
-            _ => return None,
-        };
+        let mut as_strong = old.clone();
+        let gain = as_strong.take_strength(self)?;
         (as_strong == *self).then_some(gain)
+    }
+
+    /// Takes the strength of another light of the same kind, and returns the factor on the strength before. None if
+    /// there is no such factor.
+    fn take_strength(&mut self, new: &Self) -> Option<Rgb> {
+        use LightSource as L;
+        let of_scale = |scale: &mut f32, new: f32| ratio(Rgb::splat(replace(scale, new)), Rgb::splat(new));
+        match (self, new) {
+            (L::Surface { radiance, .. }, L::Surface { radiance: new, .. }) => {
+                let before = replace(radiance, *new);
+                match (before, *new) {
+                    (Parameter::Constant(before), Parameter::Constant(now)) => ratio(before, now),
+                    _ => None,
+                }
+            }
+            (L::Point { intensity: own, .. }, L::Point { intensity: new, .. })
+            | (L::Directional { irradiance: own, .. }, L::Directional { irradiance: new, .. })
+            | (L::Constant { radiance: own }, L::Constant { radiance: new }) => ratio(replace(own, *new), *new),
+            (L::Spot(own), L::Spot(new)) => ratio(replace(&mut own.intensity, new.intensity), new.intensity),
+            (L::Projector(own), L::Projector(new)) => of_scale(&mut own.scale, new.scale),
+            (
+                L::Environment { map, scale, .. },
+                L::Environment {
+                    map: other, scale: new, ..
+                },
+            ) if Arc::ptr_eq(map, other) => of_scale(scale, *new),
+            (L::SunSky { atmosphere: own, .. }, L::SunSky { atmosphere: new, .. }) => {
+                let (has_sky, has_sun) = (own.sky_scale > 0.0, own.sun_scale > 0.0);
+                let sky = of_scale(&mut own.sky_scale, new.sky_scale)?;
+                let sun = of_scale(&mut own.sun_scale, new.sun_scale)?;
+                match (has_sky, has_sun) {
+                    (true, false) => Some(sky),
+                    (false, _) => Some(sun),
+                    (true, true) => is_about(sky, sun).then_some(sky),
+                }
+            }
+            _ => None,
+        }
     }
 }
 

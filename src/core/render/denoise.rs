@@ -26,7 +26,7 @@ use crate::color::Rgb;
 /// [`DenoiseError::Cancelled`] is returned. Calls from several threads are independent of each other.
 pub fn denoise(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     input.check()?;
-    run(input, cancel)
+    run(input, false, cancel)
 }
 
 /// [`denoise`] in high quality for the radiance of a film, with its features. `threads` is the number for the denoiser;
@@ -66,27 +66,7 @@ pub fn denoise_lightmap(
         threads,
     };
     input.check()?;
-    run_lightmap(&input, cancel)
-}
-
-#[cfg(not(feature = "denoise"))]
-fn run_lightmap(_: &DenoiseInput, _: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
-    Err(DenoiseError::NotBuilt)
-}
-
-#[cfg(feature = "denoise")]
-fn run_lightmap(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
-    if input.color.is_empty() {
-        return Ok(Vec::new());
-    }
-    let job = ffi::Job {
-        width: input.width as usize,
-        height: input.height as usize,
-        quality: input.quality,
-        cancel,
-    };
-    let color = within(input.color, 0.0, brightest(input.color));
-    ffi::Device::new(input.threads)?.filter_lightmap(&job, &color)
+    run(&input, true, cancel)
 }
 
 /// The largest finite component, at least 0. Infinite pixels are replaced by it: with a fixed large number instead, the
@@ -98,32 +78,34 @@ fn brightest(color: &[Rgb]) -> f32 {
 }
 
 #[cfg(not(feature = "denoise"))]
-fn run(_: &DenoiseInput, _: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
+fn run(_: &DenoiseInput, _: bool, _: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     Err(DenoiseError::NotBuilt)
 }
 
 #[cfg(feature = "denoise")]
-fn run(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
+fn run(input: &DenoiseInput, is_lightmap: bool, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
     use std::sync::atomic::Ordering;
 
     if input.color.is_empty() {
         return Ok(Vec::new());
     }
     let color = within(input.color, 0.0, brightest(input.color));
-    let mut albedo = input.albedo.map(|albedo| within(albedo, 0.0, 1.0));
-    let mut normal = input.normal.map(|normal| within(normal, -1.0, 1.0));
-    if cancel.load(Ordering::Relaxed) {
-        return Err(DenoiseError::Cancelled);
-    }
-
     let job = ffi::Job {
         width: input.width as usize,
         height: input.height as usize,
         quality: input.quality,
         cancel,
     };
-    // Each call creates its own device, which takes about 4 ms, while filtering takes some hundreds. Thus threads share
-    // no state, and no memory is held between calls.
+    // Each call makes a device of its own, which takes about 4 ms, while filtering takes some hundreds. Thus threads
+    // share no state, and no memory is held between calls.
+    if is_lightmap {
+        return ffi::Device::new(input.threads)?.filter_lightmap(&job, &color);
+    }
+    let mut albedo = input.albedo.map(|albedo| within(albedo, 0.0, 1.0));
+    let mut normal = input.normal.map(|normal| within(normal, -1.0, 1.0));
+    if cancel.load(Ordering::Relaxed) {
+        return Err(DenoiseError::Cancelled);
+    }
     let device = ffi::Device::new(input.threads)?;
     if input.prefilter {
         for (slot, image) in [
