@@ -461,7 +461,7 @@ fn a_foreign_or_damaged_checkpoint_is_told_from_ones_own() {
         ),
         (
             &[&whole[..8], &[9, 0, 0, 0], &whole[12..]].concat(),
-            "its format is 9, and this version reads 2",
+            "its format is 9, and this version reads 6",
         ),
     ] {
         shop.write("c.checkpoint", content);
