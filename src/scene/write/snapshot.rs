@@ -230,21 +230,8 @@ impl Snapshot {
         let Ok(thing) = world.get_entity(entity) else {
             return;
         };
-        let Some(order) = thing.get::<DocumentOrder>() else {
+        let Some(identity) = identity_of(thing) else {
             return;
-        };
-        let authored = thing.get::<Authored>();
-        let identity = Identity {
-            id: thing.get::<SceneId>().map(|id| id.0.clone()),
-            name: thing
-                .get::<Name>()
-                .map(|name| name.as_str().to_owned().into())
-                .unwrap_or_default(),
-            order: order.0,
-            span: authored.map(|authored| authored.object.span).unwrap_or_default(),
-            authored: authored.cloned(),
-            angles: thing.get::<EulerAngles>().copied(),
-            keys: thing.get::<Keys>().cloned(),
         };
         let to_world = thing.get::<ToWorld>().map(|pose| pose.0);
         let (kind, index) = if let (Some(shape), Some(to_world)) = (thing.get::<Shape>(), to_world) {
@@ -418,6 +405,21 @@ impl Snapshot {
         scene.materials = materials.into_iter().map(material).collect();
         (scene, entities)
     }
+}
+
+/// The identity of a thing; None for an entity that is none.
+fn identity_of(thing: EntityRef) -> Option<Identity> {
+    let authored = thing.get::<Authored>();
+    let name = thing.get::<Name>().map(|name| name.as_str().to_owned().into());
+    Some(Identity {
+        id: thing.get::<SceneId>().map(|id| id.0.clone()),
+        name: name.unwrap_or_default(),
+        order: thing.get::<DocumentOrder>()?.0,
+        span: authored.map(|authored| authored.object.span).unwrap_or_default(),
+        authored: authored.cloned(),
+        angles: thing.get::<EulerAngles>().copied(),
+        keys: thing.get::<Keys>().cloned(),
+    })
 }
 
 /// The entity that a thing refers to.
