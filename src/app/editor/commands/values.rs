@@ -5,6 +5,7 @@ use std::collections::HashSet;
 
 use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
+use bevy::reflect::PartialReflect;
 
 use super::things::{need_surface, pose_of, replace, set_angles, set_pose, transform};
 use super::{grouping, materials, media};
@@ -36,7 +37,6 @@ pub fn edit_selection(edit: &mut Edit, command: ValueEdit) -> Result<(), Command
 }
 
 fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), CommandError> {
-    let whole = Vectors::Whole;
     match command {
         ValueEdit::Transform(poses) => {
             if let [(entity, after)] = poses[..] {
@@ -59,7 +59,7 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
             let others = materials_like(edit.world, entity, selected);
             carry(edit, entity, &*material, &others, |before, after, other| {
                 if before.plugin() == after.plugin() {
-                    carry_over(before, after, other, whole);
+                    carry_whole(before, after, other);
                 } else if other.plugin() == before.plugin() {
                     *other = turned_into(other, after.plugin());
                 }
@@ -69,9 +69,7 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
         }
         ValueEdit::SetMedium(entity, medium) => {
             let others = media_like(edit.world, entity, selected);
-            carry(edit, entity, &*medium, &others, |before, after, other| {
-                carry_over(before, after, other, whole);
-            });
+            carry(edit, entity, &*medium, &others, carry_whole);
             media::set(edit, entity, *medium)?;
         }
         ValueEdit::SetAreaLight(entity, light) => {
@@ -81,7 +79,7 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
         ValueEdit::SetEmitter(entity, emitter) => {
             carry(edit, entity, &emitter, selected, |before, after, other| {
                 if before.plugin() == after.plugin() {
-                    carry_over(before, after, other, whole);
+                    carry_whole(before, after, other);
                 } else if other.plugin() == before.plugin() {
                     *other = emitter_turned_into(other, after.plugin());
                 }
@@ -89,15 +87,11 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
             replace(edit, entity, emitter)?;
         }
         ValueEdit::SetSensor(entity, sensor) => {
-            carry(edit, entity, &sensor, selected, |before, after, other| {
-                carry_over(before, after, other, whole);
-            });
+            carry(edit, entity, &sensor, selected, carry_whole);
             replace(edit, entity, sensor)?;
         }
         ValueEdit::SetFilm(entity, film) => {
-            carry(edit, entity, &film, selected, |before, after, other| {
-                carry_over(before, after, other, whole);
-            });
+            carry(edit, entity, &film, selected, carry_whole);
             replace(edit, entity, film)?;
         }
     }
@@ -143,6 +137,10 @@ fn carry<C: Component + Clone + PartialEq>(
     }
 }
 
+fn carry_whole<C: PartialReflect>(before: &C, after: &C, other: &mut C) {
+    carry_over(before, after, other, Vectors::Whole);
+}
+
 /// Makes the change of a shape's emission to the other shapes.
 fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others: &[Entity]) {
     let before = edit.world.get::<AreaLight>(shape).cloned();
@@ -155,7 +153,7 @@ fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others
             (_, None, _) => edit.remove::<AreaLight>(other),
             (None, Some(after), None) => edit.set(other, after.clone()),
             (Some(before), Some(after), Some(mut changed)) => {
-                carry_over(before, after, &mut changed, Vectors::Whole);
+                carry_whole(before, after, &mut changed);
                 edit.set(other, changed);
             }
             (Some(_), Some(_), None) | (None, Some(_), Some(_)) => {}

@@ -157,11 +157,14 @@ fn question(name: &str, command: &Command) -> Question<Choice> {
             .help("Read the file anew");
         (format!("Lose the changes of {name}?"), vec![revert, cancel])
     } else {
-        let what = match command {
-            Command::File(FileCommand::Quit) => "the window closes",
-            Command::File(FileCommand::NewScene) => "a new scene begins",
-            Command::Shell(ShellCommand::Recover(_)) => "the copy opens",
-            _ => "the other scene opens",
+        let what = if matches!(command, Command::File(FileCommand::Quit)) {
+            "the window closes"
+        } else if matches!(command, Command::File(FileCommand::NewScene)) {
+            "a new scene begins"
+        } else if matches!(command, Command::Shell(ShellCommand::Recover(_))) {
+            "the copy opens"
+        } else {
+            "the other scene opens"
         };
         let save = Answer::primary("Save", Choice::Save)
             .does(format!("the scene is saved, and then {what}."))
@@ -174,60 +177,10 @@ fn question(name: &str, command: &Command) -> Question<Choice> {
             .help("Continue without saving");
         (format!("Save the changes of {name}?"), vec![save, lose, cancel])
     };
-    let modal = dialog::question(context, "unsaved edits", 420.0, &heading, |ui| {
-        if let Some(saved) = saved {
-            ui.label(saved);
-            ui.add_space(6.0);
-        }
-        if reverts {
-            let text = "the file is read anew. What was changed since it was saved is lost and cannot be brought back.";
-            dialog::consequence(ui, "Revert", text);
-        } else {
-            let what = if matches!(command, Command::File(FileCommand::Quit)) {
-                "the window closes"
-            } else if matches!(command, Command::File(FileCommand::NewScene)) {
-                "a new scene begins"
-            } else if matches!(command, Command::Shell(ShellCommand::Recover(_))) {
-                "the copy opens"
-            } else {
-                "the other scene opens"
-            };
-            dialog::consequence(ui, "Save", &format!("the scene is saved, and then {what}."));
-            let lost = "and what was changed since the scene was saved is lost.";
-            dialog::consequence(ui, "Don't save", &format!("{what}, {lost}"));
-        }
-        dialog::consequence(ui, "Cancel", "everything stays as it is.");
-        answers(ui, reverts)
-    });
-    let closed = modal.should_close();
-    modal.inner.or(closed.then_some(Answer::Cancel))
-}
-
-/// The buttons. The command to revert has none to save.
-fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
-    let (mut lost, mut saved, mut cancelled) = (false, false, false);
-    let (lose, help) = match reverts {
-        true => ("Revert", "Read the file anew"),
-        false => ("Don't save", "Continue without saving"),
-    };
-    let (lose, save) = (look::danger(ui, lose), look::primary(ui, "Save"));
-    if !reverts {
-        saved = dialog::is_entered(ui);
-    }
-    dialog::answers(
-        ui,
-        |ui| lost = ui.add(lose).on_hover_text(help).clicked(),
-        |ui| {
-            if !reverts {
-                saved |= ui.add(save).on_hover_text("Save, then continue (Enter)").clicked();
-            }
-            cancelled = ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked();
-        },
-    );
-    match (saved, lost, cancelled) {
-        (true, ..) => Some(Answer::Save),
-        (_, true, _) => Some(Answer::Lose),
-        (_, _, true) => Some(Answer::Cancel),
-        _ => None,
+    Question {
+        id: "unsaved edits",
+        width: 420.0,
+        heading,
+        answers,
     }
 }
