@@ -1,5 +1,11 @@
 //! Sends the picture to a viewer while it is rendered. A viewer that is not there, or goes away, is reported once and
 //! never holds the render up.
+//!
+//! Messages to the viewer tev: how a picture is made, and how rectangles of it are filled (T. Müller, tev, "Over the
+//! Network" and `Ipc.h`; pbrt and Mitsuba's users know it).
+//!
+//! A message is its length in bytes with these four, an operation, and the operation's arguments. Integers are
+//! little-endian, texts end in a zero.
 
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};

@@ -1,4 +1,9 @@
 //! A scene file once it is read: its tree of plugins and all that the text said beside them.
+//!
+//! The unit of length of a scene, which a file says as `<default name="length_unit" value="cm"/>`.
+//!
+//! It is a `default` because other readers of the format accept names there that they do not know. In the tree it is a
+//! property of the scene.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

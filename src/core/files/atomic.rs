@@ -5,6 +5,8 @@
 //! the same folder removes those that are old and not locked. The lock makes that safe for two programs that write into
 //! one folder at the same time; `O_TMPFILE` would not help, for a file without a name cannot replace one, and not every
 //! system and file system has it.
+//!
+//! Locks folders, so that programs that work on the same files take turns.
 
 use std::collections::HashSet;
 use std::fs::{self, DirEntry, File, TryLockError};

@@ -1,4 +1,6 @@
 //! The table of all lights of a scene.
+//!
+//! A scene's only light, for sixteen surfaces at once.
 
 use std::sync::Arc;
 

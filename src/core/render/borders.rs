@@ -1,4 +1,9 @@
-//! Borders of media: hits of camera rays behind invisible borders, and the medium at a point.
+//! Borders of media: what a camera ray meets behind those that light does not notice, and the medium at a place.
+//!
+//! How much medium is before the first surface: the optical depth along the camera ray.
+//!
+//! Surfaces lit by nothing but a lamp at the camera: complete with the first sample, wherever the lights of the scene
+//! are.
 
 use glam::Vec3;
 

@@ -1,4 +1,8 @@
 //! The native scene while it grows.
+//!
+//! Reads numbers. The original program reads them as C's `atof` does: text that is no number is 0, and what follows a
+//! number is ignored. Such text is a slip of the hand, so that it is an error here, and the value counts as not given;
+//! what is left empty is 0 with a warning, as programs write it that know no value.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};

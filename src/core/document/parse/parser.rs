@@ -1,5 +1,8 @@
 //! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the
 //! program's.
+//!
+//! The files of `<spectrum filename="...">`. However many tags name a file, it is read once for each role that its
+//! spectrum has.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

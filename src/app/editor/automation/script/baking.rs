@@ -5,9 +5,10 @@ use bevy::prelude::World;
 use super::assign::within;
 use super::error::ScriptError;
 use super::names::{count, sample_count};
-use super::parse::Step;
+
 use super::rendering::{noise, positive, switch};
-use super::verb::verbs;
+pub use super::verb::BakeWait;
+use super::verb::{Step, verbs};
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand, BakePlan};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::picture::baking::Baking;
@@ -19,23 +20,10 @@ verbs! {
     VERBS(world):
     "bake-with" "SETTING=VALUE... (texels-per-unit, page-size, samples, time, noise, light, probes, denoise)"
         words if !words.is_empty() => choices(world, words)?;
-    "bake-to" "FOLDER"
-        [folder] => Step::Bake(folder.into());
-    "begin-bake" "FOLDER"
-        [folder] => BakeCommand::Begin(folder.into());
-    "wait-for-bake" "SAMPLES|done"
-        [event] => Step::AwaitBake(wait(event)?);
-    "show-lightmap" "NUMBER (from 0)"
-        [number] => page(number)?;
-}
-
-/// The event of a bake that a script waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BakeWait {
-    /// So many samples of each texel, or the end.
-    Samples(u32),
-    /// The end.
-    End,
+    "bake-to" "FOLDER" [folder] => Step::Bake(folder.into());
+    "begin-bake" "FOLDER" [folder] => BakeCommand::Begin(folder.into());
+    "wait-for-bake" "SAMPLES|done" [event] => Step::AwaitBake(wait(event)?);
+    "show-lightmap" "NUMBER (from 0)" [number] => page(number)?;
 }
 
 /// Parses the event that a script waits for: a number of samples, or `done`.

@@ -12,28 +12,22 @@ use crate::scene::write::OnChange;
 
 verbs! {
     SCENES(world):
-    "open" "FILE"
-        [path] => FileCommand::OpenScene(path.into());
+    "open" "FILE" [path] => FileCommand::OpenScene(path.into());
     "save-to" "FILE [merge|overwrite] (if it was changed elsewhere)"
         [path] => FileCommand::SaveScene(path.into()),
         [path, "merge"] => FileCommand::SaveChanged(path.into(), OnChange::TakeIn),
         [path, "overwrite"] => FileCommand::SaveChanged(path.into(), OnChange::Overwrite);
-    "export-to" "FILE"
-        [path] => FileCommand::ExportScene(path.into());
+    "export-to" "FILE" [path] => FileCommand::ExportScene(path.into());
 }
 
 verbs! {
     VERBS(world):
-    "save-image-to" "FILE"
-        [path] => FileCommand::SaveImage(path.into());
-    "import-file" "FILE"
-        [path] => SceneEdit::Import(path.into());
-    "find-file" "MISSING FOUND"
-        [missing, found] => found_file(missing, found);
+    "save-image-to" "FILE" [path] => FileCommand::SaveImage(path.into());
+    "import-file" "FILE" [path] => SceneEdit::Import(path.into());
+    "find-file" "MISSING FOUND" [missing, found] => found_file(missing, found);
     "use-file" "FILE [X,Y (0 to 1 from the upper left); else for the selection]"
         [path, at @ ..] if at.len() < 2 => use_file(path, at.first().copied())?;
-    "paste" "XML (to the end of the line)"
-        [xml] => SceneEdit::Paste((*xml).to_owned());
+    "paste" "XML (to the end of the line)" [xml] => SceneEdit::Paste((*xml).to_owned());
 }
 
 fn found_file(missing: &str, found: &str) -> SceneEdit {

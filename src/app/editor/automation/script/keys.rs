@@ -11,8 +11,7 @@ use crate::app::editor::session::tutorial::LESSONS;
 
 verbs! {
     VERBS(world):
-    "bind" "ACTION KEY|none|usual"
-        [action, key] => choose(world.get_resource::<Preferences>(), action, key)?;
+    "bind" "ACTION KEY|none|usual" [action, key] => choose(world.get_resource::<Preferences>(), action, key)?;
     "tutorial-step" "NUMBER|off (1 to 5)"
         ["off"] => ShellCommand::ShowTutorial(None),
         [number] => tutorial_step(number)?;

@@ -12,10 +12,8 @@ use crate::scene::Material;
 
 verbs! {
     VERBS(world):
-    "material-of" "SHAPE (a new one of its own)"
-        [shape] => MaterialEdit::GiveMaterial { shape: named(world, shape)? };
-    "make" "MATERIAL PLUGIN (two-sided ones stay so)"
-        [name, plugin] => make(world, name, plugin)?;
+    "material-of" "SHAPE (a new one of its own)" [shape] => MaterialEdit::GiveMaterial { shape: named(world, shape)? };
+    "make" "MATERIAL PLUGIN (two-sided ones stay so)" [name, plugin] => make(world, name, plugin)?;
     "wrap" "MATERIAL PLUGIN (twosided, blendbsdf, mask, bumpmap, normalmap)"
         [name, plugin] => wrap(world, name, plugin)?;
     "unwrap" "MATERIAL [first|second]"

@@ -16,8 +16,7 @@ verbs! {
         [medium, side, things @ ..] if !things.is_empty() => use_medium(world, medium, side, things)?;
     "medium-of" "THING [interior|exterior|around] (a new one of its own)"
         [thing, side @ ..] if side.len() <= 1 => new_medium(world, thing, side.first().copied())?;
-    "fill" "fog|smoke|MEDIUM SHAPE..."
-        [with, shapes @ ..] if !shapes.is_empty() => fill(world, with, shapes)?;
+    "fill" "fog|smoke|MEDIUM SHAPE..." [with, shapes @ ..] if !shapes.is_empty() => fill(world, with, shapes)?;
     "emit" "SHAPE RADIANCE|none"
         [shape, "none"] => ValueEdit::SetAreaLight(named(world, shape)?, None),
         [shape, radiance] => {

@@ -1,52 +1,20 @@
 //! Parses one line of a script into commands. Things are called by their names, and parameters by those of the file.
 
-use std::path::PathBuf;
-
 use bevy::prelude::*;
 
-use super::baking::{self, BakeWait};
 use super::error::ScriptError;
 use super::names::{count, unknown};
+pub use super::verb::{Step, Wait};
 use super::verb::{Verb, verbs};
-use super::{blocking, files, keys, materials, media, placing, rendering, set, texturing, things, timeline, view};
-use crate::app::editor::command::Command;
+use super::{
+    baking, blocking, files, keys, materials, media, placing, rendering, set, texturing, things, timeline, view,
+};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::action_context;
 use crate::engine::RenderControl;
-
-/// The request of a line.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    /// A command for this frame.
-    Do(Command),
-    /// The lines after it wait.
-    Wait(Wait),
-    /// A bake into this folder. The lines after it wait for the end of it.
-    Bake(PathBuf),
-    /// The lines after it wait for the bake that is under way.
-    AwaitBake(BakeWait),
-    /// The whole window, as PNG.
-    Screenshot(PathBuf),
-}
-
-/// The event that a line waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wait {
-    /// The picture of the present scene has exactly this number of samples per pixel, and gets no more; 0: everything
-    /// is loaded.
-    Samples(u32),
-    /// The picture has reached one of its own limits.
-    Done,
-}
-
-impl<C: Into<Command>> From<C> for Step {
-    fn from(command: C) -> Self {
-        Self::Do(command.into())
-    }
-}
 
 /// The verbs beside the actions by topic, in the order of `docs/scripts.md`.
 pub const VERBS: [&[Verb]; 16] = [
@@ -73,8 +41,7 @@ verbs! {
     "wait" "SAMPLES|done"
         ["done"] => Step::Wait(Wait::Done),
         [samples] => Step::Wait(Wait::Samples(count(samples)?));
-    "screenshot" "FILE"
-        [path] => Step::Screenshot(path.into());
+    "screenshot" "FILE" [path] => Step::Screenshot(path.into());
 }
 
 /// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it

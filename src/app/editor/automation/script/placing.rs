@@ -20,8 +20,7 @@ use bevy::math::Quat;
 
 verbs! {
     VERBS(world):
-    "move" "NAME X,Y,Z (by)"
-        [name, by] => shifted(world, name, parse_vec3(by)?)?;
+    "move" "NAME X,Y,Z (by)" [name, by] => shifted(world, name, parse_vec3(by)?)?;
     "rotate" "NAME X,Y,Z DEGREES (about its origin)"
         [name, axis, degrees] => rotated(world, name, parse_vec3(axis)?, degrees)?;
     "scale" "NAME FACTOR (about its origin)"
@@ -32,15 +31,13 @@ verbs! {
     "align" "X|Y|Z low|middle|high [active] (what is selected)"
         [axis, side] => align(axis, side, Reference::Bounds)?,
         [axis, side, "active"] => align(axis, side, Reference::Active)?;
-    "distribute" "X|Y|Z gaps|middles (what is selected)"
-        [axis, by] => distribute(axis, by)?;
+    "distribute" "X|Y|Z gaps|middles (what is selected)" [axis, by] => distribute(axis, by)?;
     "series" "COUNT along X,Y,Z [instances] | COUNT around X|Y|Z DEGREES X,Y,Z (the center) [instances]"
         [count, "along", step, how @ ..] if is_series(how) => series(count, Way::Along(parse_vec3(step)?), how)?,
         [count, "around", axis, degrees, center, how @ ..] if is_series(how) => {
             series(count, around(axis, degrees, center)?, how)?
         };
-    "snap" "increments|grid|vertices|edges|faces [always] [align]"
-        [to, how @ ..] => snap(world, to, how)?;
+    "snap" "increments|grid|vertices|edges|faces [always] [align]" [to, how @ ..] => snap(world, to, how)?;
 }
 
 fn shifted(world: &mut World, name: &str, by: Vec3) -> Result<ValueEdit, ScriptError> {

@@ -30,40 +30,28 @@ use crate::scene::IntegratorSettings;
 
 verbs! {
     VERBS(world):
-    "samples" "N"
-        [number] => RenderCommand::SetTargetSamples(sample_count(number)?);
-    "show" "MODE"
-        [mode] => show(world, mode)?;
+    "samples" "N" [number] => RenderCommand::SetTargetSamples(sample_count(number)?);
+    "show" "MODE" [mode] => show(world, mode)?;
     "exposure" "STOPS"
         [stops] => {
             let stops = within(parse_float(stops)?, &DisplaySettings::EXPOSURES)?;
             display(world, |display| display.exposure = stops)
         };
-    "tone-map" "NAME"
-        [name] => tone_map(world, name)?;
+    "tone-map" "NAME" [name] => tone_map(world, name)?;
     "white" "KELVIN [TINT]"
         [kelvin, tint @ ..] if tint.len() <= 1 => {
             let white_balance = white(kelvin, tint.first().copied())?;
             display(world, |display| display.white_balance = white_balance)
         };
-    "limit-time" "SECONDS|none"
-        [seconds] => RenderCommand::SetTimeLimit(positive(seconds)?);
-    "limit-noise" "NOISE|none"
-        [limit] => RenderCommand::SetNoiseTarget(noise(limit)?);
-    "adaptive" "on|off"
-        [word] => RenderCommand::SetAdaptive(switch(word)?);
-    "resolution" "view|after-rest|full"
-        [name] => RenderCommand::SetResolution(resolution(name)?);
-    "enlarge" "smooth|sharp"
-        [name] => DisplayCommand::SetEnlarging(enlarging(name)?);
-    "region" "none | X,Y X,Y (0 to 1 from the upper left)"
-        corners => RenderCommand::SetRegion(region(corners)?);
-    "layers" "none | LAYER... (saved with EXR images)"
-        names => layers(world, names)?;
-    "choose-integrator" "on|off"
-        [word] => RenderCommand::SetPathIsAuto(switch(word)?);
-    "split-strategies" "on|off"
-        [word] => RenderCommand::SetStrategySplit(switch(word)?);
+    "limit-time" "SECONDS|none" [seconds] => RenderCommand::SetTimeLimit(positive(seconds)?);
+    "limit-noise" "NOISE|none" [limit] => RenderCommand::SetNoiseTarget(noise(limit)?);
+    "adaptive" "on|off" [word] => RenderCommand::SetAdaptive(switch(word)?);
+    "resolution" "view|after-rest|full" [name] => RenderCommand::SetResolution(resolution(name)?);
+    "enlarge" "smooth|sharp" [name] => DisplayCommand::SetEnlarging(enlarging(name)?);
+    "region" "none | X,Y X,Y (0 to 1 from the upper left)" corners => RenderCommand::SetRegion(region(corners)?);
+    "layers" "none | LAYER... (saved with EXR images)" names => layers(world, names)?;
+    "choose-integrator" "on|off" [word] => RenderCommand::SetPathIsAuto(switch(word)?);
+    "split-strategies" "on|off" [word] => RenderCommand::SetStrategySplit(switch(word)?);
     "show-grid" "on|off"
         [word] => DisplayCommand::SetGrid(GridSettings {
             shown: switch(word)?,
@@ -84,8 +72,7 @@ verbs! {
     "show-alone" "none | NAME..."
         ["none"] => ViewCommand::Isolate(Vec::new()),
         names if !names.is_empty() => ViewCommand::Isolate(all_named(world, names)?);
-    "keep-lights-apart" "on|off"
-        [word] => RenderCommand::SetLightLayers(switch(word)?);
+    "keep-lights-apart" "on|off" [word] => RenderCommand::SetLightLayers(switch(word)?);
     "mix" "none | LIGHT STRENGTH [R,G,B]"
         ["none"] => DisplayCommand::SetLightMix(LightMix::default()),
         [light, gain @ ..] => mix(world, light, gain)?;

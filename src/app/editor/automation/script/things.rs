@@ -8,20 +8,15 @@ use crate::app::editor::command::{OutlineEdit, SelectionCommand};
 
 verbs! {
     SELECTING(world):
-    "select" "NAME..."
-        names => SelectionCommand::Select(all_named(world, names)?, Extend::Replace);
-    "select-also" "NAME..."
-        names => SelectionCommand::Select(all_named(world, names)?, Extend::Add);
-    "pick" "X,Y (0 to 1 from the upper left)"
-        [place] => SelectionCommand::Pick(parse_place(place)?, Extend::Replace);
+    "select" "NAME..." names => SelectionCommand::Select(all_named(world, names)?, Extend::Replace);
+    "select-also" "NAME..." names => SelectionCommand::Select(all_named(world, names)?, Extend::Add);
+    "pick" "X,Y (0 to 1 from the upper left)" [place] => SelectionCommand::Pick(parse_place(place)?, Extend::Replace);
 }
 
 verbs! {
     VERBS(world):
-    "rename" "NAME NAME"
-        [name, new] => OutlineEdit::Rename(named(world, name)?, (*new).to_owned());
-    "hide-thing" "NAME..."
-        names if !names.is_empty() => OutlineEdit::Hide(all_named(world, names)?, true);
+    "rename" "NAME NAME" [name, new] => OutlineEdit::Rename(named(world, name)?, (*new).to_owned());
+    "hide-thing" "NAME..." names if !names.is_empty() => OutlineEdit::Hide(all_named(world, names)?, true);
     "lock" "on|off NAME..."
         [switch_word, names @ ..] if !names.is_empty() => {
             let is_on = switch(switch_word)?;

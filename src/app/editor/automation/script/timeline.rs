@@ -14,25 +14,21 @@ use crate::scene::{KeyEdit, KeyPath, Keys, place_path, shown_time};
 
 verbs! {
     VERBS(world):
-    "time" "SECONDS"
-        [time] => TimeCommand::SetTime(precise(time)?);
+    "time" "SECONDS" [time] => TimeCommand::SetTime(precise(time)?);
     "frame" "NUMBER"
         [number] => {
             let frames = world.resource::<ViewSettings>().timeline;
             TimeCommand::SetTime(frames.time(frame(number)?))
         };
-    "timeline" "FPS FIRST LAST (frames)"
-        [fps, first, last] => frames(fps, first, last)?;
+    "timeline" "FPS FIRST LAST (frames)" [fps, first, last] => frames(fps, first, last)?;
     "key" "NAME [PROPERTY, else its place]"
         [name, path @ ..] if path.len() <= 1 => set(world, name, path.first().copied())?;
     "unkey" "NAME [PROPERTY, else all that have a key now]"
         [name, path @ ..] if path.len() <= 1 => remove(world, name, path.first().copied(), KeyEdit::Remove)?;
     "stand-still" "NAME [PROPERTY, else all] (removes all keys)"
         [name, path @ ..] if path.len() <= 1 => remove(world, name, path.first().copied(), KeyEdit::RemoveAll)?;
-    "move-key" "NAME PROPERTY FROM TO (seconds)"
-        [name, path, from, to] => shift(world, name, path, [from, to])?;
-    "interpolate" "NAME PROPERTY linear|ease|step"
-        [name, path, way] => interpolate(world, name, path, way)?;
+    "move-key" "NAME PROPERTY FROM TO (seconds)" [name, path, from, to] => shift(world, name, path, [from, to])?;
+    "interpolate" "NAME PROPERTY linear|ease|step" [name, path, way] => interpolate(world, name, path, way)?;
 }
 
 /// A number of double precision, as times are. Its range is that of other numbers.

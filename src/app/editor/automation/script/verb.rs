@@ -1,9 +1,51 @@
 //! Verbs of scripts: each is one row with its name, its words and their meaning.
 
+use std::path::PathBuf;
+
 use bevy::prelude::World;
 
 use super::error::ScriptError;
-use super::parse::Step;
+use crate::app::editor::command::Command;
+
+/// The request of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// A command for this frame.
+    Do(Command),
+    /// The lines after it wait.
+    Wait(Wait),
+    /// A bake into this folder. The lines after it wait for the end of it.
+    Bake(PathBuf),
+    /// The lines after it wait for the bake that is under way.
+    AwaitBake(BakeWait),
+    /// The whole window, as PNG.
+    Screenshot(PathBuf),
+}
+
+/// The event that a line waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wait {
+    /// The picture of the present scene has exactly this number of samples per pixel, and gets no more; 0: everything
+    /// is loaded.
+    Samples(u32),
+    /// The picture has reached one of its own limits.
+    Done,
+}
+
+/// The event of a bake that a script waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BakeWait {
+    /// So many samples of each texel, or the end.
+    Samples(u32),
+    /// The end.
+    End,
+}
+
+impl<C: Into<Command>> From<C> for Step {
+    fn from(command: C) -> Self {
+        Self::Do(command.into())
+    }
+}
 
 /// A verb beside the actions.
 pub struct Verb {

@@ -20,10 +20,8 @@ verbs! {
             let pose = looking(parse_vec3(from)?, parse_vec3(at)?)?;
             ViewCommand::MoveView(pose * Affine3A::from_scale(extent))
         };
-    "look-through" "CAMERA"
-        [camera] => ViewCommand::LookThrough(named(world, camera)?);
-    "go-to" "STEP (of the history)"
-        [step] => HistoryCommand::GoTo(count(step)? as usize);
+    "look-through" "CAMERA" [camera] => ViewCommand::LookThrough(named(world, camera)?);
+    "go-to" "STEP (of the history)" [step] => HistoryCommand::GoTo(count(step)? as usize);
 }
 
 fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, ScriptError> {
