@@ -13,16 +13,15 @@ use sunroom::app::editor::automation::script::verb::Verb;
 use sunroom::app::editor::command::addition::AdditionKind;
 use sunroom::app::editor::command::display::DisplayMode;
 use sunroom::app::editor::command::file_access::Question;
-use sunroom::app::editor::command::kept_picture::KeptPicture;
 use sunroom::app::editor::command::panel::Panel;
 use sunroom::app::editor::command::preferences::{Preferences, ThemeChoice};
 use sunroom::app::editor::command::recovery_offer::Offer;
 use sunroom::app::editor::command::resolution::FullFilm;
 use sunroom::app::editor::command::selection::{Extend, Selection};
-use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{
     Command, FileCommand, FileDialogKind, HistoryCommand, RenderCommand, SelectionCommand,
 };
+use sunroom::app::editor::command::{KeptPicture, ShellCommand};
 use sunroom::app::editor::input::actions::{ACTIONS, ActionContext, Group};
 use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use bevy_egui::egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use sunroom::app::editor::command::ShellCommand;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::selection::Selection;
-use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{
     Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand, ViewCommand, panel,
 };

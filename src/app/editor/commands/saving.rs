@@ -11,8 +11,7 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 
 use super::files;
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{Command, FileCommand, ShellCommand};
 use crate::app::editor::session::history::{self, History};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::{Toasts, Topic};

@@ -3,10 +3,9 @@
 use bevy::prelude::*;
 use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};
 
-use crate::app::editor::command::FileDialogKind;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{FileDialogKind, ShellCommand};
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::recovery::Recovery;
 use crate::app::editor::session::requests::Requests;

@@ -9,8 +9,7 @@ use super::actions::bindings::FLIGHT;
 use super::actions::{ACTIONS, Action, ActionContext};
 use super::press::Press;
 use crate::app::editor::command::key_bindings::KeyBindings;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{Command, FileCommand, ShellCommand};
 
 /// The direction of flight to the left, up and forward, each -1, 0 or 1. Keys with modifiers, which preferences may
 /// name, do not fly.

@@ -9,8 +9,7 @@ use bevy_egui::egui::{self, Align2, Color32, FontId, Rect, Response, RichText, S
 use super::drag_start::is_drag_of;
 use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::command::dragged::DraggedFile;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit, ShellCommand};
 use crate::app::editor::model::Model;
 use crate::app::editor::model::assets::{AssetEntry, AssetPicture, AssetsModel};
 use crate::app::editor::words::files::size_text;

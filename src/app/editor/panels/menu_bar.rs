@@ -10,8 +10,9 @@ use super::medium_section::fill_menu;
 use super::outliner::marks;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, DisplayCommand, FileCommand, RenderCommand, SettingsEdit, ViewCommand};
+use crate::app::editor::command::{
+    Command, DisplayCommand, FileCommand, RenderCommand, SettingsEdit, ShellCommand, ViewCommand,
+};
 use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group};
 use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;

@@ -7,11 +7,11 @@ use bevy_egui::egui::{self, Button, ComboBox, DragValue, Id, Response, Slider, U
 
 use super::section::section;
 use crate::app::editor::command::Command;
+use crate::app::editor::command::ShellCommand;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOST_MEMORY_GIB, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES,
 };
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::input::actions::hint;
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::words::arithmetic;

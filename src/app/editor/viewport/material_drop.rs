@@ -10,8 +10,7 @@ use bevy_egui::egui::{self, Color32, Rect, Response, Ui};
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::dragged::{Dragged, DraggedFile, DraggedPreset};
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, MaterialEdit, SceneEdit};
+use crate::app::editor::command::{Command, MaterialEdit, SceneEdit, ShellCommand};
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
 

@@ -19,9 +19,10 @@ use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::Extend;
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{CameraEdit, Command, RenderCommand, SelectionCommand, ToolCommand, ViewCommand};
+use crate::app::editor::command::{
+    CameraEdit, Command, RenderCommand, SelectionCommand, ShellCommand, ToolCommand, ViewCommand,
+};
 use crate::app::editor::input::drags::{DragUse, drag_use};
 
 /// The use of the mouse, from press to release.

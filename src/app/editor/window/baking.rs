@@ -7,9 +7,8 @@ use bevy_egui::egui::{self, Id, Modal, RichText, TextureHandle, TextureOptions, 
 
 use super::dialog;
 use super::question::{Answer, Question};
-use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::panel::Panel;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{BakeCommand, Command, FileCommand};
 use crate::app::editor::model::baking::BakeModel;
 use crate::app::editor::panels::baking::{BakeForm, form, no_bake, progress};
 use crate::app::editor::session::layout::Layout;

@@ -7,10 +7,9 @@ use bevy_egui::egui;
 
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
-use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
 use crate::app::editor::command::shell::{ShellCommand, SoughtFile};
-use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit, TextureEdit};
+use crate::app::editor::command::{BakeCommand, Command, FileCommand, FileDialogKind, SceneEdit, TextureEdit};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;

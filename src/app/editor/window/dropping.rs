@@ -7,8 +7,7 @@ use bevy::window::FileDragAndDrop;
 use bevy_egui::egui::{self, Align2, Color32, FontId, Rect};
 
 use crate::app::editor::command::asset_kind::FileUse;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand, SceneEdit};
+use crate::app::editor::command::{Command, FileCommand, SceneEdit, ShellCommand};
 use crate::app::editor::words::files::SCENE_FILES;
 
 /// The files that hover over the window, and those that were dropped since the last frame.

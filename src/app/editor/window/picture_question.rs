@@ -3,8 +3,7 @@
 use bevy_egui::egui;
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::kept_picture::KeptPicture;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{Command, FileCommand, KeptPicture};
 use crate::app::editor::panels::status::clock;
 
 /// Whether the question is open.

@@ -4,9 +4,8 @@ use bevy_egui::egui::{self, Button, Id, Modal, RichText, ScrollArea, Ui};
 
 use super::dialog;
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::Offer;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, ShellCommand};
 use crate::app::editor::panels::look;
 use crate::app::editor::session::recovery_words::{
     about_file, count_of, scene_of, short_names, time_and_age, time_of, times_of, with_age,

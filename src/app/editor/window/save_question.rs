@@ -5,8 +5,7 @@ use bevy_egui::egui;
 
 use super::question::{Answer, Question};
 use crate::app::editor::command::recovery_offer::Offer;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand, FileDialogKind};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind, ShellCommand};
 use crate::app::editor::session::requests::Requests;
 use crate::scene::write::OnChange;
 

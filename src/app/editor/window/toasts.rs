@@ -2,9 +2,8 @@
 
 use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
 
-use crate::app::editor::command::Command;
 use crate::app::editor::command::panel::Panel;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, ShellCommand};
 use crate::app::editor::panels::excerpt::excerpt;
 use crate::app::editor::panels::look;
 use crate::app::editor::session::toasts::{Toast, Toasts, Tone};

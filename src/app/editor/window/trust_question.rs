@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use bevy_egui::egui;
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::Command;
 use crate::app::editor::command::file_access::Question as AccessQuestion;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, ShellCommand};
 
 /// The most files, and the most folders, that are listed; of the others only the number is told.
 const MOST_LISTED: usize = 6;

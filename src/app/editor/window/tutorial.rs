@@ -2,8 +2,7 @@
 
 use bevy_egui::egui::{self, Align2, Button, Id, Rect, RichText};
 
-use crate::app::editor::command::Command;
-use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::{Command, ShellCommand};
 use crate::app::editor::panels::look;
 use crate::app::editor::session::tutorial::{LESSONS, Tutorial};
 

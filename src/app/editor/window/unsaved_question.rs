@@ -5,8 +5,7 @@ use std::path::Path;
 use bevy_egui::egui;
 
 use super::question::{Answer, Question};
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{Command, FileCommand, ShellCommand};
 use crate::app::editor::session::recovery::is_copy_of;
 use crate::scene::write::OnChange;
 

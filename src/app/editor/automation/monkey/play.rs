@@ -15,8 +15,7 @@ use super::state::{Monkey, PATIENCE, PATIENCE_FOR_SCENES, Phase, Round, Waiting}
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
-use crate::app::editor::command::shell::ShellCommand;
-use crate::app::editor::command::{Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand};
+use crate::app::editor::command::{Command, DisplayCommand, FileCommand, HistoryCommand, RenderCommand, ShellCommand};
 use crate::app::editor::commands;
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::history::History;

@@ -3,8 +3,8 @@
 use super::error::ScriptError;
 use super::names::count;
 use super::verb::verbs;
+use crate::app::editor::command::ShellCommand;
 use crate::app::editor::command::preferences::Preferences;
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::actions::bindings::{bind, bindables, reserved};
 use crate::app::editor::session::tutorial::LESSONS;

@@ -33,8 +33,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::exit_door::ExitDoor;
 use super::screenshot::{WindowWait, save_window};
-use crate::app::editor::command::baking::BakeCommand;
-use crate::app::editor::command::{Command, FileCommand};
+use crate::app::editor::command::{BakeCommand, Command, FileCommand};
 use crate::app::editor::commands;
 use crate::app::editor::commands::bare_world::bare_world;
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};

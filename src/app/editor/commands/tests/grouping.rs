@@ -239,9 +239,8 @@ fn members_keep_the_coordinates_along_which_a_group_does_not_move() {
 
 #[test]
 fn a_group_becomes_instances_of_what_is_in_it() {
-    use crate::app::editor::command::HistoryCommand;
-    use crate::app::editor::command::SceneEdit;
     use crate::app::editor::command::arrange::{Series, Way};
+    use crate::app::editor::command::{HistoryCommand, SceneEdit};
     use crate::scene::MemberOf;
     let mut world = bare_world();
     let [left, right, group] = pair(&mut world);

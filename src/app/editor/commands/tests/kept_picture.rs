@@ -4,8 +4,9 @@ use std::num::NonZeroUsize;
 
 use super::full_film::{add_resources, update_until};
 use super::*;
-use crate::app::editor::command::kept_picture::KeptPicture;
-use crate::app::editor::command::{DisplayCommand, HistoryCommand, OutlineEdit, RenderCommand, ValueEdit, ViewCommand};
+use crate::app::editor::command::{
+    DisplayCommand, HistoryCommand, KeptPicture, OutlineEdit, RenderCommand, ValueEdit, ViewCommand,
+};
 use crate::app::editor::commands::kept_picture::follow;
 use crate::app::editor::session::kept_picture::{KeptPictures, Returning, kept_file};
 use crate::app::editor::session::options::SceneDefines;

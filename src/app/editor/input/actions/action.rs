@@ -6,14 +6,14 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
-use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::key_bindings::{KeyBindings, NO_BINDINGS};
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, DisplayCommand, RenderCommand, TimeCommand, ToolCommand, ViewCommand};
+use crate::app::editor::command::{
+    Command, DisplayCommand, KeptPicture, RenderCommand, ShellCommand, TimeCommand, ToolCommand, ViewCommand,
+};
 
 /// The state that actions toggle, step or refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,15 +4,14 @@ use bevy_egui::egui::Key;
 
 use super::action::{Action, ActionContext, Group, action, alt, command, command_shift, plain, shift};
 use crate::app::editor::command::addition::AdditionKind;
-use crate::app::editor::command::baking::BakeCommand;
 use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
-use crate::app::editor::command::kept_picture::KeptPicture;
 use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{BakeCommand, KeptPicture};
 use crate::app::editor::command::{
     CameraEdit, Command, DisplayCommand, FileCommand, FileDialogKind, HistoryCommand, MediumEdit, OutlineEdit,
     RenderCommand, SceneEdit, SelectionCommand, SettingsEdit, TimeEdit, ToolCommand,

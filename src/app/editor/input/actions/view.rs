@@ -9,10 +9,9 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::Seeing;
-use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, ToolCommand, ViewCommand};
+use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, ShellCommand, ToolCommand, ViewCommand};
 
 /// The stops of a press of a bracket key.
 const EXPOSURE_STEP: f32 = 0.25;
