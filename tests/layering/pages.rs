@@ -1,11 +1,11 @@
 //! Holds the links between the pages: every file that a page of the documentation links to exists, and so does every
-//! heading.
+//! heading. So does every source file that a page names.
 
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::ROOT;
+use super::{ROOT, sources};
 
 /// Folders with pages, without those inside them.
 const FOLDERS: [&str; 4] = ["", "docs", "benches", "fuzz"];
@@ -106,4 +106,39 @@ fn broken_links_are_found() {
         let page = format!("{page}![e]({link})\n");
         assert_eq!(broken(&path, &page), [format!("{}:7: {link}", path.display())]);
     }
+}
+
+/// The source files that a page names in backticks. Placeholders are in capitals.
+fn named_sources(page: &str) -> impl Iterator<Item = (usize, &str)> {
+    let is_source = |name: &&str| {
+        name.ends_with(".rs")
+            && name
+                .chars()
+                .all(|c| c.is_ascii_lowercase() || "0123456789_/.".contains(c))
+    };
+    let words =
+        prose(page).flat_map(|(number, line)| line.split('`').skip(1).step_by(2).map(move |word| (number, word)));
+    words.filter(move |(_, word)| is_source(word))
+}
+
+#[test]
+fn source_files_that_pages_name_exist() {
+    let mut files = Vec::new();
+    for folder in ["src", "tests", "benches", "examples", "crates", "fuzz"] {
+        sources(&Path::new(ROOT).join(folder), &mut files);
+    }
+    let exists = |name: &str| files.iter().any(|file| file.ends_with(name)) || Path::new(ROOT).join(name).exists();
+    let (mut lost, mut count) = (Vec::new(), 0);
+    for path in pages() {
+        let page = fs::read_to_string(&path).expect("pages are text");
+        for (line, name) in named_sources(&page) {
+            count += 1;
+            if !exists(name) {
+                lost.push(format!("{}:{line}: {name}", path.display()));
+            }
+        }
+    }
+    assert!(lost.is_empty(), "\n{}", lost.join("\n"));
+    assert!(count > 100, "only {count} names");
+    assert!(!exists("render/nothing.rs") && exists("engine/extract.rs"));
 }
