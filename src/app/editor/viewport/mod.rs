@@ -288,53 +288,7 @@ fn paint_over(
     }
     model.outline.paint(&painter, picture);
     if let Some(screen) = screen {
-        if model.keys.overlay.shown {
-            for world_box in &model.boxes.boxes {
-                let color = if world_box.over_instances { SCENE_BOX } else { MESH_BOX };
-                let lines = edges(&screen.camera, world_box).into_iter().map(|ends| {
-                    Shape::line_segment(ends.map(|film| screen.point_of_film(film)), Stroke::new(1.0, color))
-                });
-                painter.extend(lines);
-            }
-        }
-        let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
-        painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
-        volume_boxes::paint(&painter, screen, model.volume_boxes);
-        let pointer = ui.input(|input| input.pointer.latest_pos());
-        let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
-        path_lines::paint(
-            &painter,
-            screen,
-            &model.paths.paths,
-            chosen,
-            model.navigation.scene_size,
-        );
-        icons::paint(&painter, screen, model.icons, |icon| {
-            match Level::of(icon.entity, model.keys.selection, state.pointer.hovered) {
-                Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
-                level => level.color(),
-            }
-        });
-        let mut tags = Tags::default();
-        stand_ins::paint_names(&painter, screen, model.stand_ins, &mut tags);
-        if model.keys.dimensions
-            && let Some(bounds) = model.extent
-        {
-            extent::paint(&painter, screen, &bounds, model.gizmo.unit, &mut tags);
-        }
-        let begun = state.pointer.measured_from;
-        rulers::paint(&painter, screen, model, begun, pointer, &mut tags);
-        let tool = state.tool(model.keys.tool);
-        tool.paint(&painter, screen, model, pointer);
-        state.pointer.paint(&painter, pointer);
-        if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
-            tag(
-                &painter,
-                picture.center_bottom() - egui::vec2(0.0, 8.0),
-                Align2::CENTER_BOTTOM,
-                &note,
-            );
-        }
+        paint_scene(ui, &painter, screen, model, state);
     }
     if let Some(region) = model.region {
         let corner = |at: bevy::math::Vec2| picture.min + picture.size() * egui::vec2(at.x, at.y);
@@ -349,39 +303,7 @@ fn paint_over(
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
         tag(&painter, at, Align2::CENTER_TOP, hint)
     });
-    let mut notes = Vec::new();
-    if model.camera.is_some_and(|camera| camera.is_orthographic()) {
-        notes.push("Orthographic".to_owned());
-    }
-    if model.keys.display.mode != DisplayMode::Shaded {
-        notes.push(model.keys.display.mode.name().to_owned());
-    }
-    if let DenoiserState::Shown { seconds, samples } = model.denoiser {
-        notes.push(format!("denoised, {samples} spp, {seconds:.1} s"));
-    }
-    if model.is_carried_over {
-        notes.push("carried over".to_owned());
-    }
-    if model.keys.overlay.shown {
-        let (shown, total) = (model.boxes.boxes.len(), model.boxes.total);
-        notes.push(if total > MAX_BOXES {
-            format!("{shown} of {total} boxes")
-        } else {
-            format!("{total} boxes")
-        });
-    }
-    if model.keys.paused && paused::words(model).is_none() {
-        notes.push("Paused".to_owned());
-    }
-    // The view may have come to it by itself, or long ago: the key tells how it ends.
-    let isolated = model.keys.isolated.then_some(("Shown alone", "isolate"));
-    let left_out = model.keys.seeing.notes().chain(isolated);
-    notes.extend(left_out.map(|(text, action)| actions::hint(text, action, model.keys.bound)));
-    if let [total, drawn] = model.wireframe.triangles
-        && drawn < total
-    {
-        notes.push(format!("{drawn} of {total} triangles as lines"));
-    }
+    let notes = notes(model);
     let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
     // Words that begin in a low, wide picture, or have many lines, are beside the tools.
     let tools = toolbar::column_place(panel);
@@ -425,6 +347,94 @@ fn paint_over(
     if let Some(shown) = model.legend {
         legend::paint(&painter, picture, shown);
     }
+}
+
+/// Paints what has its place in the scene.
+fn paint_scene(ui: &Ui, painter: &egui::Painter, screen: &Screen, model: &ViewportModel, state: &ViewportState) {
+    paint_lines(painter, screen, model);
+    let pointer = ui.input(|input| input.pointer.latest_pos());
+    let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
+    path_lines::paint(painter, screen, &model.paths.paths, chosen, model.navigation.scene_size);
+    icons::paint(painter, screen, model.icons, |icon| {
+        match Level::of(icon.entity, model.keys.selection, state.pointer.hovered) {
+            Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
+            level => level.color(),
+        }
+    });
+    let mut tags = Tags::default();
+    stand_ins::paint_names(painter, screen, model.stand_ins, &mut tags);
+    if model.keys.dimensions
+        && let Some(bounds) = model.extent
+    {
+        extent::paint(painter, screen, &bounds, model.gizmo.unit, &mut tags);
+    }
+    let begun = state.pointer.measured_from;
+    rulers::paint(painter, screen, model, begun, pointer, &mut tags);
+    let tool = state.tool(model.keys.tool);
+    tool.paint(painter, screen, model, pointer);
+    state.pointer.paint(painter, pointer);
+    if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
+        tag(
+            painter,
+            screen.picture.center_bottom() - egui::vec2(0.0, 8.0),
+            Align2::CENTER_BOTTOM,
+            &note,
+        );
+    }
+}
+
+/// Paints the boxes of the hierarchy, the wireframe and the boxes of volumes.
+fn paint_lines(painter: &egui::Painter, screen: &Screen, model: &ViewportModel) {
+    if model.keys.overlay.shown {
+        for world_box in &model.boxes.boxes {
+            let color = if world_box.over_instances { SCENE_BOX } else { MESH_BOX };
+            let lines = edges(&screen.camera, world_box)
+                .into_iter()
+                .map(|ends| Shape::line_segment(ends.map(|film| screen.point_of_film(film)), Stroke::new(1.0, color)));
+            painter.extend(lines);
+        }
+    }
+    let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
+    painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
+    volume_boxes::paint(painter, screen, model.volume_boxes);
+}
+
+/// The notes in the corner of the picture: what it shows other than usual.
+fn notes(model: &ViewportModel) -> Vec<String> {
+    let mut notes = Vec::new();
+    if model.camera.is_some_and(|camera| camera.is_orthographic()) {
+        notes.push("Orthographic".to_owned());
+    }
+    if model.keys.display.mode != DisplayMode::Shaded {
+        notes.push(model.keys.display.mode.name().to_owned());
+    }
+    if let DenoiserState::Shown { seconds, samples } = model.denoiser {
+        notes.push(format!("denoised, {samples} spp, {seconds:.1} s"));
+    }
+    if model.is_carried_over {
+        notes.push("carried over".to_owned());
+    }
+    if model.keys.overlay.shown {
+        let (shown, total) = (model.boxes.boxes.len(), model.boxes.total);
+        notes.push(if total > MAX_BOXES {
+            format!("{shown} of {total} boxes")
+        } else {
+            format!("{total} boxes")
+        });
+    }
+    if model.keys.paused && paused::words(model).is_none() {
+        notes.push("Paused".to_owned());
+    }
+    // The view may have come to it by itself, or long ago: the key tells how it ends.
+    let isolated = model.keys.isolated.then_some(("Shown alone", "isolate"));
+    let left_out = model.keys.seeing.notes().chain(isolated);
+    notes.extend(left_out.map(|(text, action)| actions::hint(text, action, model.keys.bound)));
+    if let [total, drawn] = model.wireframe.triangles
+        && drawn < total
+    {
+        notes.push(format!("{drawn} of {total} triangles as lines"));
+    }
+    notes
 }
 
 /// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1

@@ -20,7 +20,7 @@ use crate::app::editor::command::{Command, FileCommand, SceneEdit, SelectionComm
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::input::{keys, number_field};
-use crate::app::editor::model::{EditorModel, Inspected};
+use crate::app::editor::model::{EditorModel, Inspected, Model};
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
 use crate::app::editor::panels::timeline::timeline;
@@ -181,53 +181,16 @@ pub fn show_window(
             timeline(ui, &model.timeline, bound, &mut widgets.timeline, commands);
         });
     }
-    let shown = ViewportModel {
-        picture: seen.picture,
-        proportions: seen.proportions,
-        placeholder: &seen.placeholder,
-        // While a scene is being read the camera is still that of the scene before.
-        outdated: (model.status.status.outdated).filter(|_| scene.status.state == SceneState::Ready),
-        pose: seen.pose,
-        camera: scene.packed.view.as_ref().map(|view| view.camera),
-        boxes: seen.boxes(),
-        outline: &seen.outline,
-        wireframe: &seen.wireframe,
-        volume_boxes: &seen.volume_boxes,
-        icons: &seen.icons,
-        stand_ins: &seen.stand_ins,
-        gizmo: GizmoModel {
-            settings: settings.gizmo,
-            targets: &seen.targets,
-            length_step: settings.length_step(),
-            grid: settings.grid,
-            up: settings.navigation.up,
-            unit: model.unit,
-            packed: &scene.packed,
-            bound: &shell.preferences.keys,
-        },
-        blocks: &seen.blocks,
-        textures: seen.textures.as_ref(),
-        locked: &seen.locked,
-        things: &model.outline,
-        packed: &scene.packed,
-        legend: seen.legend.as_ref(),
-        captions: &seen.captions,
-        compared: seen.compared,
-        region: model.render.region,
-        paths: &scene.paths,
-        navigation: settings.navigation,
-        denoiser: model.status.denoiser,
-        is_carried_over: model.status.is_carried_over,
-        preset: shell.preferences.navigation,
-        keys: action_context,
-        mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),
-        extent: model.extent,
-        rulers: &settings.rulers,
-        is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
-        depths: Depths::rendered(&scene.film),
-        presses: &presses,
-        enabled: is_free,
-    };
+    let mouse = egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y);
+    let shown = viewport_model(
+        &scene,
+        &shell.preferences,
+        model,
+        action_context,
+        &presses,
+        mouse,
+        is_free,
+    );
     widgets.bake.follow(layout, &model.bake);
     if let Some(panel) = requests.wanted_panel.take() {
         layout.bring_to_front(panel);
@@ -320,6 +283,66 @@ pub fn show_window(
     let is_picture = context.memory(|memory| memory.has_focus(egui::Id::new(PICTURE)));
     *typing.keyboard = Keyboard::of(&context, is_picture);
     Ok(())
+}
+
+/// What the viewport shows.
+fn viewport_model<'a>(
+    scene: &'a Scene,
+    preferences: &'a Preferences,
+    model: &'a Model,
+    keys: ActionContext<'a>,
+    presses: &'a [Press],
+    mouse: egui::Vec2,
+    enabled: bool,
+) -> ViewportModel<'a> {
+    let (settings, seen) = (&*scene.settings, &*scene.seen);
+    ViewportModel {
+        picture: seen.picture,
+        proportions: seen.proportions,
+        placeholder: &seen.placeholder,
+        // While a scene is being read the camera is still that of the scene before.
+        outdated: (model.status.status.outdated).filter(|_| scene.status.state == SceneState::Ready),
+        pose: seen.pose,
+        camera: scene.packed.view.as_ref().map(|view| view.camera),
+        boxes: seen.boxes(),
+        outline: &seen.outline,
+        wireframe: &seen.wireframe,
+        volume_boxes: &seen.volume_boxes,
+        icons: &seen.icons,
+        stand_ins: &seen.stand_ins,
+        gizmo: GizmoModel {
+            settings: settings.gizmo,
+            targets: &seen.targets,
+            length_step: settings.length_step(),
+            grid: settings.grid,
+            up: settings.navigation.up,
+            unit: model.unit,
+            packed: &scene.packed,
+            bound: &preferences.keys,
+        },
+        blocks: &seen.blocks,
+        textures: seen.textures.as_ref(),
+        locked: &seen.locked,
+        things: &model.outline,
+        packed: &scene.packed,
+        legend: seen.legend.as_ref(),
+        captions: &seen.captions,
+        compared: seen.compared,
+        region: model.render.region,
+        paths: &scene.paths,
+        navigation: settings.navigation,
+        denoiser: model.status.denoiser,
+        is_carried_over: model.status.is_carried_over,
+        preset: preferences.navigation,
+        keys,
+        mouse,
+        extent: model.extent,
+        rulers: &settings.rulers,
+        is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
+        depths: Depths::rendered(&scene.film),
+        presses,
+        enabled,
+    }
 }
 
 /// Copies, cuts and pastes things while nothing is being typed.
