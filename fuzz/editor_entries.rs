@@ -285,11 +285,11 @@ fn show(mut layout: Layout) {
             });
         }
     });
-    for panel in Panel::CLOSEABLE {
+    for &panel in Panel::CLOSEABLE {
         layout.close(panel);
         assert!(!layout.has(panel));
     }
-    for panel in Panel::CLOSEABLE {
+    for &panel in Panel::CLOSEABLE {
         layout.show(panel);
         assert!(layout.has(panel));
     }

@@ -1,89 +1,105 @@
-//! The list of all panels.
+//! The panels, each declared by one row.
 
 use serde::{Deserialize, Serialize};
 
-/// A part of the window that can be moved to another place, and closed, except the viewport.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Panel {
-    /// The picture.
-    Viewport,
+/// The side of the viewport at which a panel is until the user moves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The left.
+    Left,
+    /// The right.
+    Right,
+}
+
+/// What a panel is like until the user changes it.
+struct Row {
+    title: &'static str,
+    short_title: &'static str,
+    side: Side,
+    /// Whether the panel is shown at the first start.
+    is_open: bool,
+    /// Whether the panel scrolls its own contents.
+    scrolls: bool,
+}
+
+/// Declares the panels beside the viewport: title, short title, side, whether the panel is open at the first start, and
+/// whether it scrolls its own contents.
+macro_rules! panels {
+    ($($(#[$doc:meta])* $Panel:ident: $title:literal, $short:literal, $side:ident, $open:literal, $scrolls:literal;)*) => {
+        /// A part of the window that can be moved to another place, and closed, except the viewport.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Panel {
+            /// The picture.
+            Viewport,
+            $($(#[$doc])* $Panel,)*
+        }
+
+        impl Panel {
+            /// The panels that can be closed and shown again, in the order of the menu.
+            pub const CLOSEABLE: &[Self] = &[$(Self::$Panel),*];
+
+            const fn row(self) -> Row {
+                let (title, short_title, side, is_open, scrolls) = match self {
+                    Self::Viewport => ("Viewport", "View", Side::Left, true, true),
+                    $(Self::$Panel => ($title, $short, Side::$side, $open, $scrolls),)*
+                };
+                Row { title, short_title, side, is_open, scrolls }
+            }
+        }
+    };
+}
+
+panels! {
     /// The list of all things of the scene.
-    Outliner,
+    Outliner: "Outliner", "Outl.", Left, true, true;
     /// The library of materials.
-    Library,
+    Library: "Library", "Lib.", Left, true, true;
     /// Folders of pictures, meshes and scenes.
-    Assets,
+    Assets: "Assets", "Assets", Left, true, true;
     /// The parameters of the selection.
-    Inspector,
+    Inspector: "Inspector", "Insp.", Right, true, false;
     /// Samples, limits, integrator, light mixing and comparison.
-    Render,
+    Render: "Render", "Rend.", Right, true, false;
     /// The steps that can be undone and redone.
-    History,
+    History: "History", "Hist.", Right, true, true;
     /// The problems with the scene and its files.
-    Messages,
+    Messages: "Messages", "Mess.", Right, true, false;
     /// The paths of an inspected pixel, vertex by vertex.
-    Paths,
+    Paths: "Paths", "Paths", Right, false, false;
     /// The bake of lightmaps that is under way.
-    Bake,
+    Bake: "Bake", "Bake", Right, false, false;
 }
 
 impl Panel {
-    /// The panels that can be closed and shown again, in the order of the menu.
-    pub const CLOSEABLE: [Self; 9] = [
-        Self::Outliner,
-        Self::Library,
-        Self::Assets,
-        Self::Inspector,
-        Self::Render,
-        Self::History,
-        Self::Messages,
-        Self::Paths,
-        Self::Bake,
-    ];
-    /// The panels at the right, one behind the other, until the user moves them.
-    pub(crate) const RIGHT: [Self; 6] = [
-        Self::Inspector,
-        Self::Render,
-        Self::History,
-        Self::Messages,
-        Self::Paths,
-        Self::Bake,
-    ];
-    /// The panels at the left.
-    pub(crate) const LEFT: [Self; 3] = [Self::Outliner, Self::Library, Self::Assets];
-    /// The panels that are shown only on demand.
-    pub(crate) const CLOSED: [Self; 2] = [Self::Paths, Self::Bake];
+    /// The word on the tab and in the menu.
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
 
     /// The word on a tab that has little room.
     pub fn short_title(self) -> &'static str {
-        match self {
-            Self::Viewport => "View",
-            Self::Outliner => "Outl.",
-            Self::Library => "Lib.",
-            Self::Assets => "Assets",
-            Self::Inspector => "Insp.",
-            Self::Render => "Rend.",
-            Self::History => "Hist.",
-            Self::Messages => "Mess.",
-            Self::Paths => "Paths",
-            Self::Bake => "Bake",
-        }
+        self.row().short_title
     }
 
-    /// The word on the tab and in the menu.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Viewport => "Viewport",
-            Self::Outliner => "Outliner",
-            Self::Library => "Library",
-            Self::Assets => "Assets",
-            Self::Inspector => "Inspector",
-            Self::Render => "Render",
-            Self::History => "History",
-            Self::Messages => "Messages",
-            Self::Paths => "Paths",
-            Self::Bake => "Bake",
-        }
+    /// The side of the panel until the user moves it.
+    pub(crate) fn side(self) -> Side {
+        self.row().side
+    }
+
+    /// Whether the panel is shown at the first start, and not on demand only.
+    pub(crate) fn is_open(self) -> bool {
+        self.row().is_open
+    }
+
+    /// Whether the panel scrolls its own contents.
+    pub(crate) fn scrolls(self) -> bool {
+        self.row().scrolls
+    }
+
+    /// The panels of a side, in the order of their tabs.
+    pub(crate) fn on(side: Side) -> impl Iterator<Item = Self> {
+        let all = Self::CLOSEABLE.iter().copied();
+        all.filter(move |panel| panel.side() == side)
     }
 }

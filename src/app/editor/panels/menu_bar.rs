@@ -380,7 +380,7 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
 
 fn window_menu(ui: &mut Ui, state: &MenuState, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
-    for panel in Panel::CLOSEABLE {
+    for &panel in Panel::CLOSEABLE {
         let mut shown = state.layout.has(panel);
         if ui.checkbox(&mut shown, panel.title()).clicked() {
             let command = match shown {

@@ -6,7 +6,7 @@ use egui_dock::{DockState, Node, NodeIndex, NodePath, Split, Surface, SurfaceInd
 use serde::Deserialize as _;
 
 use super::panel_sizes::{WantedSizes, assume_shown};
-use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::panel::{Panel, Side};
 use crate::app::editor::command::preferences::Preferences;
 
 /// Points; the shares are of this.
@@ -22,8 +22,8 @@ pub struct Layout(pub DockState<Panel>, WantedSizes);
 impl Default for Layout {
     fn default() -> Self {
         let mut layout = Self(DockState::new(vec![Panel::Viewport]), WantedSizes::default());
-        let open = |panel: &Panel| !Panel::CLOSED.contains(panel);
-        for panel in Panel::RIGHT.into_iter().filter(open).chain(Panel::LEFT) {
+        let usual = Panel::on(Side::Right).chain(Panel::on(Side::Left));
+        for panel in usual.filter(|panel| panel.is_open()) {
             layout.show(panel);
         }
         layout.show(Panel::Outliner);
@@ -65,16 +65,15 @@ impl Layout {
     /// Shows a panel in front of its group, or in its usual place if it was closed.
     pub fn show(&mut self, panel: Panel) {
         if !self.bring_to_front(panel) {
-            let is_right = Panel::RIGHT.contains(&panel);
-            let side: &[Panel] = if is_right { &Panel::RIGHT } else { &Panel::LEFT };
-            let group = side.iter().filter_map(|neighbour| self.0.find_tab(neighbour)).next();
+            let mut neighbours = Panel::on(panel.side());
+            let group = neighbours.find_map(|neighbour| self.0.find_tab(&neighbour));
             match group.and_then(|place| self.0.leaf_mut(place.node_path()).ok()) {
                 Some(leaf) => leaf.tabs.push(panel),
                 None => {
                     // The share is that of what is left of the split.
-                    let (side, share) = match is_right {
-                        true => (Split::Right, 1.0 - RIGHT_SHARE),
-                        false => (Split::Left, LEFT_SHARE),
+                    let (side, share) = match panel.side() {
+                        Side::Right => (Split::Right, 1.0 - RIGHT_SHARE),
+                        Side::Left => (Split::Left, LEFT_SHARE),
                     };
                     let root = NodeIndex::root();
                     let tree = self.0.main_surface_mut();
@@ -179,13 +178,13 @@ mod tests {
     #[test]
     fn what_is_closed_comes_back_and_the_viewport_stays() {
         let mut layout = Layout::default();
-        for panel in Panel::CLOSEABLE {
+        for &panel in Panel::CLOSEABLE {
             layout.close(panel);
             assert!(!layout.has(panel), "{panel:?}");
         }
         layout.close(Panel::Viewport);
         assert_eq!(titles(&layout), ["Viewport"]);
-        for panel in Panel::CLOSEABLE {
+        for &panel in Panel::CLOSEABLE {
             layout.show(panel);
             layout.show(panel);
         }

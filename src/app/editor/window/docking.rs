@@ -199,11 +199,7 @@ impl TabViewer for Panels<'_> {
     }
 
     fn scroll_bars(&self, panel: &Panel) -> [bool; 2] {
-        let has_own = matches!(
-            panel,
-            Panel::Viewport | Panel::Outliner | Panel::Library | Panel::Assets | Panel::History
-        );
-        [false, !has_own]
+        [false, !panel.scrolls()]
     }
 
     fn tab_style_override(&self, panel: &Panel, style: &TabStyle) -> Option<TabStyle> {
