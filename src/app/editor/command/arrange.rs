@@ -5,20 +5,17 @@ use bevy::prelude::Entity;
 
 use bevy::math::Vec3;
 
-/// The part of each thing's bounds that is brought in line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// The lower end along the axis.
-    Low,
-    /// The middle.
-    Middle,
-    /// The upper end along the axis.
-    High,
-}
-
-impl Side {
-    /// The sides with their names in scripts.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Low, "low"), (Self::Middle, "middle"), (Self::High, "high")];
+declare_names! {
+    /// The part of each thing's bounds that is brought in line.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Side {
+        /// The lower end along the axis.
+        Low = "low",
+        /// The middle.
+        Middle = "middle",
+        /// The upper end along the axis.
+        High = "high",
+    }
 }
 
 /// What things are aligned to.
@@ -30,18 +27,15 @@ pub enum Reference {
     Active,
 }
 
-/// What is equal between things that are distributed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spacing {
-    /// The empty space between the bounds of neighbours.
-    Gaps,
-    /// The distance between the middles of neighbours.
-    Middles,
-}
-
-impl Spacing {
-    /// The spacings with their names in scripts.
-    pub const ALL: [(Self, &'static str); 2] = [(Self::Gaps, "gaps"), (Self::Middles, "middles")];
+declare_names! {
+    /// What is equal between things that are distributed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Spacing {
+        /// The empty space between the bounds of neighbours.
+        Gaps = "gaps",
+        /// The distance between the middles of neighbours.
+        Middles = "middles",
+    }
 }
 
 /// A series of copies.

@@ -4,33 +4,16 @@ use super::traits::Traits;
 
 use bevy::prelude::Entity;
 
-/// A place where a thing refers to a medium.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MediumSide {
-    /// Inside of a shape.
-    Interior,
-    /// Outside of a shape, at its surface.
-    Exterior,
-    /// Around a camera or a light.
-    Around,
-}
-
-impl MediumSide {
-    /// The sides with their words in scripts, and the labels of their rows.
-    pub const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Interior, "interior", "Interior"),
-        (Self::Exterior, "exterior", "Exterior"),
-        (Self::Around, "around", "Is in"),
-    ];
-
-    /// The word in scripts, which is also the name of what differs among selected things.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-
-    /// The label of its row.
-    pub fn label(self) -> &'static str {
-        Self::ALL[self as usize].2
+declare_names! {
+    /// A place where a thing refers to a medium.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum MediumSide {
+        /// Inside of a shape.
+        Interior = "interior" => "Interior",
+        /// Outside of a shape, at its surface.
+        Exterior = "exterior" => "Exterior",
+        /// Around a camera or a light.
+        Around = "around" => "Is in",
     }
 }
 

@@ -4,45 +4,26 @@ use serde::{Deserialize, Serialize};
 
 use super::lenient::or_default;
 
-/// The places to which a move goes while it snaps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SnapTo {
-    /// Steps from where the thing was.
-    #[default]
-    Increments,
-    /// Multiples of the step, counted from the origin of the world.
-    Grid,
-    /// Corners of what is under the pointer.
-    Vertices,
-    /// Edges of what is under the pointer.
-    Edges,
-    /// The surface under the pointer.
-    Faces,
+declare_names! {
+    /// The places to which a move goes while it snaps.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum SnapTo {
+        /// Steps from where the thing was.
+        #[default]
+        Increments = "increments" => "Steps from where the thing was",
+        /// Multiples of the step, counted from the origin of the world.
+        Grid = "grid" => "Multiples of the step, from the origin of the world",
+        /// Corners of what is under the pointer.
+        Vertices = "vertices" => "Corners of what is under the pointer",
+        /// Edges of what is under the pointer.
+        Edges = "edges" => "Edges of what is under the pointer",
+        /// The surface under the pointer.
+        Faces = "faces" => "The surface under the pointer",
+    }
 }
 
 impl SnapTo {
-    /// All of them with their names in menus, in preferences and scripts, and what is told of them.
-    pub const ALL: [(Self, &'static str, &'static str); 5] = [
-        (Self::Increments, "increments", "Steps from where the thing was"),
-        (
-            Self::Grid,
-            "grid",
-            "Multiples of the step, from the origin of the world",
-        ),
-        (Self::Vertices, "vertices", "Corners of what is under the pointer"),
-        (Self::Edges, "edges", "Edges of what is under the pointer"),
-        (Self::Faces, "faces", "The surface under the pointer"),
-    ];
-
-    /// The name in menus and scripts.
-    pub fn name(self) -> &'static str {
-        Self::ALL
-            .iter()
-            .find(|(to, ..)| *to == self)
-            .map_or("", |(_, name, _)| name)
-    }
-
     /// Whether it needs something under the pointer.
     pub(crate) fn is_of_geometry(self) -> bool {
         matches!(self, Self::Vertices | Self::Edges | Self::Faces)

@@ -9,31 +9,21 @@ pub struct Projection {
     pub tile: f32,
 }
 
-/// The directions from which textures are projected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProjectedFrom {
-    /// The six sides of a box along the axes of the world: each face from the one that it faces most.
-    Box,
-    /// The side that most of the shape's surface faces.
-    Face,
-    /// The camera's direction of view.
-    View,
-    /// The upward direction.
-    Above,
-    /// A sphere around the middle of each shape.
-    Sphere,
-    /// A cylinder around the upright line through the middle of each shape.
-    Cylinder,
-}
-
-impl ProjectedFrom {
-    /// All of them, with their names in scripts and in the form.
-    pub const ALL: [(Self, &'static str, &'static str); 6] = [
-        (Self::Box, "box", "Sides of a box"),
-        (Self::Face, "face", "Main face"),
-        (Self::View, "view", "View"),
-        (Self::Above, "above", "Above"),
-        (Self::Sphere, "sphere", "Sphere"),
-        (Self::Cylinder, "cylinder", "Cylinder"),
-    ];
+declare_names! {
+    /// The directions from which textures are projected.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum ProjectedFrom {
+        /// The six sides of a box along the axes of the world: each face from the one that it faces most.
+        Box = "box" => "Sides of a box",
+        /// The side that most of the shape's surface faces.
+        Face = "face" => "Main face",
+        /// The camera's direction of view.
+        View = "view" => "View",
+        /// The upward direction.
+        Above = "above" => "Above",
+        /// A sphere around the middle of each shape.
+        Sphere = "sphere" => "Sphere",
+        /// A cylinder around the upright line through the middle of each shape.
+        Cylinder = "cylinder" => "Cylinder",
+    }
 }

@@ -40,10 +40,10 @@ impl Mixed {
                     found.insert("area_light".to_owned());
                 }
             }
-            for (side, name, _) in MediumSide::ALL {
+            for side in MediumSide::ALL {
                 let place = side as usize;
                 if shown.has_side(side) && other.has_side(side) && shown.media_at[place] != other.media_at[place] {
-                    found.insert(name.to_owned());
+                    found.insert(side.name().to_owned());
                 }
             }
             both(&shown.shape, &other.shape, &mut found);

@@ -124,6 +124,6 @@ fn boxes(medium: &Medium, content: impl Fn(&GridFile) -> Option<InspectedGrid>) 
 /// The media of a thing with the places where it refers to them.
 fn places(thing: &Inspected, is_medium: bool) -> impl Iterator<Item = (Option<MediumSide>, Entity)> {
     let own = is_medium.then_some((None, thing.entity));
-    let sides = MediumSide::ALL.map(|(side, ..)| Some((Some(side), thing.media_at[side as usize]?)));
+    let sides = MediumSide::ALL.map(|side| Some((Some(side), thing.media_at[side as usize]?)));
     own.into_iter().chain(sides.into_iter().flatten())
 }

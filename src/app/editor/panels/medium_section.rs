@@ -37,7 +37,7 @@ enum Chosen {
 
 /// Whether the section has anything to show.
 pub(super) fn has_media(inspected: &Inspected) -> bool {
-    !inspected.media.is_empty() || MediumSide::ALL.iter().any(|(side, ..)| inspected.has_side(*side))
+    !inspected.media.is_empty() || MediumSide::ALL.into_iter().any(|side| inspected.has_side(side))
 }
 
 /// Shows the rows.
@@ -48,7 +48,7 @@ pub(super) fn medium_rows(
     copies: &mut EditedMedia,
     commands: &mut Vec<Command>,
 ) {
-    for (side, ..) in MediumSide::ALL {
+    for side in MediumSide::ALL {
         if inspected.has_side(side) {
             choice(ui, inspected, model, side, commands);
         }

@@ -26,8 +26,7 @@ impl Default for ProjectionForm {
 
 /// Shows the form for these shapes. True when it is done with.
 pub fn projection(ui: &mut Ui, form: &mut ProjectionForm, shapes: &[Entity], commands: &mut Vec<Command>) -> bool {
-    let directions = ProjectedFrom::ALL.map(|(from, _, name)| (from, name));
-    fields::choice(ui, "From", &mut form.from, &directions);
+    fields::choice(ui, "From", &mut form.from, &ProjectedFrom::LABELED);
     let metre = lengths::unit(ui).parse("1m").map_or(1.0, |metre| metre as f32);
     let mut tile = form.tile.unwrap_or(metre);
     if lengths::length(

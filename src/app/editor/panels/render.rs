@@ -86,12 +86,11 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
 /// The rows for which pixels of the film are traced, and how a picture of few pixels is shown.
 fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut resolution = model.resolution;
-    let choices = Resolution::ALL.map(|(choice, _, label)| (choice, label));
-    if fields::choice(ui, "Pixels", &mut resolution, &choices) {
+    if fields::choice(ui, "Pixels", &mut resolution, &Resolution::LABELED) {
         commands.push(RenderCommand::SetResolution(resolution).into());
     }
     let mut enlarging = model.enlarging;
-    if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::ALL) {
+    if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::LABELED) {
         commands.push(DisplayCommand::SetEnlarging(enlarging).into());
     }
     let button = look::primary(ui, "Render full film");

@@ -13,8 +13,8 @@ pub(crate) fn snap_menu(ui: &mut Ui, keys: &ActionContext, snap: &mut Snapping) 
         snap.to.name()
     );
     icon_menu(ui, ToolIcon::Magnet, snap.always, "Snapping", &help, |ui| {
-        for (to, name, help) in SnapTo::ALL {
-            ui.radio_value(&mut snap.to, to, name).on_hover_text(help);
+        for (to, help) in SnapTo::LABELED {
+            ui.radio_value(&mut snap.to, to, to.name()).on_hover_text(help);
         }
         ui.separator();
         ui.checkbox(&mut snap.always, hint("Without Ctrl", "snap-always", keys.bound))

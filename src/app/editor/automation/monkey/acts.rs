@@ -244,7 +244,7 @@ fn rendering(world: &mut World, random: &mut Random) -> Vec<Act> {
         7 => say("denoise"),
         8 => say(format!(
             "resolution {}",
-            Resolution::ALL[random.below(Resolution::ALL.len())].1
+            Resolution::ALL[random.below(Resolution::ALL.len())].name()
         )),
         9 => say(["render-full", "stop-full", "enlarge sharp", "enlarge smooth"][random.below(4)]),
         _ => say("restart"),

@@ -168,7 +168,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         35 => one(format!("move-key {} to_world 0 {}", shape?, random.below(3))),
         29 => one(format!(
             "project-texture {} 0.{} {}",
-            ProjectedFrom::ALL[random.below(ProjectedFrom::ALL.len())].1,
+            ProjectedFrom::ALL[random.below(ProjectedFrom::ALL.len())].name(),
             1 + random.below(9),
             shape?
         )),

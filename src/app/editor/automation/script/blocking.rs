@@ -34,20 +34,16 @@ const FLOOR_HEIGHT: f32 = 0.1;
 const THICKNESS: f32 = 0.2;
 
 fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[&str]) -> Result<SceneEdit, ScriptError> {
-    let known = BlockKind::ALL.iter().find(|(_, name)| *name == kind);
-    let (kind, _) = known.ok_or_else(|| format!("expected box, floor or wall, found `{kind}`"))?;
+    let known = BlockKind::of_name(kind);
+    let kind = known.ok_or_else(|| format!("expected box, floor or wall, found `{kind}`"))?;
     let up = world.resource::<ViewSettings>().navigation.up;
     let mut block = Block {
-        kind: *kind,
+        kind,
         name: None,
         from: parse_vec3(from)?,
         to: parse_vec3(to)?,
         plane: Plane::of_normal(up, up),
-        height: if *kind == BlockKind::Floor {
-            FLOOR_HEIGHT
-        } else {
-            HEIGHT
-        },
+        height: if kind == BlockKind::Floor { FLOOR_HEIGHT } else { HEIGHT },
         thickness: THICKNESS,
     };
     for option in options {

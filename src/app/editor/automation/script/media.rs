@@ -63,9 +63,6 @@ fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<MediumEdit, Sc
 }
 
 fn side_of(word: &str) -> Result<MediumSide, ScriptError> {
-    let known = MediumSide::ALL.into_iter().find(|(_, name, _)| *name == word);
-    let names = MediumSide::ALL.into_iter().map(|(_, name, _)| name);
-    known
-        .map(|(side, ..)| side)
-        .ok_or_else(|| unknown("place of a medium", word, names))
+    let names = MediumSide::ALL.map(MediumSide::name);
+    MediumSide::of_name(word).ok_or_else(|| unknown("place of a medium", word, names))
 }

@@ -54,9 +54,8 @@ fn rotated(world: &mut World, name: &str, axis: Vec3, degrees: &str) -> Result<V
 }
 
 fn snap(world: &World, to: &str, how: &[&str]) -> Result<ToolCommand, ScriptError> {
-    let names = || SnapTo::ALL.into_iter().map(|(_, name, _)| name);
-    let known = SnapTo::ALL.into_iter().find(|(_, name, _)| *name == to);
-    let (to, ..) = known.ok_or_else(|| unknown("place to snap to", to, names()))?;
+    let names = SnapTo::ALL.map(SnapTo::name);
+    let to = SnapTo::of_name(to).ok_or_else(|| unknown("place to snap to", to, names))?;
     if let Some(word) = how.iter().find(|word| !["always", "align"].contains(word)) {
         return Err(unknown("way to snap", word, ["always", "align"]));
     }
@@ -70,15 +69,12 @@ fn snap(world: &World, to: &str, how: &[&str]) -> Result<ToolCommand, ScriptErro
 }
 
 fn align(axis: &str, side: &str, to: Reference) -> Result<ArrangeEdit, ScriptError> {
-    let known = Side::ALL.into_iter().find(|(_, name)| *name == side);
-    let (known, _) = known.ok_or_else(|| unknown("side", side, Side::ALL.into_iter().map(|(_, name)| name)))?;
+    let known = Side::of_name(side).ok_or_else(|| unknown("side", side, Side::ALL.map(Side::name)))?;
     Ok(ArrangeEdit::Align(axis_of(axis)?, known, to))
 }
 
 fn distribute(axis: &str, by: &str) -> Result<ArrangeEdit, ScriptError> {
-    let known = Spacing::ALL.into_iter().find(|(_, name)| *name == by);
-    let names = || Spacing::ALL.into_iter().map(|(_, name)| name);
-    let (known, _) = known.ok_or_else(|| unknown("spacing", by, names()))?;
+    let known = Spacing::of_name(by).ok_or_else(|| unknown("spacing", by, Spacing::ALL.map(Spacing::name)))?;
     Ok(ArrangeEdit::Distribute(axis_of(axis)?, known))
 }
 

@@ -118,15 +118,13 @@ pub fn switch(text: &str) -> Result<bool, ScriptError> {
 }
 
 fn resolution(name: &str) -> Result<Resolution, ScriptError> {
-    let known = Resolution::ALL.into_iter().find(|(_, known, _)| *known == name);
-    let known = known.ok_or_else(|| format!("expected `view`, `after-rest` or `full`, found `{name}`"))?;
-    Ok(known.0)
+    let known = Resolution::of_name(name);
+    known.ok_or_else(|| format!("expected `view`, `after-rest` or `full`, found `{name}`").into())
 }
 
 fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
-    let known = Enlarging::ALL.into_iter().find(|(_, known)| *known == name);
-    let known = known.ok_or_else(|| format!("expected `smooth` or `sharp`, found `{name}`"))?;
-    Ok(known.0)
+    let known = Enlarging::of_name(name);
+    known.ok_or_else(|| format!("expected `smooth` or `sharp`, found `{name}`").into())
 }
 
 /// Parses a limit above 0; None is no limit.

@@ -28,9 +28,8 @@ verbs! {
 }
 
 fn projection(world: &World, from: &str, tile: &str) -> Result<Projection, ScriptError> {
-    let names = || ProjectedFrom::ALL.into_iter().map(|(_, name, _)| name);
-    let known = ProjectedFrom::ALL.into_iter().find(|(_, name, _)| *name == from);
-    let (from, ..) = known.ok_or_else(|| unknown("projection", from, names()))?;
+    let names = ProjectedFrom::ALL.map(ProjectedFrom::name);
+    let from = ProjectedFrom::of_name(from).ok_or_else(|| unknown("projection", from, names))?;
     let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
     let tile = unit.parse(tile).ok_or("expected the length of a tile's edge")? as f32;
     Ok(Projection { from, tile })

@@ -6,16 +6,18 @@ pub mod faces;
 pub mod joints;
 pub mod openings;
 
-/// The things that can be drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BlockKind {
-    /// A box on a rectangle.
-    #[default]
-    Box,
-    /// A slab below a rectangle, so that its upper side is where it was drawn.
-    Floor,
-    /// A wall along a line.
-    Wall,
+declare_names! {
+    /// The things that can be drawn.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum BlockKind {
+        /// A box on a rectangle.
+        #[default]
+        Box = "box",
+        /// A slab below a rectangle, so that its upper side is where it was drawn.
+        Floor = "floor",
+        /// A wall along a line.
+        Wall = "wall",
+    }
 }
 
 /// The openings that can be cut.
@@ -35,20 +37,6 @@ pub enum Reshaping {
     Push,
     /// An opening was cut.
     Cut,
-}
-
-impl BlockKind {
-    /// All kinds with their names.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Box, "box"), (Self::Floor, "floor"), (Self::Wall, "wall")];
-
-    /// The word for it in names and scripts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::Floor => "floor",
-            Self::Wall => "wall",
-        }
-    }
 }
 
 /// The multiple of a step nearest to a length, without the rounding of a product of singles; the length itself without
