@@ -27,10 +27,11 @@ use crate::scene::{
     SceneDescription, SceneId, Sensor, Shape, ShapeKind, Solid, SquarePath, ToWorld, Trust, read,
 };
 
-/// The height of a light above what it shines on, and of a flat thing above what it lies on, in half sizes.
+/// The height of a light above the surface it shines on, and of a flat entity above the surface it lies on, in half
+/// sizes.
 const ABOVE: f32 = 4.0;
 const FLAT: f32 = 0.01;
-/// Radians; turns by it never come back to where one was.
+/// The golden angle in radians: multiples of it never repeat a direction.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
@@ -209,7 +210,7 @@ fn lift(kind: AdditionKind) -> f32 {
     }
 }
 
-/// Whether a spot is looked for.
+/// Whether a free spot is searched for, since the kind has a place.
 fn has_spot(kind: AdditionKind) -> bool {
     match kind {
         AdditionKind::Camera | AdditionKind::Fog => false,
@@ -247,7 +248,7 @@ fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
     Affine3A::from_quat(Quat::from_rotation_arc(from, up))
 }
 
-/// The view, as the camera in use.
+/// The pose, sensor and film of the view, as they are of the camera in use.
 fn camera(world: &World) -> (Affine3A, Sensor, Film) {
     let active = world.resource::<ActiveSensor>().0;
     let sensor = active
@@ -313,8 +314,8 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The scene without cameras, and without the light that stands in where a file has none: the one that it comes into
-/// has its own.
+/// The scene without cameras and without the light that stands in where a file has none: the scene that imports it has
+/// its own.
 fn without_setting(mut scene: SceneDescription, stand_in_light: Option<&str>) -> SceneDescription {
     scene.sensors.clear();
     if let Some(stand_in) = stand_in_light {
@@ -369,7 +370,7 @@ fn set_environment(edit: &mut Edit, picture: PathBuf) {
     select_new(edit, vec![entity]);
 }
 
-/// The light that is everywhere, if there is one.
+/// The environment light, if there is one.
 fn sky(world: &mut World) -> Option<Entity> {
     let mut emitters = world.query::<(&DocumentOrder, Entity, &Emitter)>();
     let skies = emitters.iter(world).filter(|(.., emitter)| emitter.is_sky());

@@ -92,7 +92,7 @@ pub fn union(extents: Vec<Option<Range<f32>>>) -> Option<Range<f32>> {
     extents.reduce(|all, one| all.start.min(one.start)..all.end.max(one.end))
 }
 
-/// The extent of each thing along a direction; None for what is everywhere or nowhere.
+/// The extent of each thing along a direction; None for an infinite thing or one without a place.
 pub fn extent_of_each(world: &World, things: &[Entity], direction: Vec3) -> Vec<Option<Range<f32>>> {
     let solids = solids_of_each(world.resource::<PackedScene>(), things);
     let each = things.iter().zip(solids);

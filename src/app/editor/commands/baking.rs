@@ -26,7 +26,7 @@ use crate::render::visibility::outer_walls::OuterWalls;
 use crate::render::visibility::sight::Sight;
 use crate::scene::{ActiveSensor, InMedium};
 
-/// Does what a command asks of the bake.
+/// Starts, stops or shows the bake, as the command says.
 pub(super) fn apply(world: &mut World, command: BakeCommand) -> Result<(), CommandError> {
     let baking = world.get_resource_or_init::<Baking>();
     match command {
@@ -55,11 +55,11 @@ pub(super) fn apply(world: &mut World, command: BakeCommand) -> Result<(), Comma
     Ok(())
 }
 
-/// The most pixels of the picture of the level along each side.
+/// The largest picture of the level, in pixels.
 const LARGEST_LOOK: UVec2 = UVec2::new(1280, 1280);
 const NOTHING: &str = "No bake is under way.";
 
-/// Gives the bake up, or closes what is shown of it.
+/// Stops the bake, or closes the view of its result.
 fn close(world: &mut World) {
     world.resource_mut::<Baking>().discard();
     if let Some(mut comparison) = world.get_resource_mut::<Comparison>() {
@@ -122,7 +122,7 @@ pub fn follow(world: &mut World) {
     tell_end(world);
 }
 
-/// Tells the bake what is to be seen of it, and takes the picture of the level.
+/// Selects the lightmaps that the bake shows, and hands it the picture of the level.
 fn look(world: &mut World) {
     let display = world.resource::<ViewSettings>().display.tone();
     let is_compared = |comparison: &Comparison| matches!(comparison.view, CompareView::Baked(_));
@@ -160,7 +160,7 @@ fn show_lit(comparison: &mut Mut<Comparison>, lit: Option<Arc<LitPicture>>) {
     }
 }
 
-/// Begins once the packed scene is the one that the user sees.
+/// Starts the waiting bake once the packed scene is the scene that the user sees.
 fn start(world: &mut World) {
     if !world.resource::<RenderStatus>().is_up_to_date {
         return;
@@ -219,8 +219,8 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFo
     Ok((order, folder))
 }
 
-/// Gives up a bake that waits for a scene, since another one takes its place. One that is under way goes on, and how it
-/// ends is no matter of the other scene.
+/// Gives up a bake that waits for a scene, since another one takes its place. A running bake goes on, and its end does
+/// not concern the new scene.
 pub(super) fn leave_scene(world: &mut World) {
     let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));
     if world.get_resource::<Baking>().is_some_and(waits) {
@@ -234,7 +234,7 @@ pub(super) fn leave_scene(world: &mut World) {
     }
 }
 
-/// Closes what is shown of the bake, and tells why it has failed.
+/// Closes the view of the bake, and shows the reason of its failure.
 fn fail(world: &mut World, reason: String) {
     close(world);
     let mut toasts = world.resource_mut::<Toasts>();
@@ -242,7 +242,7 @@ fn fail(world: &mut World, reason: String) {
     world.resource_mut::<Baking>().failure = Some(reason);
 }
 
-/// Tells of the end of the bake, once.
+/// Reports the end of the bake by a toast, once.
 fn tell_end(world: &mut World) {
     let mut baking = world.resource_mut::<Baking>();
     let Some(ended) = (match &baking.work {
@@ -283,7 +283,7 @@ fn tell_end(world: &mut World) {
     }
 }
 
-/// Gives up the bake that is under way before the program ends. Its folder is as it was then, or has all files.
+/// Stops the running bake before the program ends. Its folder is then unchanged or complete.
 pub fn end_at_exit(world: &mut World) {
     let Some(mut baking) = world.get_resource_mut::<Baking>() else {
         return;

@@ -45,9 +45,10 @@ pub fn reshape(edit: &mut Edit, entity: Entity, shape: Shape, pose: Affine3A) ->
     replace(edit, entity, shape)
 }
 
-/// The same with numbers of few digits, so that a file says 9.2 where arithmetic gives 9.200001.
+/// The shape and pose rounded to few digits, so that a file says 9.2 where arithmetic gives 9.200001.
 fn short(mut shape: Shape, mut pose: Affine3A) -> (Shape, Affine3A) {
-    /// Well above what arithmetic adds, and well below what one sees.
+    /// Lengths below this share of the unit are rounding residue: well above what arithmetic adds, well below what one
+    /// sees.
     const RESIDUE: f32 = 1e-5;
     let own = match &mut shape.kind {
         ShapeKind::Solid(part) => {
@@ -56,7 +57,7 @@ fn short(mut shape: Shape, mut pose: Affine3A) -> (Shape, Affine3A) {
             let unit = rounding::unit_below(RESIDUE * extent);
             part.visit_lengths(&mut |length| {
                 let short = rounding::rounded(*length, unit);
-                // What is smaller than the unit is meant.
+                // A length smaller than the unit is deliberate.
                 if short != 0.0 {
                     *length = short;
                 }

@@ -21,13 +21,13 @@ use crate::scene::{
     ToWorld,
 };
 
-/// What a thing was copied from. It is no part of the scene.
+/// The entity that this one was copied from. It is no part of the scene.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct CopyOf(Entity);
 
 /// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside
-/// its original, as far as suits its size. If what is selected was copied just before, and perhaps moved since, the
-/// copies continue that series.
+/// its original, at a distance that suits its size. If what is selected was copied just before, and perhaps moved
+/// since, the copies continue that series.
 pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let selected = grouping::whole_groups(edit.world, selected);
@@ -52,7 +52,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Makes a series of what is selected. All of it is selected then.
+/// Makes a series of copies of the selection. The whole series is selected then.
 pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
     if !(2..=LONGEST_SERIES).contains(&series.count) {
         return Err(format!("A series has from 2 to {LONGEST_SERIES} things.").into());
@@ -137,7 +137,7 @@ fn next_in_series(before: &Affine3A, now: &Affine3A, unit: f64) -> Affine3A {
     }
 }
 
-/// The pose of what a thing was copied from.
+/// The pose of the entity that this one was copied from.
 fn before_in_series(world: &World, entity: Entity) -> Option<Affine3A> {
     let CopyOf(original) = *world.get::<CopyOf>(entity)?;
     let pose = things::pose_of(world, original)?;
@@ -165,7 +165,8 @@ fn is_instance(world: &World, entity: Entity) -> bool {
 }
 
 /// Puts the selected shapes into a group of instances and an instance of it in their place. The origin is that of the
-/// active one. A folder's transform is no shape: it is deleted, and what it moves becomes part of the instance.
+/// active one. A folder's transform is no shape: it is deleted, and the members of the folder become part of the
+/// instance.
 fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
     let all = grouping::units(edit)?.into_iter().flat_map(|unit| unit.all);
     let all = all.filter(|entity| edit.world.get::<ToWorld>(*entity).is_some());
@@ -214,7 +215,7 @@ fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
 /// The name of a copy of a thing without a name.
 const UNNAMED: &str = "copy";
 
-/// Makes copies with names and places in the file of their own.
+/// Makes copies whose names and positions in the file are their own.
 struct Copier {
     taken: TakenNames,
     /// The name that the last copy of a name got, from which the next one is found quickly.
@@ -256,7 +257,7 @@ impl Copier {
         let in_copy = self.folders.in_copy(name);
         let name = in_copy.as_deref().unwrap_or(name);
         let latest = self.latest.get(name).map_or(name, String::as_str);
-        // What is in a folder that was found free needs no number.
+        // Entities in a copied folder keep their names, since the folder's name is new.
         let free = self.taken.take(latest);
         self.latest.insert(name.to_owned(), free.clone());
         let name = free;

@@ -18,7 +18,7 @@ use crate::scene::{self, SceneAccess, SceneState, SceneStatus};
 /// The most losses that the window names; the log has all.
 const MOST_NAMED: usize = 8;
 
-/// What was lost, or why nothing was written.
+/// The messages about data that glTF cannot hold, or the reason why nothing was written.
 type Exported = Result<Vec<String>, ExportError>;
 
 /// The export that is under way.
@@ -51,7 +51,7 @@ fn start(world: &mut World, path: &Path) -> Result<Task<Exported>, CommandError>
     }))
 }
 
-/// The scene as it is now, with what of it is hidden and the files that it may read.
+/// The scene as it is now, its hidden entities, and the files that it may read.
 pub(super) fn described(world: &mut World) -> Result<(SceneDescription, Hidden, Access), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         return Err(CommandError::file("A scene is still being read."));
@@ -124,7 +124,7 @@ fn tell(world: &mut World, path: &Path, exported: Exported) -> Result<(), Comman
     Ok(())
 }
 
-/// The text with the messages below it, as far as there is room.
+/// The text followed by the list of messages, as far as they fit into a toast.
 pub(super) fn with_list(text: &str, messages: &[String]) -> String {
     let mut text = text.to_owned();
     for message in messages.iter().take(MOST_NAMED) {

@@ -25,7 +25,7 @@ use crate::math::Ray;
 use crate::scene::assets::triangle_mesh::load_mesh;
 use crate::scene::{Declared, Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
 
-/// The depth to which materials inside of others are looked through.
+/// The depth to which nested materials are searched.
 const DEEPEST: usize = 8;
 
 pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
@@ -82,14 +82,14 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
     }
 }
 
-/// What an XML file holds.
+/// The kind of content of an XML file, such as a scene or a material.
 fn content_of(edit: &Edit, path: &Path) -> Result<FileContent, CommandError> {
     let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
     let found = presets::content_of(path, trust.access(path));
     found.map_err(|error| CommandError::file(format!("{}: {error}", path.display())))
 }
 
-/// The shape at the place, or the selected shapes. An error where the shape is locked.
+/// The shape at the place, or the selected shapes. An error if the shape is locked.
 fn takers(edit: &Edit, at: Option<Vec2>) -> Result<Vec<Entity>, CommandError> {
     let Some(at) = at else {
         let selected = edit.world.resource::<Selection>().entities().iter().copied();
@@ -106,7 +106,7 @@ fn takers(edit: &Edit, at: Option<Vec2>) -> Result<Vec<Entity>, CommandError> {
     Ok(vec![shape])
 }
 
-/// Puts a picture in the place of the colour of a material.
+/// Replaces the colour of a material by a picture.
 fn cover(edit: &mut Edit, material: Entity, picture: &Path) -> Result<(), CommandError> {
     let (owner, parameter) = colored(edit.world, material, DEEPEST)
         .ok_or("The material of the shape has no colour that could be a picture.")?;
@@ -114,7 +114,7 @@ fn cover(edit: &mut Edit, material: Entity, picture: &Path) -> Result<(), Comman
     Ok(())
 }
 
-/// The material, or the first of those inside it, that has a colour of its surface, with the name of the parameter.
+/// The material, or its first nested material, that has a surface colour, with the name of that parameter.
 fn colored(world: &World, material: Entity, deepest: usize) -> Option<(Entity, &'static str)> {
     let mut found = None;
     world.get::<Material>(material)?.visit(&mut |info, value| {
@@ -128,7 +128,7 @@ fn colored(world: &World, material: Entity, deepest: usize) -> Option<(Entity, &
     found.or_else(|| inside().find_map(|inner| colored(world, inner, deepest)))
 }
 
-/// The bounds of a mesh of which nothing is known yet. None for large files, for which the window would wait.
+/// The bounds of a mesh file that the scene has not loaded. None for large files, which would block the window.
 fn bounds_of(path: &Path) -> Option<[Vec3; 2]> {
     const LARGEST: u64 = 16 << 20;
     files::check(path, LARGEST).ok()?;
@@ -144,7 +144,7 @@ fn bounds_of(path: &Path) -> Option<[Vec3; 2]> {
     })
 }
 
-/// Puts the mesh that has been imported onto the surface, or else the ground, at a place of the picture.
+/// Moves the imported mesh onto the surface at a point of the picture, or else onto the ground.
 fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), CommandError> {
     let [mesh] = *edit.world.resource::<Selection>().entities() else {
         return Ok(());

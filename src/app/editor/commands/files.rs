@@ -59,7 +59,7 @@ pub fn apply(world: &mut World, command: FileCommand) -> Result<(), CommandError
     Ok(())
 }
 
-/// The path of texts of the clipboard: files in them are named in full.
+/// The path that stands for the clipboard when its text is parsed: files in it are named by absolute paths.
 pub const CLIPBOARD: &str = "/clipboard.xml";
 
 pub fn new_scene(world: &mut World) {
@@ -131,7 +131,7 @@ pub fn save_to(world: &mut World, path: &Path) -> Result<(), CommandError> {
     }
 }
 
-/// Asks before a scene is saved over one of which there are newer edits to recover. False: there are none.
+/// Asks before a scene is saved over a file of which newer edits can be recovered. Returns whether it asked.
 pub fn ask_about_copy(world: &mut World, path: &Path) -> bool {
     let recovery = world.get_resource_mut::<Recovery>();
     let Some(copy) = recovery.and_then(|mut recovery| recovery.newer_copy_of(path)) else {
@@ -141,7 +141,7 @@ pub fn ask_about_copy(world: &mut World, path: &Path) -> bool {
     true
 }
 
-/// Asks the user where others have changed the file so that saving would lose something.
+/// Saves the scene. Asks the user if others have changed the file so that saving would lose their edits.
 pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         return Err(CommandError::file("A scene is still being read."));
@@ -152,7 +152,8 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
     end_save(world, path, result)
 }
 
-/// Notes what the file was and is. Returns the reason why it cannot be opened again as it is.
+/// Stores the saved file's state before and after in the history. Returns the reason why the file cannot be reopened as
+/// it is.
 pub fn note_saved(world: &mut World, mut saved: Saved) -> Option<String> {
     let trouble = saved.trouble.take();
     world.insert_resource(BegunWith(None));
@@ -162,7 +163,7 @@ pub fn note_saved(world: &mut World, mut saved: Saved) -> Option<String> {
     trouble
 }
 
-/// Tells how a save has ended, or asks the user.
+/// Reports the result of a save by a toast, or asks the user.
 pub fn end_save(world: &mut World, path: &Path, result: Result<Option<String>, SaveError>) -> Result<(), CommandError> {
     history::end_save(world, result.is_ok());
     let trouble = match result {
@@ -183,14 +184,14 @@ pub fn end_save(world: &mut World, path: &Path, result: Result<Option<String>, S
     Ok(())
 }
 
-/// Tells that something is saved, which removes earlier errors of saving.
+/// Shows a toast that something is saved, and removes earlier toasts about failed saves.
 fn say_saved(world: &mut World, message: String) {
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.forget(Topic::Saving);
     toasts.info(message);
 }
 
-/// Cancels the question of the last command, and returns it as an error for callers that cannot answer.
+/// Cancels the question that the last command asks, and returns it as an error for callers that cannot answer.
 pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let mut requests = world.resource_mut::<Requests>();
     if let Some(question) = requests.save_question.take() {
@@ -203,7 +204,7 @@ pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandErr
     Ok(())
 }
 
-/// Saves the picture with the pixels that it has, to an EXR file with its layers.
+/// Saves the picture in its present resolution, as an EXR file with its layers.
 pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err(CommandError::file("There is no picture to save."));
@@ -275,7 +276,7 @@ pub fn check_scene_stays(world: &World, path: &Path) -> Result<(), CommandError>
     }
 }
 
-/// How the film of the camera is stored, as the scene says it.
+/// The storage format of the camera's film, as the scene gives it.
 fn film_storage(world: &World) -> FilmStorage {
     let sensor = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
     let film = sensor.and_then(|sensor| world.get::<Film>(sensor));

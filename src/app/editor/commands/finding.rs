@@ -13,7 +13,8 @@ use crate::app::editor::words::files::{PICTURES, extension};
 use crate::document::paths::settle;
 use crate::scene::{AreaLight, Emitter, Material, Medium, NamesFiles, SceneStatus, Shape};
 
-/// Makes everything that names `missing` name `found`. With `others` the other missing files are looked for beside it.
+/// Replaces the path `missing` by `found` wherever it is named. With `others` the other missing files are searched
+/// beside it.
 pub fn find(edit: &mut Edit, missing: &Path, found: &Path, others: bool) -> Result<(), CommandError> {
     let found = settle(found);
     if !found.is_file() {
@@ -57,7 +58,7 @@ pub fn find(edit: &mut Edit, missing: &Path, found: &Path, others: bool) -> Resu
     Ok(())
 }
 
-/// Gives the components of this kind the new paths; the old ones that were met are added to `named`.
+/// Replaces paths in the components of this kind; old paths that occurred are added to `named`.
 fn relink<C: Component + NamesFiles + Clone + PartialEq>(
     edit: &mut Edit,
     moves: &HashMap<PathBuf, PathBuf>,
@@ -82,7 +83,7 @@ fn relink<C: Component + NamesFiles + Clone + PartialEq>(
     }
 }
 
-/// Where another missing file is, now that one was found: where it lies relative to that, or by its name in the same
+/// The present path of another missing file: at the same relative path from the found one, or by its name in the same
 /// folder.
 fn beside(missing: &Path, found: &Path, other: &Path) -> Option<PathBuf> {
     let folder = found.parent()?;
@@ -92,7 +93,7 @@ fn beside(missing: &Path, found: &Path, other: &Path) -> Option<PathBuf> {
     places.map(|path| settle(&path)).find(|path| path.is_file())
 }
 
-/// The way from a folder to a file.
+/// The relative path from a folder to a file.
 fn relative(folder: &Path, file: &Path) -> Option<PathBuf> {
     let (mut up, mut base) = (PathBuf::new(), folder);
     loop {

@@ -50,7 +50,7 @@ pub fn picture(world: &World) -> ImageRgb {
     }
 }
 
-/// The picture with its layers. The one without noise is made now unless it is shown.
+/// The picture with its layers. The denoised picture is computed now unless it is shown.
 pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
     let (film, job) = (&world.resource::<RenderFilm>().film, world.resource::<RenderFilm>().job);
     let is_shown = world
@@ -67,7 +67,7 @@ pub fn layered(world: &World, picture: &ImageRgb) -> LayeredImage {
     layered
 }
 
-/// Says in the picture where it comes from.
+/// Writes the origin of the picture into its metadata.
 pub fn describe(world: &World, picture: &mut LayeredImage) {
     let scene = world.get_resource::<SceneStatus>();
     let scene = scene.and_then(|scene| scene.path.as_deref());
@@ -103,8 +103,8 @@ pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     }
 }
 
-/// The film as it is shown in modes that show no light: size, and three bytes a pixel; black where there is nothing
-/// yet.
+/// The film as bytes in display modes that show no light: its size and three bytes a pixel, black where nothing is
+/// rendered yet.
 pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     let film = &world.resource::<RenderFilm>().film;
     let (width, height) = (film.width(), film.height());
@@ -116,15 +116,15 @@ pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     ([width, height], rgb)
 }
 
-/// The factors of the film's layers by which its picture is shown.
+/// The factors of the film's layers in the displayed picture.
 pub fn factors(world: &World) -> Vec<Rgb> {
     let groups = &world.resource::<RenderFilm>().light_groups;
     let lights = world.resource::<FilmLights>();
     world.resource::<LightMix>().factors(groups, lights)
 }
 
-/// Whether the denoised picture is still to come that the user wants to see: the best one of a picture that is at rest,
-/// or else the first.
+/// Whether the denoised picture that the user wants is still to come: the final one of a finished picture, or else the
+/// first.
 pub(crate) fn awaits_denoised(world: &World) -> bool {
     let film = world.resource::<RenderFilm>();
     match world.resource::<RenderStatus>().state {
@@ -136,7 +136,7 @@ pub(crate) fn awaits_denoised(world: &World) -> bool {
     }
 }
 
-/// Whether the denoised picture of all present samples is not there yet, though the user wants that.
+/// Whether denoising is on and the denoised picture does not have all present samples yet.
 pub fn owes_denoised(world: &World) -> bool {
     let mix = factors(world);
     is_denoising(world) && world.resource::<Denoiser>().owes(world.resource::<RenderFilm>(), &mix)
@@ -166,7 +166,7 @@ pub fn noisy_picture(world: &World) -> Option<ImageRgb> {
 pub fn expose(world: &mut World) -> Result<(), CommandError> {
     let stops = auto_exposure(&picture(world).pixels).ok_or("The picture is black.")?;
     let display = world.resource::<ViewSettings>().display;
-    // The steps are coarse enough to read.
+    // Exposure is rounded to tenths of a stop, so that it is easy to read.
     let exposure = (10.0 * stops).round() / 10.0;
     set_display(world, DisplaySettings { exposure, ..display });
     Ok(())

@@ -1,5 +1,5 @@
-//! Scales things so that they are seen well, and offers that for meshes that come from files: their size may have
-//! nothing to do with the scene.
+//! Scales things so that they fill a third of the view, and offers this for meshes from files, whose units may differ
+//! from the scene's.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -58,7 +58,7 @@ pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandEr
     things::transform(edit, poses)
 }
 
-/// Notes the meshes that an import has made, which are selected: their size is told once they have been read.
+/// Remembers the selected meshes of an import, whose size is reported once they are loaded.
 pub fn note_import(world: &mut World) {
     let made = world.resource::<Selection>().entities().to_vec();
     let is_mesh = |entity: &Entity| {
@@ -72,7 +72,7 @@ pub fn note_import(world: &mut World) {
     }
 }
 
-/// Tells how large imported meshes are, as soon as they are in the picture.
+/// Reports the size of imported meshes as soon as they are in the picture.
 pub(crate) fn tell_sizes(world: &mut World) {
     if world.resource::<Requests>().imported.is_empty() {
         return;

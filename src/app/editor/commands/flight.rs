@@ -1,5 +1,5 @@
-//! Short flights of the view to where a command has sent it, so that the user sees where the view goes. A flight is no
-//! part of a command: later commands find the view at its end. There are no flights without a user, or if the
+//! Short flights of the view to the pose that a command has set, so that the user sees where the view goes. A flight is
+//! no part of a command: later commands find the view at its end. There are no flights without a user, or if the
 //! preferences turn them off.
 
 use std::time::{Duration, Instant};
@@ -38,14 +38,14 @@ struct Course {
     to: Affine3A,
     /// The point that is looked at, if it is known: the view turns around it.
     center: Option<Vec3>,
-    /// The view from then on.
+    /// The view at the end of the flight.
     end: FreeView,
     began: Instant,
-    /// The revision of the scene that the flight is in.
+    /// The revision of the scene in which the flight began.
     revision: u64,
 }
 
-/// Sends the view from the pose `from` to `end` and the camera in use, by a flight if that is wanted.
+/// Moves the view from the pose `from` to `end` and the camera in use, by a flight if preferences allow it.
 pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Option<Vec3>) {
     let is_calm = world
         .get_resource::<Preferences>()
@@ -76,8 +76,8 @@ pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Opti
     world.resource_mut::<FreeView>().set_if_neq(first);
 }
 
-/// Ends the flight before a command, which finds the view at the end of the flight. Only steering by the user goes on
-/// from where the view is.
+/// Ends the flight before a command, which finds the view at the end of the flight. Only steering by the user starts
+/// from the pose in flight.
 pub fn make_way(world: &mut World, command: &Command) {
     let Some(mut flights) = world.get_resource_mut::<Flights>() else {
         return;
@@ -92,13 +92,13 @@ pub fn make_way(world: &mut World, command: &Command) {
     }
 }
 
-/// A frame of the flight.
+/// Advances the flight by a frame.
 pub fn fly_on(world: &mut World) {
     let Some(course) = world.resource::<Flights>().course else {
         return;
     };
     if world.resource::<SceneStatus>().revision != course.revision {
-        // It is another scene, or another camera in it.
+        // Another scene was opened, or another camera chosen.
         world.resource_mut::<Flights>().course = None;
         return;
     }
@@ -118,14 +118,14 @@ pub fn fly_on(world: &mut World) {
     world.resource_mut::<Pacing>().note_commands(true);
 }
 
-/// The eased share of the way: the flight begins and ends at rest.
+/// The share of the flight eased at both ends, so that it begins and ends at rest.
 fn eased(share: f32) -> f32 {
     let share = share.clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Axes as directions, and how long they are. The extent of an orthographic picture means nothing to a perspective one
-/// and the other way around: it is the end's all the way.
+/// The pose in between. Directions are interpolated, and so is the distance of the centre; the extent is that of the
+/// end, since an orthographic extent means nothing in a perspective.
 fn between(course: &Course, share: f32) -> Affine3A {
     let (from, to) = (&course.from, &course.to);
     let rotation = direction(from).slerp(direction(to), share);
@@ -135,7 +135,7 @@ fn between(course: &Course, share: f32) -> Affine3A {
         let center = course.center.unwrap_or(place(pose));
         (center - place(pose)).dot(ahead(pose)).max(0.0)
     };
-    // The point that far ahead moves straight, and the camera moves around it.
+    // The point at the distance of the centre moves straight, and the camera orbits it.
     let looked_at = |pose: &Affine3A| place(pose) + ahead(pose) * distance(pose);
     let middle = looked_at(from).lerp(looked_at(to), share);
     let back = rotation * Vec3::Z * distance(from).lerp(distance(to), share);
@@ -146,7 +146,7 @@ fn between(course: &Course, share: f32) -> Affine3A {
     }
 }
 
-/// The rotation of a pose without its scale; of a mirrored pose, that of its other two axes.
+/// The rotation of a pose without its scale; of a mirrored pose, the rotation of its other two axes.
 fn direction(pose: &Affine3A) -> Quat {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     Quat::from_mat3a(&crate::app::editor::camera::navigation::facing(

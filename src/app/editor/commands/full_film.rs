@@ -100,7 +100,7 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
             is_denoised: finished::is_denoising(world),
             before,
         };
-        // A number of samples that some pixels have left behind already could only be reached by beginning anew.
+        // A number of samples that some pixels have exceeded already could only be reached by a new picture.
         control(world, |control| match is_smaller {
             true => control.exact_samples = Some(samples),
             false => control.paused = true,
@@ -111,7 +111,7 @@ pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// Takes the user's consent for granted, for callers that cannot be asked.
+/// Answers the question about memory with yes, for callers that cannot be asked.
 pub fn confirm(world: &mut World) -> Result<(), CommandError> {
     match world.resource_mut::<Requests>().full_film_question.take() {
         Some(question) => render(world, question.confirmed()),
@@ -119,8 +119,8 @@ pub fn confirm(world: &mut World) -> Result<(), CommandError> {
     }
 }
 
-/// Cancels the image that is waited for. The film that was begun for it stays with its samples, unless it has none or
-/// is so large that the user was asked about it. Without such an image it goes back to the pixels of the window.
+/// Cancels the awaited image. The full film that was begun for it stays with its samples, unless it has none or is so
+/// large that the user was asked about it. Without such an image it goes back to the pixels of the window.
 pub fn stop(world: &mut World) {
     let Some(file) = world.get_resource::<AwaitedImage>().map(AwaitedImage::file_name) else {
         return control(world, RenderControl::forget_size_until_change);
@@ -136,7 +136,7 @@ pub fn stop(world: &mut World) {
     end(world, Err(error));
 }
 
-/// Ends the wait for an image.
+/// Ends the wait for an image with this result.
 fn end(world: &mut World, outcome: Result<(), ImageNotSaved>) {
     if let Some(image) = world.remove_resource::<AwaitedImage>() {
         control(world, |control| match image.before {
@@ -147,7 +147,7 @@ fn end(world: &mut World, outcome: Result<(), ImageNotSaved>) {
     }
 }
 
-/// Saves the image that is waited for when the full film has its samples.
+/// Saves the awaited image once the full film has its samples.
 pub fn follow_awaited_image(world: &mut World) {
     let Some(image) = world.get_resource::<AwaitedImage>().cloned() else {
         return;

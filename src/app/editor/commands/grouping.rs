@@ -1,6 +1,6 @@
 //! Groups: folders of things, in folders if need be, with a transform of their own. A folder is the part of names
-//! before a slash. Its transform is that of a thing without a surface that is called as the folder, with a slash behind
-//! it; moving that moves everything in the folder.
+//! before a slash. Its transform is held by an entity without a surface that has the folder's name with a slash behind
+//! it; moving this entity moves everything in the folder.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -19,7 +19,8 @@ use crate::scene::free_name::free_name;
 use crate::scene::insert::{names, next_order};
 use crate::scene::{DocumentOrder, Locked, MemberOf, Placements, SceneId, Shape, ShapeKind, ToWorld};
 
-/// Puts what is selected into a new group, inside the group that all of it is in. The group is the active thing then.
+/// Puts the selection into a new group, inside the innermost group that contains all of it. The new group becomes
+/// active.
 pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     let members = selected(edit)?;
     let outer = common_folder(edit.world, &members);
@@ -43,7 +44,7 @@ pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Takes what is in the selected groups out of them, into the group around. The groups are gone then.
+/// Moves the members of the selected groups into the group around, and deletes the selected groups.
 pub fn ungroup(edit: &mut Edit) -> Result<(), CommandError> {
     let frames: Vec<Entity> = selected(edit)?
         .into_iter()
@@ -88,7 +89,7 @@ pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> R
         .flat_map(|frame| named_within(edit.world, frame))
         .collect();
     for frame in &frames {
-        // A group in another one that is put there as well goes with that.
+        // A group inside another one that is moved as well goes with that one.
         if frames.iter().any(|outer| frame.starts_with(&format!("{outer}/"))) {
             continue;
         }
@@ -116,8 +117,8 @@ pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> R
     Ok(())
 }
 
-/// Takes things out of a folder that is given up. Folders inside it stay as they are, but for a number if there is such
-/// a folder already.
+/// Moves things out of a folder that is dissolved. Folders inside it keep their names, with a number added if a name is
+/// taken.
 fn take_out(edit: &mut Edit, things: &[Entity], from: &str, to: Option<&str>) {
     let mut folders = BTreeSet::new();
     let mut direct = Vec::new();
@@ -196,19 +197,19 @@ pub fn with_members(edit: &mut Edit, mut poses: Vec<(Entity, Affine3A)>) -> Vec<
 /// Things that stay together when each selected thing is placed by itself: a thing alone, or a group with all that is
 /// in it.
 pub struct Unit {
-    /// The thing, or the transform of the group.
+    /// The thing itself, or the transform of the group.
     pub lead: Entity,
     /// The thing, or everything in the group with its transform last.
     pub all: Vec<Entity>,
 }
 
-/// The selected groups and the things beside them, in the order of the selection.
+/// The selected groups and ungrouped things, in the order of the selection.
 pub fn units(edit: &mut Edit) -> Result<Vec<Unit>, CommandError> {
     let selected = selected(edit)?;
     Ok(units_of(edit.world, selected))
 }
 
-/// The groups among these things, with all that is in them, and the things beside them.
+/// The groups among these things with all members, and the ungrouped things.
 pub fn units_of(world: &mut World, things: Vec<Entity>) -> Vec<Unit> {
     let frames = things.iter().copied().filter(|entity| is_frame(world, *entity));
     let frames: Vec<Entity> = frames.collect();
@@ -232,8 +233,8 @@ pub fn units_of(world: &mut World, things: Vec<Entity>) -> Vec<Unit> {
     units.collect()
 }
 
-/// Selects everything in the innermost group around the active thing that is not selected as a whole yet; the group
-/// itself is the active one then.
+/// Selects the whole innermost group around the active thing that is not fully selected yet; its transform becomes
+/// active.
 pub fn select_group(world: &mut World) -> Result<(), CommandError> {
     let selection = world.resource::<Selection>().clone();
     let active = selection.active().ok_or("Nothing is selected.")?;
@@ -252,17 +253,17 @@ pub fn select_group(world: &mut World) -> Result<(), CommandError> {
     Err("It is in no further group.".into())
 }
 
-/// Whether it is the transform of a folder.
+/// Whether the entity is the transform of a folder.
 pub fn is_frame(world: &World, entity: Entity) -> bool {
     world.get::<Shape>(entity).is_some_and(Shape::is_frame)
 }
 
-/// The folder that a frame is the transform of.
+/// The path of the folder whose transform this is.
 pub fn path(world: &World, frame: Entity) -> String {
     name_of(world, frame).trim_end_matches('/').to_owned()
 }
 
-/// What moves with a group: all that is in its folder and has a place that may change.
+/// The members that move with a group: everything in its folder that has a place and is not locked.
 pub fn members(world: &mut World, frame: Entity) -> Vec<Entity> {
     let mut inside = named_within(world, &path(world, frame));
     let moves = |entity: &Entity| {

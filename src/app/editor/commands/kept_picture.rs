@@ -1,7 +1,7 @@
 //! Keeps a picture that is not finished beside its scene, and resumes it later.
 //!
-//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. What the
-//! picture is of is compared before it is resumed: a picture of a scene that was changed begins anew, and the file
+//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. The origin
+//! of the picture is compared before it is resumed: a picture of a scene that was changed begins anew, and the file
 //! stays.
 
 use std::path::{Path, PathBuf};
@@ -123,7 +123,7 @@ fn keepable(world: &World) -> Result<PathBuf, CommandError> {
     Ok(scene)
 }
 
-/// The open scene, if its file has all edits.
+/// The path of the open scene, if its file has all edits.
 fn saved_scene(world: &World) -> Result<PathBuf, CommandError> {
     let status = world.resource::<SceneStatus>();
     if status.state == SceneState::Loading {
@@ -139,14 +139,14 @@ fn saved_scene(world: &World) -> Result<PathBuf, CommandError> {
     }
 }
 
-/// What the picture is of.
+/// The origin of the picture: scene, camera and settings.
 fn origin(world: &World, scene: &Path) -> Result<Origin, String> {
     let sensor = world.resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| world.get::<Film>(sensor));
     let is_adaptive = film.is_some_and(|film| film.adaptive);
     let is_adaptive = world.resource::<RenderControl>().adaptive.unwrap_or(is_adaptive);
     let accel = world.resource::<AccelMethod>().name();
-    // They have the names that the command line uses.
+    // The settings have the names that the command line uses.
     let mut settings = vec![("the acceleration structure".to_owned(), accel.to_owned())];
     let defines = world.resource::<SceneDefines>().0.iter();
     settings.extend(defines.map(|(name, value)| (format!("-D {name}"), value.clone())));
@@ -193,7 +193,7 @@ fn shown(world: &mut World) -> Shown {
     }
 }
 
-/// Shows the scene as it was shown then, up to the size of the picture.
+/// Restores the stored view of the scene, except the size of the picture.
 fn show(world: &mut World, shown: &Shown) {
     world.resource_mut::<ViewSettings>().playback.stop();
     // A kept picture is of all of the scene.
@@ -278,8 +278,8 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Resumes the kept picture of a scene that was opened, and notes whether there is something to keep. To run in every
-/// frame after the commands.
+/// Resumes the kept picture of a scene that was opened, and notes whether there is a picture worth keeping. Runs in
+/// every frame after the commands.
 pub(crate) fn follow(world: &mut World) {
     let status = world.resource::<SceneStatus>();
     if status.is_opening {
@@ -290,7 +290,7 @@ pub(crate) fn follow(world: &mut World) {
     let mut pictures = world.resource_mut::<KeptPictures>();
     pictures.is_there = is_kept;
     let is_opened = pictures.take_opened(revision, is_fresh);
-    // What was recovered is of no file.
+    // A recovered scene belongs to no file.
     if is_opened
         && is_kept
         && world.resource::<History>().is_saved()
@@ -358,8 +358,8 @@ fn go_on(world: &mut World, mut returning: Returning) {
     world.resource_mut::<Toasts>().info(text);
 }
 
-/// Resumes the picture, if it is of the scene as it is now. Returns the samples that every pixel has. The error says
-/// what differs.
+/// Resumes the picture, if its origin equals the present scene. Returns the samples that every pixel has. The error
+/// names the difference.
 fn take_up(world: &mut World, returning: &Returning, size: [u32; 2]) -> Result<u32, String> {
     let view = world.resource::<PackedScene>().view.as_ref();
     if view.is_none_or(|view| [view.width, view.height] != size) {

@@ -16,7 +16,7 @@ pub(super) fn name_as_id(edit: &mut Edit, material: Entity, otherwise: &str) {
     edit.set(material, SceneId(name));
 }
 
-/// Names a material after the preset that it has become, unless its name was typed by the user.
+/// Names a material after the preset that it was replaced by, unless the user typed its name.
 pub(super) fn name_after_preset(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
     let Some(presets) = edit
         .world
@@ -44,7 +44,7 @@ pub(super) fn name_after_preset(edit: &mut Edit, material: Entity, tree: &Materi
     }
 }
 
-/// A name without the number that it has got because another thing has it.
+/// A name without the number that was added because another entity had it.
 fn without_number(name: &str) -> &str {
     match name.rsplit_once('-') {
         Some((stem, number)) if number.parse::<u32>().is_ok() => stem,

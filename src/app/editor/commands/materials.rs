@@ -1,4 +1,4 @@
-//! Edits of materials that contain others, which come and go with them.
+//! Edits of materials with nested materials, which are created and removed with them.
 
 use bevy::prelude::*;
 
@@ -18,7 +18,7 @@ use crate::scene::{
     DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape, UsesMaterial,
 };
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: MaterialEdit) -> Result<(), CommandError> {
     match command {
         MaterialEdit::UseMaterial { shapes, material } => {
@@ -60,8 +60,7 @@ pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), Comman
     Ok(())
 }
 
-/// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is
-/// locked.
+/// The shape at a point of the picture that can take a material; an error if there is none or it is locked.
 pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     let found = picking::pick(edit.world.resource::<PackedScene>(), at);
     let shape = found.ok_or("There is nothing that could take the material.")?;
@@ -71,8 +70,8 @@ pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     Ok(shape)
 }
 
-/// Gives shapes a material of the library, and its medium as their interior. What the scene has of its name that is
-/// still like it is used again.
+/// Gives shapes a material of the library, and its medium as their interior. A material of the scene that has the
+/// preset's name and is still equal to it is reused.
 pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), CommandError> {
     for &shape in shapes {
         need_surface(edit, shape)?;
@@ -94,8 +93,8 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
     Ok(())
 }
 
-/// The materials of shapes, each of which only these shapes have: a material that others have as well is copied, and a
-/// shape without one gets a grey one.
+/// Materials that only these shapes use: a material that others use as well is copied, and a shape without one gets a
+/// grey one.
 pub fn of_their_own(edit: &mut Edit, shapes: &[Entity]) -> Vec<Entity> {
     let mut own: Vec<(Option<Entity>, Entity)> = Vec::new();
     for &shape in shapes {
@@ -116,7 +115,7 @@ pub fn of_their_own(edit: &mut Edit, shapes: &[Entity]) -> Vec<Entity> {
     own.into_iter().map(|(_, material)| material).collect()
 }
 
-/// The material itself if only these shapes have it, else a copy; a grey one for none.
+/// The material itself if only these shapes use it, else a copy; a grey one for none.
 fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity {
     let Some(material) = material else {
         return copy_or_grey(edit, None);
@@ -131,7 +130,7 @@ fn owned(edit: &mut Edit, material: Option<Entity>, shapes: &[Entity]) -> Entity
     copy.unwrap_or(material)
 }
 
-/// A copy of the material with all that are nested in it; a grey one for none.
+/// A copy of the material with all nested ones; a grey material for none.
 pub fn copy_or_grey(edit: &mut Edit, material: Option<Entity>) -> Entity {
     let copy = material.and_then(|material| copied(edit, material));
     copy.unwrap_or_else(|| made(edit, "material", &Material::default().into()))
@@ -145,7 +144,7 @@ fn made(edit: &mut Edit, name: &str, tree: &MaterialTree) -> Entity {
     material
 }
 
-/// A copy of a material with all that are nested in it; None where [`tree_of`] is.
+/// A copy of a material with all nested ones; None where [`tree_of`] returns None.
 pub(super) fn copied(edit: &mut Edit, material: Entity) -> Option<Entity> {
     let tree = tree_of(edit.world, material)?;
     let name = edit
@@ -156,8 +155,8 @@ pub(super) fn copied(edit: &mut Edit, material: Entity) -> Option<Entity> {
     Some(made(edit, &name, &tree))
 }
 
-/// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such
-/// as in a circle.
+/// The tree of a material and its nested ones; None if the entity is no material or the tree is deeper than 16, such as
+/// in a cycle.
 pub(super) fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     const DEEPEST: usize = 16;
     fn below(world: &World, material: Entity, depth: usize) -> Option<MaterialTree> {
@@ -171,7 +170,7 @@ pub(super) fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     below(world, material, DEEPEST)
 }
 
-/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Shapes that share a
+/// Replaces materials, or the materials of shapes, by the tree; a shape without one gets a new one. Shapes that share a
 /// material still share it afterwards. An error if the tree does not fit inside what is around the material.
 pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), CommandError> {
     let mut done = Vec::new();
@@ -220,7 +219,7 @@ pub fn check_sides(world: &World, material: Entity) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// Makes a material become a tree. Materials that were inside before and are no longer used are removed.
+/// Replaces a material by a tree. Nested materials that are no longer used are removed.
 fn become_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
     let before = materials_inside(edit.world, material);
     let mut moves = Vec::new();
@@ -235,7 +234,7 @@ fn become_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
     }
 }
 
-/// A material that was written inside of one and may have come to stand inside of another.
+/// A material that was written inside of `from` and may now be nested in `to`.
 struct Move {
     inner: Entity,
     from: Entity,
@@ -278,7 +277,7 @@ fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mu
     }
 }
 
-/// Removes a material that is declared only inside of others and is now inside of none, with those inside it.
+/// Removes a material that was declared inside of another and is nested in none any more, with its own nested ones.
 fn remove_unused(edit: &mut Edit, material: Entity) {
     let is_own = edit.world.get::<DeclaredIn>(material).is_none();
     let has_users = edit

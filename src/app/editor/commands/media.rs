@@ -22,7 +22,7 @@ use crate::scene::{
     Material, Medium, PhaseFunction, SceneId, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: MediumEdit) -> Result<(), CommandError> {
     match command {
         MediumEdit::UseMedium { things, side, medium } => use_medium(edit, &things, side, medium)?,
@@ -32,10 +32,10 @@ pub fn edit(edit: &mut Edit, command: MediumEdit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The depth to which materials inside of others are looked through.
+/// The depth to which nested materials are searched.
 const DEEPEST: usize = 8;
 
-/// Sets the parameters of a medium. Files of grids that it did not name before were chosen by the user.
+/// Sets the parameters of a medium. Grid files that it did not name before count as chosen by the user.
 pub fn set(edit: &mut Edit, entity: Entity, medium: Medium) -> Result<(), CommandError> {
     let mut known = Vec::new();
     if let Some(before) = edit.world.get::<Medium>(entity) {
@@ -49,7 +49,7 @@ pub fn set(edit: &mut Edit, entity: Entity, medium: Medium) -> Result<(), Comman
     replace(edit, entity, medium)
 }
 
-/// Sets the medium at a place of each thing, or takes it away. An error where a thing has no such place.
+/// Sets or removes the medium at a side of each thing. An error if a thing has no such side.
 pub fn use_medium(
     edit: &mut Edit,
     things: &[Entity],
@@ -66,7 +66,7 @@ pub fn use_medium(
     Ok(())
 }
 
-/// Sets the medium at a place of a thing that has such a place, or takes it away.
+/// Sets or removes the medium at a side of a thing that has such a side.
 pub(super) fn set_side(edit: &mut Edit, thing: Entity, side: MediumSide, medium: Option<Entity>) {
     match (side, medium) {
         (MediumSide::Interior, Some(medium)) => edit.set(thing, InteriorMedium(medium)),
@@ -108,10 +108,9 @@ pub fn spawn(edit: &mut Edit, name: &str, medium: Medium) -> Entity {
     edit.spawn((medium, order, SceneId(name.clone()), Name::new(name)))
 }
 
-/// Fills closed shapes. All of them get the same medium. A surface that lets no light in gets the material `null`,
-/// which a message says.
+/// Fills closed shapes, all with the same medium. An opaque surface gets the material `null`, which a message says.
 pub fn fill(edit: &mut Edit, shapes: &[Entity], with: Filling) -> Result<(), CommandError> {
-    // What is selected may hold other things.
+    // Selected entities that are no shapes with a surface are skipped.
     let is_free = |shape: &Entity| need_surface(edit, *shape).is_ok() && edit.world.get::<Locked>(*shape).is_none();
     let shapes: Vec<Entity> = shapes.iter().copied().filter(is_free).collect();
     if shapes.is_empty() {
@@ -182,7 +181,7 @@ pub fn null_material(edit: &mut Edit) -> Entity {
     edit.spawn((Material::Null, order, SceneId(name.clone()), Name::new(name)))
 }
 
-/// Whether light comes through the surface of a shape.
+/// Whether the surface of a shape transmits light.
 pub fn lets_light_in(world: &World, shape: Entity) -> bool {
     fn passes(world: &World, material: Entity, deepest: usize) -> bool {
         let Some(own) = world.get::<Material>(material) else {

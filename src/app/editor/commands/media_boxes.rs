@@ -1,4 +1,4 @@
-//! Boxes of media, and what is told to be in them.
+//! Boxes of media, and the media of entities inside of them.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -17,8 +17,8 @@ use crate::scene::{
     ToWorld, UsesMaterial,
 };
 
-/// The part of a box of a medium that is sunk into what it stands on, in half heights. If its face were in the same
-/// plane, light would meet one or the other at random.
+/// The depth to which a box of a medium is sunk into the surface it stands on, in half heights. If its face were in the
+/// same plane, light would meet one or the other at random.
 pub const SUNK: f32 = 0.02;
 /// Half the edge of the box of fog in a scene without shapes, in world units.
 const ALONE: f32 = 10.0;
@@ -47,7 +47,8 @@ pub fn surround(edit: &mut Edit, name: &str) -> Entity {
     bounded(edit, name, pose, medium)
 }
 
-/// A box that light does not notice, with this pose, of a new medium. Cameras and borders in it are told that.
+/// A box with the material `null` and this pose, filled with a new medium. Cameras and borders inside are set to that
+/// medium.
 pub fn bounded(edit: &mut Edit, name: &str, pose: Affine3A, medium: Medium) -> Entity {
     let around = around(edit.world, &pose);
     let null = null_material(edit);
@@ -69,7 +70,7 @@ pub fn bounded(edit: &mut Edit, name: &str, pose: Affine3A, medium: Medium) -> E
     entity
 }
 
-/// Says how dense the fog is, because it is the program that has chosen it.
+/// Shows the density of the fog in a message, because the program has chosen it.
 fn tell_density(world: &mut World, medium: Entity) {
     let path = world.get::<Medium>(medium).and_then(Medium::mean_free_path);
     let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
@@ -85,7 +86,7 @@ fn tell_density(world: &mut World, medium: Entity) {
     }
 }
 
-/// Tells cameras and borders of other media that are in a cube, and in no other medium, that its medium is around them.
+/// Sets the medium of a cube as exterior of the cameras and borders in it that are in no other medium.
 fn enclose(edit: &mut Edit, cube: Entity, pose: &Affine3A, medium: Entity) {
     let local = pose.inverse();
     let is_inside = |point: Vec3| local.transform_point3(point).abs().max_element() < 1.0;
@@ -111,7 +112,7 @@ fn enclose(edit: &mut Edit, cube: Entity, pose: &Affine3A, medium: Entity) {
     }
 }
 
-/// The medium of the smallest cube that this one is inside of.
+/// The medium of the smallest cube that contains this one.
 fn around(world: &mut World, pose: &Affine3A) -> Option<Entity> {
     let corners: Vec<Vec3> = (0..8)
         .map(|corner| {

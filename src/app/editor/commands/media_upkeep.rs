@@ -1,5 +1,5 @@
-//! What becomes of media when the things around them are edited: they move with the shapes that they fill, and go with
-//! their borders.
+//! Keeps media right when entities are edited: volumes move with the shapes that they fill, and media go with their
+//! borders.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -17,8 +17,8 @@ use crate::scene::{
 };
 
 /// Completes an edit, at its end: volumes move with the shapes that they fill, a medium without borders surrounds
-/// nothing, cameras and lights that have moved through borders of media are in others, and where something has got a
-/// medium, the integrator traces media.
+/// nothing, cameras and lights that have crossed borders get the medium behind them, and the integrator traces media as
+/// soon as an entity has one.
 pub fn follow(edit: &mut Edit) {
     carry_volumes(edit);
     leave_borderless(edit);
@@ -40,7 +40,7 @@ pub fn follow(edit: &mut Edit) {
     }
 }
 
-/// Lets the integrator trace media, with paths of at least `depth` segments, and says what has changed.
+/// Makes the integrator trace media, with paths of at least `depth` segments, and shows a message about the change.
 pub fn trace(world: &mut World, depth: u32) {
     let before = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
     let mut after = before;
@@ -111,8 +111,8 @@ fn carry_volumes(edit: &mut Edit) {
     }
 }
 
-/// Where the last shape that a medium was inside of goes, or gets another medium, what was in that medium is in the one
-/// that is there now.
+/// When the last shape filled with a medium is deleted or refilled, entities in that medium get the medium that is
+/// there now.
 fn leave_borderless(edit: &mut Edit) {
     let emptied = edit.touched().filter_map(|(shape, before)| {
         let medium = before.interior?.0;
@@ -140,8 +140,7 @@ fn leave_borderless(edit: &mut Edit) {
     }
 }
 
-/// Tells cameras and lights that have moved through borders of media what they are in now, unless borders have moved as
-/// well.
+/// Updates the medium of cameras and lights that have crossed borders of media, unless borders have moved as well.
 fn cross_borders(edit: &mut Edit) {
     let mut moved = Vec::new();
     for (thing, before) in edit.touched() {
@@ -171,7 +170,7 @@ fn cross_borders(edit: &mut Edit) {
     }
 }
 
-/// The medium at a place of world space, as far as the medium that a sensor is in tells it.
+/// The medium at a point of world space, found by walking from a sensor and its known medium.
 pub fn medium_at(world: &World, sensor: Entity, place: Vec3) -> Option<Entity> {
     let medium = world.get::<InMedium>(sensor).map(|medium| medium.0);
     match world.get::<ToWorld>(sensor) {
@@ -180,10 +179,10 @@ pub fn medium_at(world: &World, sensor: Entity, place: Vec3) -> Option<Entity> {
     }
 }
 
-/// The difference up to which moves are the same.
+/// The largest difference of two moves that count as equal.
 const ALIKE: f32 = 1e-4;
 
-/// The medium with its volumes moved as a shape was that had the first pose and has the second.
+/// The medium with its volumes moved as a shape whose pose changed from `before` to `after`.
 fn moved(medium: &Medium, before: &Affine3A, after: &Affine3A) -> Medium {
     let by = *after * before.inverse();
     let mut moved = medium.clone();
@@ -208,8 +207,8 @@ pub fn cube_from_unit() -> Affine3A {
     Affine3A::from_translation(Vec3::NEG_ONE) * Affine3A::from_scale(Vec3::splat(2.0))
 }
 
-/// A copy of a medium whose volumes were moved by a step in the world, for a copy of the shape that it fills. None if
-/// it is the same everywhere: the copies share it.
+/// A copy of a medium whose volumes were moved by a step in the world, for a copy of the shape that it fills. None for
+/// a homogeneous medium: the copies share it.
 pub fn copied_with_place(edit: &mut Edit, medium: Entity, before: &Affine3A, after: &Affine3A) -> Option<Entity> {
     let own = edit.world.get::<Medium>(medium).filter(|medium| medium.has_place())?;
     let copy = moved(own, before, after);

@@ -1,7 +1,7 @@
 //! Applies [`Command`]s: this is the only place of the editor that writes to the scene. May import `model` and the
 //! modules below it.
 //!
-//! Values are compared before they are written, so that saying what is already so changes nothing. Edits of the scene
+//! Values are compared before they are written, so that setting an equal value changes nothing. Edits of the scene
 //! become steps of the [`History`]; one that fails leaves nothing behind.
 
 mod adding;
@@ -112,7 +112,7 @@ pub(crate) fn apply_commands(world: &mut World) {
     }
 }
 
-/// Keeps commands that need the picture at full resolution until it has it. The others are applied.
+/// Defers commands that need the picture at full resolution until it has it. Returns the others, to be applied now.
 fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
     let Some(mut motion) = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled()) else {
         return commands;
@@ -147,7 +147,7 @@ fn note_input(world: &mut World, restarts: bool) {
     world.resource_mut::<Pacing>().note_commands(restarts);
 }
 
-/// Does what the command says. After an error nothing is changed.
+/// Applies the command. After an error nothing is changed.
 pub fn apply(world: &mut World, command: impl Into<Command>) -> Result<(), CommandError> {
     apply_any(world, command.into())
 }

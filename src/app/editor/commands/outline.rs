@@ -13,7 +13,7 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::names::is_taken;
 use crate::scene::{DocumentOrder, Emitter, Hidden, Locked, MemberOf, SceneId, Shape, ShapeGroup};
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: OutlineEdit) -> Result<(), CommandError> {
     match command {
         OutlineEdit::Rename(entity, name) => rename(edit, entity, &name)?,
@@ -82,7 +82,7 @@ fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), CommandErro
     Ok(())
 }
 
-/// Moves things in the order. Only the places between the first and the last of those concerned are dealt out anew.
+/// Moves things in the order. Only the positions between the first and the last moved thing are assigned anew.
 fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
     let mut all = edit.world.query::<(&DocumentOrder, Entity)>();
     let mut all: Vec<(DocumentOrder, Entity)> = all.iter(edit.world).map(|(order, entity)| (*order, entity)).collect();

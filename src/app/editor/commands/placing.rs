@@ -1,4 +1,4 @@
-//! Moves the selection without the mouse: by steps, and down onto what is below.
+//! Moves the selection without the mouse: by steps, and down onto the surface below.
 
 use std::collections::HashSet;
 
@@ -15,7 +15,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: ArrangeEdit) -> Result<(), CommandError> {
     match command {
         ArrangeEdit::Align(axis, side, to) => arranging::align(edit, axis, side, to)?,

@@ -10,7 +10,6 @@ use crate::app::editor::command::selection::Selection;
 use crate::engine::EngineSystems;
 use crate::scene::SceneSystems;
 
-/// Adds the resources of commands.
 pub(crate) struct CommandsPlugin {
     /// Whether the camera flies to where a command puts it.
     pub flies: bool,

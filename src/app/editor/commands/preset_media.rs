@@ -1,4 +1,4 @@
-//! The media of the library's materials: light goes below the surface of what has one.
+//! The media of the library's materials, for materials below whose surface light is scattered.
 
 use bevy::prelude::*;
 
@@ -10,8 +10,8 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::medium::users_of_medium;
 use crate::scene::{InteriorMedium, LengthUnit, Medium, ObjectState, SceneId, Shape};
 
-/// The depth that paths get at least: light is scattered often before it comes out again. A ball of milk of 5 cm is 2 %
-/// too dark with it, and 9 % with a quarter.
+/// The least depth of paths: light is scattered often before it comes out again. A ball of milk of 5 cm is 2 % too dark
+/// with it, and 9 % with a quarter.
 const DEPTH: u32 = 1024;
 
 /// An error if the preset has a medium and a shape has no inside.
@@ -31,8 +31,8 @@ pub fn need_inside(edit: &Edit, preset: &Preset, shapes: &[Entity]) -> Result<()
     }
 }
 
-/// Fills shapes with the medium of a preset. One without a medium takes away that of another, but no medium that the
-/// user has made.
+/// Fills shapes with the medium of a preset. A preset without a medium removes the medium of another preset, but none
+/// of the user's own.
 pub fn fill(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) {
     let unit = edit.world.get_resource::<LengthUnit>().copied().unwrap_or_default();
     let before = of_library(edit.world, &interiors(edit.world, shapes), unit);
@@ -72,7 +72,7 @@ fn interiors(world: &World, shapes: &[Entity]) -> Vec<Entity> {
     media
 }
 
-/// The media of the list that are as a preset makes them.
+/// The media of the list that equal the medium of a preset.
 fn of_library(world: &World, media: &[Entity], unit: LengthUnit) -> Vec<Entity> {
     if media.is_empty() {
         return Vec::new();
@@ -87,7 +87,7 @@ fn of_library(world: &World, media: &[Entity], unit: LengthUnit) -> Vec<Entity> 
     media.iter().copied().filter(is_known).collect()
 }
 
-/// A medium of the scene that has the preset's name and is like its medium.
+/// A medium of the scene with the preset's name that equals its medium, to be reused.
 fn used_again(edit: &mut Edit, preset: &Preset, medium: &Medium) -> Option<Entity> {
     let name = name(preset);
     let mut known = edit.world.query::<(Entity, &Medium, &SceneId)>();

@@ -1,4 +1,4 @@
-//! The view in perspective and without it, whatever the file's camera is.
+//! Switches the view between perspective and orthographic projection, whatever the file's camera has.
 
 use bevy::math::{Affine3A, Mat3A, Vec3};
 use bevy::prelude::*;
@@ -9,7 +9,7 @@ use crate::app::editor::camera::pose::{self, is_orthographic, lens_of_view};
 use crate::app::editor::command::error::CommandError;
 use crate::scene::{ActiveSensor, Film, FreeView, Sensor};
 
-/// Switches the projection. What is in the middle keeps its size: the selection, or what is ahead.
+/// Switches the projection. The selection keeps its size in the picture, or else the surface ahead.
 pub fn switch(world: &mut World) -> Result<(), CommandError> {
     const MISSING: &str = "There is no camera.";
     let pose = pose::view_pose(world).ok_or(MISSING)?;

@@ -21,9 +21,9 @@ use crate::scene::{DocumentOrder, SceneState, SceneStatus};
 
 /// From this number of things on a save is done on another thread; smaller scenes are saved within a frame.
 const MANY: usize = 4096;
-/// The part of a frame in which the scene is copied, or the entities follow the new file.
+/// The time per frame in which the scene is copied, or the entities follow the new file.
 const LONGEST: Duration = Duration::from_millis(10);
-/// The things that are copied or follow between two looks at the clock.
+/// The number of things that are copied or follow between two looks at the clock.
 const STEP: usize = 256;
 
 /// The save that is under way.
@@ -37,7 +37,7 @@ struct Request {
     command: Command,
     path: PathBuf,
     on_change: OnChange,
-    /// How often others have changed the files while this was saved.
+    /// How often others have changed the files during this save.
     disturbed: usize,
 }
 
@@ -51,7 +51,7 @@ fn pool() -> &'static AsyncComputeTaskPool {
     AsyncComputeTaskPool::get_or_init(TaskPool::default)
 }
 
-/// Where and how a command saves the scene.
+/// The path and the mode of the save that a command asks for; None for other commands.
 fn target(world: &World, command: &Command) -> Option<(PathBuf, OnChange)> {
     let Command::File(command) = command else {
         return None;
@@ -71,7 +71,7 @@ fn target(world: &World, command: &Command) -> Option<(PathBuf, OnChange)> {
     }
 }
 
-/// Begins to save a large scene. False, and nothing is done, for other commands and scenes.
+/// Begins to save a large scene on another thread. Returns false, with nothing done, for other commands and scenes.
 pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError> {
     let Some((path, on_change)) = target(world, command) else {
         return Ok(false);
@@ -98,7 +98,7 @@ pub fn begin(world: &mut World, command: &Command) -> Result<bool, CommandError>
     Ok(true)
 }
 
-/// Begins to save. Nothing is under way afterwards if the user has to be asked first.
+/// Begins to save. No save is running afterwards if the user has to be asked first.
 fn start(world: &mut World, request: Request) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         history::end_save(world, false);
@@ -126,7 +126,7 @@ fn go_on_copying(world: &mut World, request: Request, mut save: Box<Save>) {
     }
 }
 
-/// The scene is copied as it is now.
+/// Hands the copied scene to the thread that writes it.
 fn copied(world: &mut World, request: Request, save: Save) {
     world.resource_mut::<History>().begin_save();
     let stage = Stage::Writing(pool().spawn(async move { save.write() }));
@@ -194,7 +194,7 @@ pub(crate) fn finish_at_exit(world: &mut World) {
     }
 }
 
-/// Ends the save that is under way before a command that it is in the way of. After a failure only a command that saves
+/// Finishes the running save before a command that must not overlap with it. After a failure only a command that saves
 /// is done. A command that loses edits is not done either while there is a question how to save them.
 pub(crate) fn make_way(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let reads = matches!(
@@ -219,7 +219,7 @@ fn tell(world: &mut World, act: impl FnOnce(&mut World) -> Result<(), CommandErr
     }
 }
 
-/// The files are written, or could not be.
+/// Goes on after the files were written, or reports that they were not.
 fn written(
     world: &mut World,
     mut request: Request,
@@ -244,7 +244,7 @@ fn written(
     }
 }
 
-/// The scene is that of the file.
+/// Ends the save: the scene is now that of the file.
 fn followed(world: &mut World, request: Request, following: Following) -> Result<(), CommandError> {
     let (saved, old) = following.finish();
     pool().spawn(async move { drop(old) }).detach();
@@ -259,7 +259,7 @@ fn followed(world: &mut World, request: Request, following: Following) -> Result
     Ok(())
 }
 
-/// Lets the save that is under way find that others have changed the files meanwhile, as `change` does.
+/// Runs `change`, which edits the files, at the moment in which the running save checks for changes by others.
 #[cfg(test)]
 pub(super) fn disturb(world: &mut World, change: impl FnOnce()) {
     copy(world, usize::MAX);

@@ -1,4 +1,4 @@
-//! Edits that bring things into the scene and take them out of it.
+//! Edits that add entities to the scene and remove them.
 
 use super::file_use::use_file;
 use super::things::{delete, selected};
@@ -8,7 +8,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: SceneEdit) -> Result<(), CommandError> {
     match command {
         SceneEdit::Import(path) => adding::import_chosen(edit, &path)?,

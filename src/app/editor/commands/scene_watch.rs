@@ -63,7 +63,7 @@ pub fn follow_scene(
         return;
     }
     let before = std::mem::replace(&mut *seen, (status.revision, status.failures));
-    // The permission was for this reading alone, whatever its result.
+    // The permission was for this load alone, whatever its result.
     let news = trusted.as_mut().and_then(|trusted| trusted.take_news());
     let file = status
         .path
@@ -80,7 +80,7 @@ pub fn follow_scene(
             *selection = Selection::default();
             *free_view = FreeView::default();
             history.clear();
-            // All of these belong to the scene before.
+            // All of these questions belong to the previous scene.
             requests.save_question = None;
             requests.full_film_question = None;
             requests.scene_question = None;
@@ -157,7 +157,7 @@ pub fn follow_files(
             toasts.keep_offering((Tone::Warning, Topic::MissingFiles), message, "Find…", list);
         }
     } else {
-        // Those that are read at the moment are told of with the last one.
+        // Files that are being read now are reported with the last one.
         troubles.missing.clone_from(&known.missing);
     }
     for path in troubles.gone.iter().filter(|path| !known.gone.contains(path)) {
@@ -178,7 +178,7 @@ pub fn follow_files(
     *known = troubles;
 }
 
-/// The messages about files that were shown.
+/// The missing and broken files that messages were shown about.
 #[derive(Default)]
 pub struct FileTroubles {
     gone: Vec<PathBuf>,
@@ -261,8 +261,8 @@ fn failure(path: &Path, has_good_scene: bool) -> String {
 }
 
 /// Keeps the size that flying and steps are scaled by. It depends on nothing but the scene, so that a scene has the
-/// same steps however it was opened. Edits change it only where they make another scene of it: a step that was just
-/// used is used again.
+/// same steps however it was opened. Edits change it only if the scene grows or shrinks much, so that a step that was
+/// just used stays.
 pub fn measure_scene(
     packed: Res<PackedScene>,
     active: Res<ActiveSensor>,
@@ -280,8 +280,8 @@ pub fn measure_scene(
 }
 
 /// The size of everything with the camera, since a first small thing is not all there will be. A floor of a kilometre
-/// must not make a still life on it a matter of one key press, so that it is no more than what the camera is directed
-/// at suggests; and a camera with a long lens may be far away.
+/// must not let one key press fly past a still life on it, so that the distance of the camera's target limits the size;
+/// and a camera with a long lens may be far away.
 fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f32 {
     let Some(bounds) = picking::scene_bounds(packed) else {
         return NEW_SCENE;
@@ -301,13 +301,14 @@ fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f
     with_camera.min(MOST_WITH_CAMERA * size).min(SIZE_PER_DISTANCE * ahead)
 }
 
-/// World units, of one in which there is nothing yet.
+/// The size of a scene without anything in it, in world units.
 const NEW_SCENE: f32 = 5.0;
 
-/// The factor by which edits have to change the size before it counts.
+/// The factor by which edits have to change the size before it is updated.
 const LEAST_CHANGE: f32 = 2.0;
 
-/// A subject is about as large as it is far, and there is something around it.
+/// The size of a scene relative to the distance of the camera's target: a target is about as large as it is far, with
+/// something around it.
 const SIZE_PER_DISTANCE: f32 = 2.0;
 
 /// The most that the camera adds to the size of everything.

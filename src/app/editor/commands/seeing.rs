@@ -1,4 +1,4 @@
-//! Applies commands for what the view leaves out, and tells the renderer.
+//! Applies commands that hide parts of the view, and passes them to the renderer.
 
 use std::collections::HashSet;
 
@@ -26,7 +26,7 @@ pub fn set(world: &mut World, seeing: Seeing) {
     tell_renderer(world);
 }
 
-/// Puts a plane through the middle of the selection, or else of the scene, and leaves out the side of the camera.
+/// Puts a cut plane through the middle of the selection, or else of the scene, that hides the camera's side.
 pub fn cut_open(world: &mut World) -> Result<(), CommandError> {
     let selected = view::selected_bounds(world);
     let scene = picking::scene_bounds(world.resource::<PackedScene>());
@@ -117,7 +117,7 @@ pub fn note_other_view(world: &mut World) {
     }
 }
 
-/// Forgets shapes that are not in the scene any more.
+/// Drops shapes that are not in the scene any more.
 pub fn keep_what_is_there(world: &mut World, is_there: impl Fn(&World, Entity) -> bool) {
     let isolated = &world.resource::<ViewSettings>().isolated;
     if isolated.iter().any(|entity| !is_there(world, *entity)) {

@@ -49,7 +49,7 @@ fn select(world: &mut World, entities: &[Entity], how: Extend) {
     }
 }
 
-/// The selection and the camera in use are of the scene.
+/// Drops entities that are not in the scene any more from the selection, and a camera in use that is not.
 pub fn keep_what_is_there(world: &mut World) {
     let is_there = ObjectState::is_in_scene;
     let selection = world.resource::<Selection>().clone();

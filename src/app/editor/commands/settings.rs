@@ -24,7 +24,7 @@ pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// Bakes the mix into the lights. Those that cannot be multiplied stay in the mix, and are named in a message.
+/// Bakes the light mix into the lights. Lights that cannot be multiplied stay in the mix, and are named in a message.
 fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     let mix = edit.world.resource::<LightMix>().clone();
     let gains = mix.gains(&edit.world.resource::<RenderFilm>().light_groups);
@@ -54,7 +54,7 @@ fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The error is the end of a sentence that begins with the light.
+/// Bakes a gain into one light. The error is the end of a sentence that begins with the light.
 fn bake_one(edit: &mut Edit, light: Entity, gain: Rgb) -> Result<(), &'static str> {
     if let Some(baked) = edit.world.get::<AreaLight>(light).map(|light| bake_area(light, gain)) {
         edit.set(light, baked?);
@@ -70,7 +70,7 @@ fn bake_one(edit: &mut Edit, light: Entity, gain: Rgb) -> Result<(), &'static st
     Ok(())
 }
 
-/// Sets the unit of length, and says so if the file cannot keep it.
+/// Sets the unit of length, with a message if the file format cannot store it.
 fn set_unit(world: &mut World, unit: LengthUnit) {
     set_resource(world, unit);
     let origin = world

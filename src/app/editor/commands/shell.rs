@@ -15,7 +15,7 @@ use crate::app::editor::session::{recovery, trust};
 use crate::memory;
 use crate::render::tonemap::ToneMap;
 
-/// Does what a command asks of the window. The error is a sentence for the user.
+/// Applies a command of the window. The error is a sentence for the user.
 pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandError> {
     match command {
         ShellCommand::ShowPanels(shown) => world.resource_mut::<ViewSettings>().panels_shown = shown,
@@ -67,7 +67,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandErro
     Ok(())
 }
 
-/// A changed preference takes effect in the open window as well.
+/// Applies a changed preference of the tone map to the open window.
 fn show_tone_map(world: &mut World, tone_map: ToneMap) {
     let is_new = world
         .get_resource::<Preferences>()

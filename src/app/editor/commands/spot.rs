@@ -1,5 +1,5 @@
-//! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside
-//! similar things.
+//! Finds a place and a size for new things if none are given: in the middle of the picture, on the surface there,
+//! beside similar things.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -14,17 +14,17 @@ use crate::scene::Shape;
 
 /// Half the size of the first thing of a scene, world units.
 const FIRST: f32 = 0.5;
-/// Half the size of a new thing, as a share of the height of what is seen where it goes.
+/// Half the size of a new thing, as a share of the height of the picture at its place.
 const SIZE_IN_VIEW: f32 = 0.125;
 /// The distance from the middle of one new thing to that of the next, in half sizes.
 const APART: f32 = 2.5;
-/// Things no wider than this number of half sizes are not stood upon: new things go beside them.
+/// Things no wider than this many half sizes count as similar: new things go beside them, not on them.
 const WIDEST_BESIDE: f32 = 3.0;
-/// Things that are longer than this multiple of their width are walls, beyond which nothing is put.
+/// Things longer than this multiple of their width are walls, beyond which nothing is placed.
 const LONGEST_BESIDE: f32 = 6.0;
 /// The most places that are tried.
 const MOST_TRIED: usize = 64;
-/// The ground counts where it is no farther than this multiple of the scene's size.
+/// The largest distance of the ground, as a multiple of the scene's size.
 const FARTHEST: f32 = 3.0;
 /// The distance from a surface at which rays start, in half sizes.
 const OFF: f32 = 1e-3;
@@ -97,7 +97,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         packed,
         lights: is_light,
     };
-    // None: something is in the way that is no similar thing.
+    // Walks to a free place. None if an obstacle that is no similar thing blocks it.
     let walk = |way: Vec3| -> Option<Place> {
         let mut place = start;
         for _ in 0..MOST_TRIED {
@@ -129,8 +129,8 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     Spot { foot, size, on }
 }
 
-/// The place that is seen in the middle of the picture, on any surface but those of `except`, or else on the ground;
-/// and the height of the part of the world that the picture shows at that distance. None without a picture.
+/// The place in the middle of the picture, on any surface but those of `except`, or else on the ground; and the height
+/// in world units that the picture covers at that distance. None without a picture.
 pub fn seen(world: &World, except: &[Entity]) -> Option<(Vec3, f32)> {
     let packed = world.get_resource::<PackedScene>()?;
     let up = world.resource::<ViewSettings>().navigation.up;
@@ -163,7 +163,7 @@ pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
-/// The ground below everything.
+/// The ground plane below all shapes.
 struct Ground {
     up: Vec3,
     /// The height along `up`.
@@ -190,7 +190,7 @@ impl Ground {
     }
 }
 
-/// A point of the ground in the middle of the picture, or just ahead.
+/// The point of the ground in the middle of the picture, or just ahead of the camera.
 fn looked_at(pose: &Affine3A, ground: &Ground) -> Vec3 {
     let eye = Vec3::from(pose.translation);
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
@@ -202,7 +202,7 @@ fn looked_at(pose: &Affine3A, ground: &Ground) -> Vec3 {
     }
 }
 
-/// Whether nothing is on the way but what may be passed.
+/// Whether a step meets only items that may be passed.
 fn is_free(packed: &PackedScene, from: Vec3, step: Vec3, is_passed: impl Fn(u32) -> bool) -> bool {
     let way = Ray::segment(from, from + step);
     step == Vec3::ZERO || picking::surface_of_items(packed, &way, |item, _| is_passed(item)).is_none()
@@ -214,14 +214,14 @@ fn fall(packed: &PackedScene, from: Vec3, ground: &Ground) -> Place {
     (below.map_or(ground.under(from), |below| below.position), below)
 }
 
-/// Whether these are the bounds of a similar thing, and not of what things stand on.
+/// Whether these are the bounds of a similar thing, and not of a floor or a table.
 fn is_like(bounds: &Aabb, size: f32, up: Vec3) -> bool {
     let across = Vec3::AXES.into_iter().filter(|axis| axis.dot(up).abs() < 0.5);
     let (narrow, wide) = across.fold((f32::MAX, 0.0f32), |(narrow, wide), axis| {
         let extent = bounds.extent().dot(axis);
         (narrow.min(extent), wide.max(extent))
     });
-    // What is short beside the new thing may be of any proportions.
+    // A thing that is short beside the new one may have any proportions.
     let is_wall = wide > size && wide > LONGEST_BESIDE * narrow;
     wide <= WIDEST_BESIDE * size && !is_wall
 }

@@ -1,4 +1,4 @@
-//! The places that are taken already where room is looked for.
+//! The occupied places in a search for room.
 
 use bevy::math::Vec3;
 use bevy::prelude::*;
@@ -20,7 +20,7 @@ pub(super) type Things = QueryState<
     Without<MemberOf>,
 >;
 
-/// The lights, or the shapes, that exist already.
+/// The existing lights, or the existing shapes.
 pub(super) struct Taken<'a> {
     pub world: &'a World,
     pub things: &'a mut Things,
@@ -28,7 +28,7 @@ pub(super) struct Taken<'a> {
     pub lights: bool,
 }
 
-/// The places in whose middles other things must not be: an upright cylinder.
+/// An upright cylinder around a new thing, in which no other thing may have its middle.
 struct Column {
     foot: Vec3,
     /// The vector upwards. Its length is half the size of the new thing.
@@ -57,8 +57,8 @@ impl Column {
 }
 
 impl Taken<'_> {
-    /// Whether something new would be in one of them. `upwards`: as long as half its size. Things in whose middle
-    /// something may stand, such as a floor, are not like what is new.
+    /// Whether a new thing would overlap one of them. `upwards` is as long as half its size. A floor, in whose middle a
+    /// thing may stand, does not count: `is_like` rejects its bounds.
     pub fn is_at(&mut self, foot: Vec3, upwards: Vec3, lift: f32, is_like: impl Fn(&Aabb) -> bool) -> bool {
         let column = Column { foot, upwards, lift };
         self.is_in_picture(&column, is_like) || self.is_outside_picture(&column)
@@ -77,7 +77,7 @@ impl Taken<'_> {
         })
     }
 
-    /// What is not in the picture yet is where its pose says.
+    /// Things that the picture does not have yet are tested by their poses.
     fn is_outside_picture(&mut self, column: &Column) -> bool {
         let meant = (self.things.iter(self.world))
             .filter(|(_, _, shape, shines, emitter)| is_meant(self.lights, *shape, *shines, *emitter))
