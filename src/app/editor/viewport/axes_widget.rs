@@ -21,16 +21,16 @@ const NEGATIVE: f32 = 6.5;
 const RADIUS: f32 = LENGTH + POSITIVE + 3.0;
 /// The distance to the edges of the panel.
 const MARGIN: f32 = 8.0;
-/// The width of a panel below which the toolbar reaches into the corner.
+/// The width of a panel below which the toolbar reaches into the corner of the widget.
 const WIDE: f32 = 680.0;
 const BELOW_TOOLBAR: f32 = 36.0;
-/// The cosine of the largest angle between an axis and a view that counts as along it.
+/// The cosine of the largest angle between an axis and the view direction that counts as a view along the axis.
 const ALONG: f32 = 0.9999;
 
 /// The state that the widget keeps between frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxesState {
-    /// The centre of the orbit while it is dragged.
+    /// The centre of the orbit during a drag.
     center: Option<Vec3>,
 }
 
@@ -48,7 +48,8 @@ pub struct End {
     pub direction: Vec3,
     /// The middle of its ball.
     pub at: Pos2,
-    /// The share of the axis that points away from the viewer: 1 if it does so exactly, -1 if it points at the viewer.
+    /// The cosine of the angle between the axis and the view direction: 1 if it points away from the viewer, -1 if at
+    /// the viewer.
     away: f32,
 }
 
@@ -162,7 +163,7 @@ fn paint(ui: &Ui, place: Rect, ends: &[End; 6], hovered: Option<End>, is_used: b
     let backing = if is_used { 110 } else { 50 };
     painter.circle_filled(place.center(), RADIUS, Color32::from_black_alpha(backing));
     for end in ends {
-        // What points away is dimmer.
+        // Axes that point away are dimmer.
         let shade = 0.78 - 0.22 * end.away;
         let color = scaled(AXIS_COLORS[end.axis()], shade);
         let is_hovered = hovered.is_some_and(|hovered| hovered.direction == end.direction);

@@ -2,7 +2,7 @@
 
 use crate::app::editor::command::compare_view::CompareView;
 
-/// Words, and the middle of the part of the picture's width that they are about.
+/// A text, and the middle of the part of the picture that it labels, as a share of the width.
 pub type Caption = (f32, &'static str);
 
 /// The captions of the picture's parts. A comparison with a snapshot covers the thirds of

@@ -1,35 +1,35 @@
-//! The mouse cursor while the view is turned: hidden, and taken back to the middle of the picture before it comes to an
-//! edge, so that turning has no end; afterwards it is where it was. Where a cursor cannot be moved or held, turning
-//! goes as far as it does.
+//! The mouse cursor while the view is turned: hidden, and moved back to the middle of the picture before it reaches an
+//! edge, so that turning has no end; afterwards it returns to its old place. Where a window system cannot move or hold
+//! the cursor, turning ends where the cursor does.
 
 use bevy_egui::egui::{Pos2, Rect, Vec2};
 
-/// The farthest that the cursor may be from the picture's middle, as a share of its shorter side.
+/// The farthest that the cursor may be from the picture's middle, as a share of the picture's shorter side.
 const LEASH: f32 = 0.25;
 /// The number of frames after which a cursor that has not arrived counts as one that cannot be moved.
 const PATIENCE: u32 = 12;
 
-/// The cursor in the hand that turns the view. All places in points of the window.
+/// The cursor while the user turns the view. All places are in points of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TurningCursor {
-    /// The place of the cursor when the turning began; None: it is free.
+    /// The place of the cursor when the turning began; None while the cursor is free.
     pub(super) origin: Option<Pos2>,
     /// The place where it was seen last.
     last: Option<Pos2>,
-    /// The place to which the window is to move it, with the pixels of a point.
+    /// The place to which the window is to move it, with the pixels per point.
     pub(super) put: Option<(Pos2, f32)>,
     /// The place to which it was moved, until it is seen there.
     sent: Option<Pos2>,
     /// The frames since it was moved there.
     frames: u32,
-    /// Whether the cursor does not go where it is sent.
+    /// Whether the cursor does not arrive where it is moved to.
     is_stuck: bool,
 }
 
 impl TurningCursor {
-    /// The movement of the hand in this frame. `before` is where the pointer was, `seen` where it has been since, in
-    /// order: that was the hand, unless the window has moved it there. `device` is the mouse as the system reports
-    /// it even for a pointer that does not move.
+    /// The movement of the mouse in this frame. `before` is the last place of the pointer, `seen` its places since, in
+    /// order: the user's movement, unless the window has moved the pointer there. `device` is the movement reported by
+    /// the system even for a pointer that does not move.
     pub fn follow(&mut self, before: Pos2, seen: &[Pos2], device: Vec2, picture: Rect, pixels_per_point: f32) -> Vec2 {
         let mut last = self.last.unwrap_or(before);
         let mut by = Vec2::ZERO;
@@ -64,9 +64,9 @@ impl TurningCursor {
         by
     }
 
-    /// The turning is over.
+    /// Ends the turning.
     pub fn let_go(&mut self, pixels_per_point: f32) {
-        // A move that the window has not made yet is kept.
+        // A move that the window has not carried out yet is kept.
         let put = self.origin.map(|origin| (origin, pixels_per_point)).or(self.put);
         *self = Self { put, ..Self::default() };
     }
@@ -78,7 +78,7 @@ mod tests {
 
     use super::*;
 
-    /// A window system: it moves the pointer some events after it is asked to.
+    /// A window system that moves the pointer some events after it is asked to.
     struct Desk {
         cursor: TurningCursor,
         pointer: Pos2,
@@ -99,7 +99,7 @@ mod tests {
             }
         }
 
-        /// The hand moves three times; the pointer stops at the edges of the screen.
+        /// The mouse moves three times; the pointer stops at the edges of the screen.
         fn frame(&mut self, by: Vec2, device: Vec2) -> Vec2 {
             let before = self.pointer;
             let put = self.cursor.put.take().filter(|_| self.can_be_put);

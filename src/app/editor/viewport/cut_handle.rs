@@ -21,8 +21,8 @@ const COLOR: Color32 = Color32::from_rgb(110, 190, 255);
 /// The length of the arrow and the size of its tip in points.
 const ARROW: f32 = 44.0;
 const TIP: f32 = 9.0;
-/// If the axis looks shorter than this share of its length, because it points at the viewer, the plane follows vertical
-/// moves of the pointer.
+/// The shortest foreshortening of the axis on screen. Below this share the axis points at the viewer, and the plane
+/// follows vertical moves of the pointer.
 const SHORTEST: f32 = 0.15;
 
 /// Draws the plane, and moves it with its arrow. `bounds` is the scene's.
@@ -77,7 +77,7 @@ fn along(screen: &Screen, middle: Vec3, axis: Vec3, units: f32) -> Vec2 {
     }
 }
 
-/// Where the plane meets the edges of the scene's box.
+/// The intersections of the plane with the edges of the scene's box.
 fn corners(bounds: &Aabb, cut: &CutOpen) -> [Vec3; 4] {
     let (u, v) = ((cut.axis + 1) % 3, (cut.axis + 2) % 3);
     [
@@ -93,9 +93,9 @@ fn corners(bounds: &Aabb, cut: &CutOpen) -> [Vec3; 4] {
     })
 }
 
-/// Where the arrow begins, in the world and in the window: in the middle of a side of the border, the one farthest to
-/// the right in the picture, where it is out of the way of the selection's handles. If none is in the picture, in the
-/// middle of the border.
+/// The foot of the arrow, in the world and in the window: in the middle of the side of the border that is farthest to
+/// the right in the picture, away from the selection's handles. If no side is in the picture, in the middle of the
+/// border.
 fn foot(screen: &Screen, bounds: &Aabb, cut: &CutOpen) -> Option<(Vec3, Pos2)> {
     let corners = corners(bounds, cut);
     let seen = |at: Vec3| screen.project(at).map(|point| (at, point));
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn the_plane_follows_the_pointer() {
-        // Across the view, and along it.
+        // Drags across the view, and along it.
         for axis in [0, 1, 2] {
             let (at, expected) = dragged(orthographic(), axis);
             assert!(

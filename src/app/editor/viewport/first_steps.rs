@@ -1,4 +1,4 @@
-//! The hint over the picture of a scene without shapes: what one can do first.
+//! The hint over the picture of a scene without shapes: the first steps of building one.
 
 use bevy_egui::egui::{self, Align, Color32, Layout, Margin, Rect, RichText, Ui, UiBuilder};
 

@@ -1,4 +1,4 @@
-//! Gathers from the world what the viewport shows of it.
+//! Gathers the data of the viewport from the world.
 
 use std::iter;
 use std::sync::Arc;
@@ -44,7 +44,8 @@ use crate::scene::{
     Sensor, Shape, StandIns, ToWorld, world_bounds,
 };
 
-/// The view of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
+/// The view of the scene in the viewport, as of this frame. Results that take long to compute are kept from frame to
+/// frame.
 #[derive(Resource, Default)]
 pub(crate) struct ViewportScene {
     /// The picture and its size in pixels.
@@ -65,7 +66,7 @@ pub(crate) struct ViewportScene {
     pub icons: Vec<Icon>,
     /// The boxes in place of meshes that are missing.
     pub stand_ins: Vec<StandIn>,
-    /// The shapes that they may stand for.
+    /// The shapes whose boxes `stand_ins` may hold.
     lacking: Vec<Entity>,
     /// The shapes under the pointer and around it, while a tool blocks out.
     pub blocks: Vec<BlockTarget>,
@@ -132,7 +133,7 @@ impl SelectionBounds {
     }
 }
 
-/// The things that move with selected groups without being selected themselves, as of the last search.
+/// The unselected things that move with selected groups, as of the last search.
 #[derive(Default)]
 struct UnselectedMembers {
     of: Option<Selection>,
@@ -212,7 +213,7 @@ impl Sources<'_, '_> {
         targets.collect()
     }
 
-    /// The things that move with selected groups without being selected themselves.
+    /// The unselected things that move with selected groups.
     fn unselected_members(&self) -> Vec<Entity> {
         let frames = self.selection.entities().iter().filter(|entity| {
             let shape = self.movable.get(**entity).ok().and_then(|(_, shape, ..)| shape);
@@ -237,7 +238,7 @@ impl Sources<'_, '_> {
         found
     }
 
-    /// The boxes of these shapes, as far as they are in sight; those of members of a group at each of its places.
+    /// The boxes of these shapes, as far as they are visible; for members of a group, one for each instance.
     fn boxes_of(&self, lacking: &[Entity]) -> Vec<StandIn> {
         let seen = lacking.iter().filter_map(|&entity| {
             let name = self.lacking.get(entity).ok()?.map_or("mesh", Name::as_str);
@@ -259,7 +260,7 @@ impl Sources<'_, '_> {
         })
     }
 
-    /// The icons of the lights that have a place, and of the cameras except the one that is looked through.
+    /// The icons of lights with a place, and of all cameras except the one in use.
     fn icons(&self) -> Vec<Icon> {
         let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
             let kind = IconKind::of(emitter)?;
@@ -357,7 +358,7 @@ fn placeholder(status: &SceneStatus, paused: bool, bound: &KeyBindings) -> Strin
     match status.state {
         SceneState::Empty => hint("Open a scene with File, Open", "open", bound),
         SceneState::Loading => format!("Loading {file}"),
-        // It would be prepared for ever.
+        // A paused scene would be "prepared" for ever.
         SceneState::Ready if paused => "Paused".to_owned(),
         SceneState::Ready if file.is_empty() => "Preparing the scene".to_owned(),
         SceneState::Ready => format!("Preparing {file}"),

@@ -1,4 +1,4 @@
-//! The grid on the ground and the axes of the world, drawn over the picture where nothing is before them.
+//! The grid on the ground and the axes of the world, drawn over the picture where no surface hides them.
 //!
 //! Lines fade where they would be too close to each other on the screen, so the far end of the grid vanishes and no
 //! level of it appears or disappears all at once.
@@ -14,7 +14,7 @@ use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
 use crate::app::editor::picture::depths::Depths;
 
-/// The lines of each level on either side of the middle.
+/// The number of lines of each level on either side of the middle.
 const LINES: i32 = 60;
 /// Each level has lines ten times as far apart as the one before.
 const LEVELS: u32 = 3;
@@ -31,10 +31,10 @@ const AXIS: f32 = 0.75;
 const LOOK: f32 = 4.0;
 /// The most such places from one vertex of a line to the next.
 const MOST_LOOKS: usize = 12;
-/// A point counts as on a surface if it is nearer to it than this share of the distance from the camera.
+/// A point counts as on a surface within this share of its distance from the camera.
 const ON_SURFACE: f32 = 2e-3;
 
-/// The grid as it was drawn last, with what it depends on.
+/// The last drawn grid with its inputs.
 #[derive(Clone)]
 struct Drawn {
     screen: Screen,
@@ -97,7 +97,7 @@ pub fn mesh(screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) 
     lines.mesh
 }
 
-/// What is needed of the view for every point of a line.
+/// The data of the view that every point of a line needs.
 struct View<'v> {
     screen: &'v Screen,
     depths: Depths<'v>,
@@ -119,7 +119,7 @@ impl<'v> View<'v> {
         }
     }
 
-    /// Whether the picture shows nothing before a point of a plane across `normal`.
+    /// Whether the picture shows no surface before a point of a plane with this normal.
     fn sees(&self, at: Pos2, world: Vec3, normal: Vec3) -> bool {
         let film = self.screen.film(at);
         let Some(seen) = self.depths.at(film) else {
@@ -145,15 +145,15 @@ struct Lines<'v> {
 /// A line of the grid that is being drawn.
 #[derive(Clone, Copy)]
 struct Line {
-    /// A point of it, from which `reach` is measured.
+    /// A point of the line, from which `reach` is measured.
     middle: Vec3,
     /// The unit direction.
     along: Vec3,
-    /// The way to the next line.
+    /// The vector to the next line.
     across: Vec3,
-    /// World units in both directions.
+    /// The length in both directions, in world units.
     reach: f32,
-    /// The normal of the plane that it lies in.
+    /// The normal of the line's plane.
     normal: Vec3,
     color: Color32,
     style: Style,
@@ -268,7 +268,7 @@ fn ramp(x: f32, [from, to]: [f32; 2]) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// The part of a segment of the world that is in the picture.
+/// The part of a segment in world space that is in the picture.
 struct VisiblePart {
     points: [Pos2; 2],
     /// Distances along the view axis.
@@ -308,7 +308,7 @@ impl VisiblePart {
         })
     }
 
-    /// The point at a share of the way on the screen, and its place in the world.
+    /// The point at a share of the visible part on the screen, and its place in the world.
     fn at(&self, share: f32) -> (Pos2, Vec3) {
         let [a, b] = self.points;
         let [near, far] = self.depths;
@@ -321,8 +321,8 @@ impl VisiblePart {
     }
 }
 
-/// The shares of the way from `a` to `b` between which it is inside of a rectangle (Liang and Barsky 1984); None if it
-/// never is.
+/// The range of the segment from `a` to `b` inside a rectangle, as shares of its length (Liang and Barsky 1984); None
+/// if it misses the rectangle.
 fn inside(rect: Rect, [a, b]: [Pos2; 2]) -> Option<[f32; 2]> {
     let way = b - a;
     let (mut from, mut to) = (0.0f32, 1.0f32);
@@ -346,9 +346,9 @@ fn inside(rect: Rect, [a, b]: [Pos2; 2]) -> Option<[f32; 2]> {
 /// A line one point wide with soft edges and a dark line beside it, so that it is visible on bright pictures as well.
 struct Strip<'m> {
     mesh: &'m mut Mesh,
-    /// The way across the line to the dark one, one point long.
+    /// The vector across the line towards the dark line, one point long.
     side: egui::Vec2,
-    /// The share of the opacity that the dark line has.
+    /// The opacity of the dark line as a share of that of the line.
     shadow: f32,
     goes_on: bool,
 }

@@ -26,15 +26,15 @@ pub struct Icon {
 pub enum IconKind {
     /// A light that shines in all directions.
     Bulb,
-    /// Shines along +z from everywhere.
+    /// A light that shines along +z from infinitely far away.
     Sun,
     /// A light that shines along +z, this many radians to every side.
     Cone(f32),
-    /// Looks, or throws a picture, along +z.
+    /// A camera or projector that looks along +z.
     Frustum,
     /// A cube from -1 to 1.
     Box,
-    /// A cube from -1 to 1 in place of a mesh that is not there.
+    /// A cube from -1 to 1 in place of a missing mesh.
     StandIn,
 }
 
@@ -52,8 +52,8 @@ impl IconKind {
     }
 }
 
-/// The radius of a bulb's disk in points; below the radius in which the pointer hits it, and the length of what points
-/// along +z.
+/// The radius of a bulb's disk in points; below the radius within which the pointer hits an icon, and the length of
+/// icons that point along +z.
 const RADIUS: f32 = 5.0;
 const REACH: f32 = 11.0;
 const LENGTH: f32 = 30.0;
@@ -78,7 +78,7 @@ pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(
     }
 }
 
-/// The icon under the pointer: the nearest to it.
+/// The icon nearest to the pointer, within reach.
 pub(crate) fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<Entity> {
     let distances = icons
         .iter()
@@ -89,7 +89,7 @@ pub(crate) fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<
         .map(|(_, entity)| entity)
 }
 
-/// The place where an icon is seen; None outside the picture.
+/// The position of an icon in the window; None outside the picture.
 pub fn place(screen: &Screen, icon: &Icon) -> Option<Pos2> {
     screen
         .project(icon.pose.translation.into())
@@ -117,7 +117,7 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             .flatten()
             .collect(),
         IconKind::Cone(angle) => {
-            // A very wide one is drawn as wide as can be told from a disk.
+            // A very wide cone is drawn as wide as can be told from a disk.
             let angle = angle.clamp(0.05, 1.4);
             let rim = |place: f32| {
                 let around = TAU * place / 16.0;

@@ -9,12 +9,12 @@ use crate::app::editor::picture::legend::{Legend, Ramp};
 const SIZE: f32 = 12.0;
 /// The size of the bar of a ramp, in points.
 const BAR: egui::Vec2 = vec2(180.0, 12.0);
-/// The room around it for the numbers, in points.
+/// The margins of the bar for the numbers, in points.
 const MARGIN: egui::Vec2 = vec2(48.0, 8.0);
-/// The height of a line of words, and the width of all, in points.
+/// The height of a line of words, and the width of all lines, in points.
 const LINE: egui::Vec2 = vec2(108.0, 18.0);
 
-/// The height of the part of the picture's foot that a legend takes, in points.
+/// The height of a legend at the foot of the picture, in points.
 pub(crate) fn height(legend: &Legend) -> f32 {
     6.0 + match legend {
         Legend::Ramp { .. } => BAR.y + 2.0 * MARGIN.y,

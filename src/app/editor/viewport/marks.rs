@@ -1,4 +1,4 @@
-//! Texts and frames that are visible on any picture.
+//! Texts and frames that are legible on any picture.
 
 use bevy_egui::egui::{self, Align2, Color32, CornerRadius, FontId, Frame, Margin, Pos2, Rect, Stroke, Ui, Vec2};
 
@@ -45,7 +45,7 @@ fn inside(rect: Rect, room: Rect) -> Rect {
     rect.translate(shift)
 }
 
-/// Tags beside things in the picture, none over another. Those that are partly in the picture are brought into it.
+/// Tags beside things in the picture, without overlaps. Tags that are partly outside are moved into the picture.
 #[derive(Debug, Default)]
 pub(crate) struct Tags {
     taken: Vec<Rect>,
@@ -55,7 +55,7 @@ pub(crate) struct Tags {
 const BETWEEN: f32 = 2.0;
 
 impl Tags {
-    /// A text with its middle as near to this place as there is room above or below.
+    /// Shows a text with its middle as near to this place as there is room above or below.
     pub(crate) fn tag(&mut self, painter: &egui::Painter, middle: Pos2, text: &str) {
         let room = painter.clip_rect();
         let rect = tag_at(painter, text, |size| {
@@ -64,9 +64,9 @@ impl Tags {
         self.taken.push(rect);
     }
 
-    /// The nearest place in the picture for a rectangle above or below its own where there is no tag yet.
+    /// The free rectangle in the picture nearest to the wanted one, above or below it.
     fn free(&self, wanted: Rect, picture: Rect) -> Rect {
-        // What is out of sight stays there.
+        // A tag outside the picture is not moved into it.
         let room = match picture.intersects(wanted) {
             true => picture,
             false => Rect::EVERYTHING,
@@ -113,7 +113,7 @@ mod tests {
         }
         assert_eq!(tags.taken[0].center(), Pos2::new(100.0, 100.0));
         assert_eq!(tags.taken[4].center(), Pos2::new(300.0, 100.0), "nothing is there");
-        // It goes to the side that is nearer.
+        // It moves to the nearer side.
         assert!(tags.taken[1].center().y > 104.0 && tags.taken[2].center().y < 97.0);
     }
 

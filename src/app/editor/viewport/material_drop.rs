@@ -14,14 +14,14 @@ use crate::app::editor::command::{Command, MaterialEdit, SceneEdit, ShellCommand
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
 
-/// The data for dropping a material on the picture.
+/// The data for drops on the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
     /// The packed scene, to find what is under the pointer.
     pub packed: &'a PackedScene,
     /// The outline, which knows the materials.
     pub things: &'a Outline,
-    /// Takes no material.
+    /// The locked entities, which take no material.
     pub locked: &'a EntityHashSet,
 }
 
@@ -31,7 +31,7 @@ impl Takers<'_> {
         matches!(things, [thing] if is_one(*thing))
     }
 
-    /// The hint about what a drop of a file does at a place of the picture.
+    /// The hint about the effect of a file dropped at a point of the picture.
     fn file_hint(&self, path: &Path, is_scene: bool, at: Vec2) -> String {
         match AssetKind::of(path) {
             _ if is_scene => "Add it to the scene, or open it".to_owned(),
@@ -47,7 +47,7 @@ impl Takers<'_> {
         }
     }
 
-    /// The hint about what a drop does at a place of the picture.
+    /// The hint about the effect of a material dropped at a point of the picture.
     fn hint(&self, at: Vec2) -> String {
         let Some(shape) = picking::pick(self.packed, at) else {
             return "Drop it on a shape".to_owned();
@@ -61,7 +61,7 @@ impl Takers<'_> {
     }
 }
 
-/// Accepts drops. `picture` is the whole picture on the screen, of which `response` is.
+/// Accepts drops. `picture` is the rectangle of the whole picture, and `response` is its response.
 pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, commands: &mut Vec<Command>) {
     let Some(pointer) = ui.ctx().pointer_interact_pos() else {
         return;
@@ -82,7 +82,7 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
             .rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(190));
         ui.painter().galley(place.min, text, Color32::WHITE);
     }
-    // Asking for a payload of another type would take it away.
+    // Asking for a payload of another type would remove it.
     let is_preset = egui::DragAndDrop::has_payload_of_type::<DraggedPreset>(ui.ctx());
     if is_preset && let Some(dragged) = response.dnd_release_payload::<DraggedPreset>() {
         let preset = Box::new(dragged.0.clone());
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_hint_names_what_takes_it() {
-        // What the camera of the material ball looks at.
+        // The point that the camera of the material ball looks at.
         let (mut packed, balls) = spheres(&[Vec3::new(0.0, 0.0, 0.96)]);
         packed.view = Some(material_ball::view(16));
         let named = |entity: Entity, name: &str| Item {

@@ -1,5 +1,5 @@
-//! The panel with the picture, with everything that is drawn over it and that the mouse does there. May import `model`,
-//! `input` and the modules below them.
+//! The panel with the picture, with its overlays and the input of the mouse. May import `model`, `input` and the
+//! modules below them.
 
 pub mod axes_widget;
 pub mod blocking;
@@ -62,14 +62,14 @@ use toolbar::{tool_column, toolbar};
 
 /// The id of the picture, which has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
-/// The height above the foot of the picture at which the speed and the legend are; points.
+/// The height above the foot of the picture of the speed and the legend, in points.
 const CAPTION_FOOT: f32 = -36.0;
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const WIRE: Color32 = Color32::from_rgba_premultiplied(190, 150, 60, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
-/// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
+/// Shows the picture with everything over it, and adds the commands of mouse and keys to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let mut model = *model;
     if model.keys.tool.hides_handles() {
@@ -305,7 +305,7 @@ fn paint_over(
     });
     let notes = notes(model);
     let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
-    // Words that begin in a low, wide picture, or have many lines, are beside the tools.
+    // Texts that begin in a low, wide picture, or have many lines, are placed beside the tools.
     let tools = toolbar::column_place(panel);
     let beside_tools = |corner: egui::Pos2, words: &str| {
         let height = 6.0 + 15.0 * words.lines().count() as f32;

@@ -49,7 +49,7 @@ pub struct ViewportModel<'a> {
     pub boxes: &'a BoxList,
     /// The inspected paths to draw.
     pub paths: &'a PathInspector,
-    /// The outlines of what is selected or under the pointer.
+    /// The outlines of selected things and of the hovered one.
     pub outline: &'a SelectionOutline,
     /// The selection as lines, if they are shown.
     pub wireframe: &'a Wireframe,
@@ -59,7 +59,7 @@ pub struct ViewportModel<'a> {
     pub icons: &'a [Icon],
     /// The boxes of missing meshes with their names.
     pub stand_ins: &'a [StandIn],
-    /// The data that the handles act on.
+    /// The data that the gizmo acts on.
     pub gizmo: GizmoModel<'a>,
     /// The shapes under the pointer and around it, while a tool blocks out.
     pub blocks: &'a [BlockTarget],
@@ -85,20 +85,19 @@ pub struct ViewportModel<'a> {
     pub denoiser: DenoiserState,
     /// Whether some of what is shown is carried over from an earlier picture.
     pub is_carried_over: bool,
-    /// What the drags of the mouse do.
+    /// The preset that maps drags of the mouse to navigation.
     pub preset: NavigationPreset,
     /// The context of keys.
     pub keys: ActionContext<'a>,
-    /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the
-    /// screen.
+    /// The movement of the mouse since the last frame, in pixels, which is reported even at an edge of the screen.
     pub mouse: egui::Vec2,
     /// The box around the selection in the world.
     pub extent: Option<Aabb>,
     /// The distances that were measured.
     pub rulers: &'a [Ruler],
-    /// Whether the scene is read and has no shapes.
+    /// Whether the scene is loaded and has no shapes.
     pub is_empty: bool,
-    /// The distances of what the picture shows.
+    /// The depths of the surfaces in the picture.
     pub depths: Depths<'a>,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],
@@ -107,13 +106,12 @@ pub struct ViewportModel<'a> {
 }
 
 impl<'a> ViewportModel<'a> {
-    /// Whether there is a picture, or one that rendering would begin if it were not paused: what is drawn over a
-    /// picture has its place then.
+    /// Whether there is a picture, or would be one if rendering were not paused. Overlays need its place.
     pub(super) fn has_place(&self) -> bool {
         self.picture.is_some() || self.keys.paused && self.outdated.is_some() && self.camera.is_some()
     }
 
-    /// The data that the tools act on that block out.
+    /// The data of the block-out tools.
     pub(super) fn blocking(&self) -> BlockingModel<'a> {
         BlockingModel {
             tool: self.keys.tool,
@@ -127,7 +125,7 @@ impl<'a> ViewportModel<'a> {
         }
     }
 
-    /// The data that the tool acts on that places textures.
+    /// The data of the texture tool.
     pub(super) fn texturing(&self) -> TexturingModel<'a> {
         TexturingModel {
             target: self.textures,
@@ -138,7 +136,7 @@ impl<'a> ViewportModel<'a> {
     }
 }
 
-/// The state that actions refer to, by the settings of the view and the model alone.
+/// The state that actions refer to, from the settings of the view and the model alone.
 pub(crate) fn action_context<'a>(
     settings: &ViewSettings,
     model: &Model,

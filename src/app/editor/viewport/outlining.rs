@@ -1,4 +1,4 @@
-//! Asks for the outline of what is selected or under the pointer, as of this frame.
+//! Requests the outline of the selection and of the hovered thing, as of this frame.
 
 use std::sync::Arc;
 
@@ -13,19 +13,19 @@ use crate::engine::{PackedScene, RenderControl, WakeUp};
 /// The width of outlines in points of the window.
 const WIDTH: f32 = 2.0;
 
-/// The things with an outline, and what was hovered when they were listed.
+/// The outlined things, and the hovered thing when they were listed.
 #[derive(Default)]
 pub(crate) struct Marked {
     hovered: Option<Entity>,
     things: Arc<[(Entity, Level)]>,
 }
 
-/// Takes what was found since the last frame. It must run before the viewport is gathered.
+/// Takes the results since the last frame. It must run before the viewport is gathered.
 pub(crate) fn collect_outline(mut pass: ResMut<OutlinePass>) {
     pass.bypass_change_detection().collect();
 }
 
-/// Asks for the outline of the scene as it was packed in this frame.
+/// Requests the outline for the scene as packed in this frame.
 pub(crate) fn request_outline(
     mut pass: ResMut<OutlinePass>,
     mut marked: Local<Marked>,

@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{Response, Ui};
 
-/// Whether a press would be one on the picture, and not on something that is drawn over it, such as a button.
+/// Whether a press now would hit the picture, and not an overlay such as a button.
 pub(super) fn is_over(ui: &Ui, response: &Response) -> bool {
     let is_its_own = ui.ctx().viewport(|viewport| {
         let hits = [&viewport.hits.click, &viewport.hits.drag];

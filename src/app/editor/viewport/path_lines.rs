@@ -1,5 +1,5 @@
-//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex,
-//! and where they end. And the paths from lights that they were joined with.
+//! Paths drawn into the picture: their segments from the camera on, the light samples at each vertex, their ends, and
+//! the light subpaths that they were connected with.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Color32, Shape, Stroke};

@@ -1,4 +1,4 @@
-//! The bar over a paused picture that is not the one of the scene, with a button that resumes rendering.
+//! The bar over a paused picture that is not up to date, with a button that resumes rendering.
 
 use bevy_egui::egui::{Align, Button, Layout, Margin, Rect, Ui, UiBuilder, pos2, vec2};
 
@@ -15,7 +15,7 @@ const SIZE: bevy_egui::egui::Vec2 = vec2(380.0, 30.0);
 const TOP: f32 = 68.0;
 const FOOT: f32 = 84.0;
 
-/// What is told of the picture; nothing if it is the one of the scene.
+/// The text about an outdated picture; None if it is up to date.
 pub(super) fn words(model: &ViewportModel) -> Option<&'static str> {
     let outdated = model.outdated.filter(|_| model.keys.paused)?;
     Some(match (model.picture, outdated) {
@@ -25,7 +25,7 @@ pub(super) fn words(model: &ViewportModel) -> Option<&'static str> {
     })
 }
 
-/// The place of the bar: at the top of the picture, and at its foot where handles are at the top, which it would hide.
+/// The place of the bar: at the top of the picture, or at its foot if it would hide handles at the top.
 fn place(panel: Rect, picture: Rect, handles: Option<Rect>) -> Rect {
     let size = SIZE.min(vec2(picture.width(), SIZE.y));
     let at = |top: f32| Rect::from_min_size(pos2(picture.center().x - 0.5 * size.x, top), size);
@@ -36,7 +36,7 @@ fn place(panel: Rect, picture: Rect, handles: Option<Rect>) -> Rect {
     }
 }
 
-/// Shows the bar, and gives its place. `handles`: where handles are.
+/// Shows the bar, and returns its rectangle. `handles` is the rectangle of the handles.
 pub(super) fn bar(
     ui: &mut Ui,
     panel: Rect,

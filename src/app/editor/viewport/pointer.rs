@@ -1,7 +1,7 @@
 //! Handles the mouse over the picture where the gizmo does not use it: looking, orbiting, panning, the wheel, picking
 //! and the selection box.
 //!
-//! What a drag does is decided by its press and the navigation preset, whose tables are in `input/drags.rs`.
+//! The press and the navigation preset decide the effect of a drag; the tables are in `input/drags.rs`.
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
@@ -25,7 +25,7 @@ use crate::app::editor::command::{
 };
 use crate::app::editor::input::drags::{DragUse, drag_use};
 
-/// The use of the mouse, from press to release.
+/// The state of the mouse, from press to release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointerState {
     hold: Option<Hold>,
@@ -33,7 +33,7 @@ pub struct PointerState {
     pub(crate) cursor: TurningCursor,
     /// The thing under the pointer.
     pub hovered: Option<Entity>,
-    /// Whether nothing counts as under the pointer, because there is no user.
+    /// Whether nothing is hovered, because there is no user.
     pub(crate) is_unattended: bool,
     /// The first point of a distance that is being measured.
     pub(crate) measured_from: Option<Vec3>,
@@ -65,7 +65,7 @@ const POINTS_PER_NOTCH: f32 = 50.0;
 const POINTS_PER_STEP: f32 = 25.0;
 /// The size in points from which a box of selection is shown: a click draws none.
 const LEAST_BOX: f32 = 4.0;
-/// The distance at which things are taken to be where nothing is seen, as a share of the scene.
+/// The assumed distance of things where no surface is visible, as a share of the scene's size.
 const NOWHERE: f32 = 0.5;
 
 impl PointerState {
@@ -74,8 +74,8 @@ impl PointerState {
         matches!(self.hold, Some(Hold::Look | Hold::Orbit { .. }))
     }
 
-    /// Follows the mouse for a frame. `is_free` says that the gizmo does not use it. Returns the points by which the
-    /// view is to be turned, and moves `pose`.
+    /// Follows the mouse for a frame. `is_free` says that neither a tool nor the axes widget uses it. Returns the
+    /// points by which the view is to be turned, and moves `pose`.
     pub fn follow(
         &mut self,
         ui: &Ui,
@@ -177,7 +177,7 @@ impl PointerState {
         look
     }
 
-    /// Ends whatever is done with the mouse.
+    /// Ends the use of the mouse.
     pub(crate) fn let_go(&mut self, ui: &Ui) {
         self.hold = None;
         self.cursor.let_go(ui.ctx().pixels_per_point());
@@ -252,7 +252,7 @@ impl PointerState {
         }
     }
 
-    /// The selection box, while it is drawn.
+    /// Paints the selection box while it is drawn.
     pub fn paint(&self, painter: &egui::Painter, pointer: Option<Pos2>) {
         if let (Some(Hold::Box { from }), Some(pointer)) = (self.hold, pointer) {
             let rect = Rect::from_two_pos(from, pointer);
@@ -285,20 +285,21 @@ fn hold_of(what: DragUse, pointer: Pos2, screen: &Screen, model: &ViewportModel,
     }
 }
 
-/// The place on the nearest surface under a point of the window.
+/// The point of the nearest surface under a point of the window.
 fn seen_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
     picking::seen_surface(model.packed, &screen.ray(pointer), |_| false).map(|seen| seen.position)
 }
 
-/// The place of the ground under a point of the window, as far as there may be things.
+/// The point of the ground under a point of the window, within a distance where things may be.
 fn ground_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
-    /// In sizes of the scene. The ground may go on to the horizon, and a notch must not go a share of that way.
+    /// The largest distance in sizes of the scene. The ground may reach the horizon, and a notch must not go a share of
+    /// that distance.
     const FARTHEST: f32 = 4.0;
     let place = GridPlane::of(screen, model.navigation.up).hit(&screen.ray(pointer))?;
     (screen.depth(place) <= FARTHEST * model.navigation.scene_size).then_some(place)
 }
 
-/// The view after going by notches of the wheel towards `target`, which is seen at `at`.
+/// The pose after some notches of the wheel towards `target`, which is seen at `at`.
 fn approach(
     pose: Affine3A,
     screen: &Screen,
@@ -318,8 +319,7 @@ fn pressed_button(ui: &Ui) -> Option<PointerButton> {
     ui.input(|input| buttons.into_iter().find(|button| input.pointer.button_pressed(*button)))
 }
 
-/// The middle of the selection; without one the point straight ahead that the view was turned about before, or the
-/// surface there.
+/// The middle of the selection; without one the last centre of orbits if it is straight ahead, or the surface there.
 pub(super) fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
     let selected = gizmo::bounds(model.gizmo.targets);
     if !selected.is_empty() {
@@ -341,7 +341,7 @@ fn under(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Entity
     entity.filter(|entity| !model.locked.contains(entity))
 }
 
-/// The things whose surfaces are visible in a box of the window, and the lights and cameras whose places are in it.
+/// The shapes with a visible surface in a box of the window, and the lights and cameras with their icon in it.
 fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel, pixels_per_point: f32) -> Vec<Entity> {
     let pixels = boxed.intersect(screen.picture).size() * pixels_per_point;
     let mut found = picking::seen_in(

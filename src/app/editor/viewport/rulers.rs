@@ -1,4 +1,4 @@
-//! Measuring: the point under the pointer, and the distances that were measured.
+//! Measuring: the point under the pointer, and the measured distances.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Color32, Painter, Pos2, Stroke};
@@ -16,8 +16,7 @@ use crate::scene::LengthUnit;
 const COLOR: Color32 = Color32::from_rgb(255, 214, 90);
 const EDGE: Color32 = Color32::from_black_alpha(170);
 
-/// The point that is measured at a place of the window: a corner if one is near, else the surface there, else the
-/// ground.
+/// The measured point at a point of the window: a corner if one is near, else the surface there, else the ground.
 pub(super) fn point_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Vec3> {
     let nearest = |to| snapping::find(model.packed, screen, pointer, to, |_| false).map(|found| found.place);
     let on_ground = || GridPlane::of(screen, model.navigation.up).hit(&screen.ray(pointer));
@@ -26,7 +25,7 @@ pub(super) fn point_at(pointer: Pos2, screen: &Screen, model: &ViewportModel) ->
         .or_else(on_ground)
 }
 
-/// Draws the distances, and the one that is being measured from `begun` to the pointer.
+/// Paints the distances, and the unfinished one from `begun` to the pointer.
 pub(super) fn paint(
     painter: &Painter,
     screen: &Screen,

@@ -1,4 +1,4 @@
-//! The menu of the toolbar that says what moves snap to.
+//! The menu of the toolbar that chooses the targets of snapping.
 
 use bevy_egui::egui::Ui;
 

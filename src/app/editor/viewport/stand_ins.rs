@@ -28,7 +28,7 @@ pub struct StandIn {
 impl StandIn {
     /// The box around `local`, in the space of the shape.
     pub fn new(entity: Entity, name: String, local: &Aabb, to_world: &Affine3A) -> Self {
-        // What is flat can be seen as well.
+        // A flat box gets some thickness, so that it is visible.
         let half = (0.5 * local.extent()).max(Vec3::splat(1e-6));
         let box_from_cube = Affine3A::from_translation(local.center()) * Affine3A::from_scale(half);
         Self {

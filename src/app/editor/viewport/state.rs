@@ -25,36 +25,35 @@ pub struct ViewportState {
     pub texturing: TexturingState,
     /// The state of the mouse.
     pub pointer: PointerState,
-    /// The pixels in which the picture was last shown.
+    /// The size of the picture's panel in pixels when it was last shown.
     pub room: Option<UVec2>,
     pub(super) axes: AxesState,
     /// The size of the picture on the screen; None while there is no picture.
     pub picture: Option<ScreenPixels>,
     /// The place of the bar over a paused picture, if there is one.
     pub bar: Option<Rect>,
-    /// Whether the picture is in headlight because something is dragged.
+    /// Whether the picture is in headlight mode because of a drag.
     is_in_headlight: bool,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
 }
 
 impl ViewportState {
-    /// The state at the start. Without a user nothing is marked as under the pointer, which is where the window
-    /// happened to open.
+    /// The state at the start. Without a user nothing is hovered, since the window opens at an arbitrary pointer.
     pub fn new(is_attended: bool) -> Self {
         let mut state = Self::default();
         state.pointer.is_unattended = !is_attended;
         state
     }
 
-    /// Shows the picture in headlight while something is dragged, if that is wanted.
+    /// Shows the picture in headlight mode during drags, if preferred.
     pub fn light_drags(&mut self, is_wanted: bool, display: DisplaySettings, commands: &mut Vec<Command>) {
         let (from, to) = match self.is_in_headlight {
             false if is_wanted && self.gizmo.is_moving() => (DisplayMode::Shaded, DisplayMode::Headlight),
             true if !self.gizmo.is_dragging() => (DisplayMode::Headlight, DisplayMode::Shaded),
             _ => return,
         };
-        // Another display that is chosen during the drag stays.
+        // Another display mode that is chosen during the drag stays.
         if display.mode == from {
             commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode: to, ..display }).into());
         }
@@ -71,12 +70,12 @@ pub struct ScreenPixels {
     pub per_point: f32,
 }
 
-/// The speed, which is shown for a while after a change.
+/// The speed of flying, which is shown for a while after a change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SpeedTag {
     /// The speed of the last frame; None before the first.
     known: Option<f32>,
-    /// Seconds of egui's clock.
+    /// The time at which the tag disappears, in seconds of egui's clock.
     until: f64,
 }
 

@@ -5,7 +5,6 @@ use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 
 use super::state::ViewportState;
 
-/// Moves and hides the window's cursor as the turning view requests.
 pub(crate) fn steer_cursor(
     mut state: ResMut<ViewportState>,
     mut windows: Query<(&mut Window, &mut CursorOptions), With<PrimaryWindow>>,

@@ -1,4 +1,4 @@
-//! The tools of the viewport: what follows keys and mouse first, and paints over the picture.
+//! The tools of the viewport: a tool gets keys and mouse first, and paints over the picture.
 
 use bevy_egui::egui::{Painter, Pos2, Rect, Response, Ui};
 
@@ -13,9 +13,9 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::press::Press;
 
-/// A tool of the viewport. The kinds of a tool whose state is one share an implementor.
+/// A tool of the viewport. Kinds of tools with one state share an implementor.
 pub(super) trait ViewportTool {
-    /// Follows mouse and keys for a frame. Returns what the tool leaves to others.
+    /// Follows mouse and keys for a frame. Returns the input that the tool does not use.
     fn follow(
         &mut self,
         ui: &Ui,
@@ -29,7 +29,7 @@ pub(super) trait ViewportTool {
     /// Paints the tool over the picture.
     fn paint(&self, painter: &Painter, screen: &Screen, model: &ViewportModel, pointer: Option<Pos2>);
 
-    /// The instruction for the next step, in place of the tool's usual one.
+    /// The hint about the next step, in place of the tool's usual one.
     fn hint(&self, _model: &ViewportModel) -> Option<String> {
         None
     }
@@ -38,7 +38,7 @@ pub(super) trait ViewportTool {
     fn bar(&mut self, _ui: &mut Ui, _picture: Rect, _model: &ViewportModel, _commands: &mut Vec<Command>) {}
 }
 
-/// The handles, which the tools that only click leave in use.
+/// The gizmo, which stays usable with the tools that only click.
 impl ViewportTool for GizmoState {
     fn follow(
         &mut self,
@@ -124,7 +124,7 @@ impl ViewportState {
         }
     }
 
-    /// Ends what the tools do that are not in use.
+    /// Ends the actions of the tools that are not in use.
     pub(super) fn leave_other_tools(&mut self, tool: Tool) {
         if !tool.blocks_out() {
             self.blocking.leave();

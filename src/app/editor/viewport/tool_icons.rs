@@ -256,7 +256,7 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: ToolIcon, is_on: bool, name: &str, 
     let response = ui.add(Button::selectable(is_on, "").min_size(BUTTON));
     let color = match ui.is_enabled() {
         true => ui.visuals().text_color(),
-        // What is disabled fades as a whole.
+        // A disabled icon fades as a whole.
         false => ui.visuals().weak_text_color(),
     };
     paint(ui.painter(), icon, response.rect, color);

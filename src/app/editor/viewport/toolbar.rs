@@ -1,6 +1,6 @@
-//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps; what the
-//! picture shows, and what is drawn over it. A new button is a line of one of the groups, a new group a function beside
-//! them. At the left of the picture are the tools that build and place.
+//! The buttons above the picture: the mode, axes, pivot and steps of the gizmo, the display mode, and the overlays. A
+//! new button is a line of one of the groups, a new group a function beside them. At the left of the picture are the
+//! tools that build and place.
 
 use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{self, Align, ComboBox, DragValue, Layout, Margin, Rect, Ui, UiBuilder};
@@ -113,7 +113,7 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
 /// The place of the tools at the left of the picture's panel.
 pub(super) fn column_place(panel: Rect) -> Rect {
     const SIZE: egui::Vec2 = egui::vec2(32.0, 257.0);
-    // What the picture shows has its caption above it.
+    // The caption of the picture is above the column.
     let top = (panel.center().y - 0.5 * SIZE.y).max(panel.top() + 80.0);
     Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE)
 }
@@ -144,7 +144,7 @@ pub(crate) fn tool_column(ui: &mut Ui, panel: Rect, keys: &ActionContext, comman
     });
 }
 
-/// What a drag of the handles does.
+/// The modes of the gizmo.
 fn tools(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
     let help = hint("Select without handles", "gizmo-hide", keys.bound);
     if icon_button(ui, ToolIcon::Select, edited.is_hidden, "Select", &help).clicked() {
@@ -168,7 +168,7 @@ fn tools(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
     }
 }
 
-/// The axes of the handles and the point that things turn about.
+/// The axes and the pivot of the gizmo.
 fn frames(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
     let (icon, name, other, help) = match edited.axes {
         Axes::World => (
@@ -207,7 +207,7 @@ fn frames(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings) {
         .on_hover_text("The point that things turn and grow about");
 }
 
-/// What moves snap to, and the step of the mode.
+/// The targets of snapping, and the step of the mode.
 fn snapping(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings, length_step: f32) {
     snap_menu(ui, keys, &mut edited.snap);
     let steps = &mut edited.steps;
@@ -241,7 +241,7 @@ fn snapping(ui: &mut Ui, keys: &ActionContext, edited: &mut GizmoSettings, lengt
     }
 }
 
-/// What the picture shows.
+/// The display of the picture.
 fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
     let keys = &model.keys;
     let display = keys.display;
@@ -272,7 +272,7 @@ fn picture(ui: &mut Ui, model: &ViewportModel, commands: &mut Vec<Command>) {
     });
 }
 
-/// What is drawn over the picture.
+/// The overlays of the picture.
 fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
     let help = hint("The grid on the ground and the axes", "grid", keys.bound);
     if icon_button(ui, ToolIcon::Grid, keys.grid.shown, "Grid", &help).clicked() {

@@ -10,7 +10,7 @@ use crate::app::editor::command::{Command, DisplayCommand};
 
 /// The radius of the handle in points.
 const RADIUS: f32 = 11.0;
-/// The distance from the line at which the pointer has hold of it, in points.
+/// The distance from the line within which the pointer hits it, in points.
 const REACH: f32 = 4.0;
 /// The height of the handle as a share of the picture's, from the top. The selection is often in the middle.
 const HEIGHT: f32 = 0.75;
@@ -34,7 +34,7 @@ pub(super) fn handle(ui: &Ui, picture: Rect, view: CompareView, commands: &mut V
     paint(&ui.painter_at(picture), picture, middle, line || round);
 }
 
-/// Moves the border where this part of it is dragged. Returns whether the pointer has to do with it.
+/// Moves the border where this part of it is dragged. Returns whether the pointer hovers or drags it.
 fn drag(ui: &Ui, picture: Rect, place: Rect, name: &str, view: CompareView, commands: &mut Vec<Command>) -> bool {
     let id = Id::new(name);
     let response = ui.interact(place.intersect(picture), id, Sense::drag());
@@ -109,7 +109,7 @@ mod tests {
         harness
     }
 
-    /// Drags from one place to another. Returns the pointer's shape before the press.
+    /// Drags from one place to another. Returns the cursor icon before the press.
     fn drag(harness: &mut Harness<CompareView>, from: Pos2, to: Pos2) -> CursorIcon {
         let press = |pressed, pos| egui::Event::PointerButton {
             pos,
@@ -144,7 +144,7 @@ mod tests {
                 let border = moved.border().expect("it is still a wipe");
                 assert!((border - 0.75).abs() < 1e-4, "{grab:?}: {border}");
                 assert_eq!(moved.with_border(0.5), view);
-                // It goes no farther than the picture, and comes back.
+                // The border stops at the edge of the picture, and comes back.
                 let from = middle(PICTURE, border);
                 drag(&mut harness, from, from + vec2(300.0, 0.0));
                 assert_eq!(harness.state().border(), Some(1.0));

@@ -1,4 +1,4 @@
-//! Corners, edges and walls that are there: what is drawn near them begins and ends exactly at them.
+//! Snapping of the drawing tools to existing corners, edges and walls.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{Pos2, Vec2};
@@ -13,26 +13,26 @@ use crate::app::editor::command::blocking::block::{EDGES, Plane, corners};
 use crate::engine::PackedScene;
 use crate::scene::{ShapeKind, Solid};
 
-/// A place that attracts the pointer.
+/// A place that the pointer snaps to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Caught {
     /// The place in the world.
     pub place: Vec3,
-    /// It is a corner or the end of a wall, otherwise a place on an edge or along a wall.
+    /// Whether it is a corner or the end of a wall, and not a place on an edge or along a wall.
     pub is_corner: bool,
-    /// It is at the foot of its thing.
+    /// Whether it is at the foot of its thing.
     pub is_low: bool,
 }
 
-/// The distances from the pointer up to which corners and edges attract it, in points.
+/// The distances from the pointer within which it snaps to corners and edges, in points.
 const CORNER: f32 = 10.0;
 const EDGE: f32 = 4.0;
-/// The directions around the pointer in which things are looked for.
+/// The number of directions around the pointer in which shapes are searched.
 const AROUND: u32 = 8;
-/// The share of its distance by which a place may be behind the surface that is seen there.
+/// The share of its distance by which a place may be behind the visible surface and still count as visible.
 const BEHIND: f32 = 2e-3;
-/// A box that is lower than this number of steps of the usual grid is a slab: walls stand on its upper side, wherever
-/// it is touched.
+/// A box lower than this number of usual grid steps is a slab: walls stand on its upper side, wherever the pointer is
+/// on it.
 const SLAB_STEPS: f32 = 3.0;
 
 /// The shapes under the pointer and close around it.
@@ -49,8 +49,8 @@ pub(super) fn shapes_around(packed: &PackedScene, screen: &Screen, pointer: Pos2
     found
 }
 
-/// The corner near the pointer, else the place on an edge there. None without a step: Control frees from corners as it
-/// does from the grid.
+/// The corner near the pointer, else the place on an edge there. None without a step: Control turns off snapping to
+/// corners as well as to the grid.
 pub(super) fn caught(
     kind: BlockKind,
     screen: &Screen,
@@ -125,8 +125,8 @@ pub(super) fn foot(seen: &SeenSurface, screen: &Screen, model: &BlockingModel, s
     })
 }
 
-/// The place at which something stands that begins at the upright side of a box: the foot of the box, or the upper side
-/// of a slab. None for other shapes.
+/// The base of a drawing that begins at the upright side of a box: the foot of the box, or the upper side of a slab.
+/// None for other shapes.
 pub(super) fn base(seen: &SeenSurface, model: &BlockingModel) -> Option<Vec3> {
     let corners = model.target(seen.entity).and_then(BlockTarget::corners)?;
     let [low, high] = range(corners, model.up);
@@ -154,7 +154,7 @@ impl BlockTarget {
     }
 }
 
-/// What attracts the pointer.
+/// The candidates for snapping.
 #[derive(Default)]
 struct Marks {
     corners: Vec<Mark<Vec3>>,
@@ -164,7 +164,7 @@ struct Marks {
 struct Mark<T> {
     what: T,
     is_low: bool,
-    /// It is inside of its thing, so that one never sees it itself.
+    /// Whether it lies inside of its shape, where it is never visible itself.
     is_inside: bool,
 }
 
@@ -187,7 +187,7 @@ impl<T> Mark<T> {
 }
 
 impl Marks {
-    /// The corners and edges of a box or a rectangle. Of a slab only the upper ones if what is drawn is laid onto it.
+    /// The corners and edges of a box or a rectangle. Of a slab only the upper ones for a drawing that lies on it.
     fn add_box(&mut self, target: &BlockTarget, is_laid: bool, model: &BlockingModel) {
         if target.shape.kind == ShapeKind::Rectangle {
             let corner = |x: f32, y: f32| target.pose.transform_point3(Vec3::new(x, y, 0.0));
@@ -224,8 +224,8 @@ fn is_slab(height: f32, model: &BlockingModel) -> bool {
     height <= SLAB_STEPS * model.step
 }
 
-/// The places where the middle lines of walls meet, and the ends of those that meet no other. Where walls are joined,
-/// one of them ends beyond the place at which they were drawn, and the other before it.
+/// The places where the middle lines of walls meet, and the ends of those that meet no other. A joint lengthens one
+/// wall beyond the corner at which both were drawn, and shortens the other.
 fn ends_of_walls(walls: &[[Vec3; 2]], step: f32) -> Vec<Vec3> {
     /// The steps of the grid by which a joint lengthens or shortens walls: half the thickness of usual ones, and more
     /// at sharp angles.
@@ -273,7 +273,7 @@ fn along_line([a, b]: [Vec3; 2], place: Vec3, model: &BlockingModel, step: f32) 
     a + direction * (point - a).dot(direction).clamp(0.0, way.length())
 }
 
-/// Whether nothing is before a place.
+/// Whether no surface hides a place.
 fn is_seen(place: Vec3, screen: &Screen, model: &BlockingModel) -> bool {
     let Some(at) = screen.project(place) else {
         return false;

@@ -13,7 +13,7 @@ use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::{LengthUnit, Shape};
 
-/// The state of the tool that cuts.
+/// The state of the cutting tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::app::editor::viewport) struct CutState {
     begun: Option<Begun>,
@@ -24,7 +24,7 @@ pub(in crate::app::editor::viewport) struct CutState {
 struct Begun {
     /// The wall as it was at the press.
     target: BlockTarget,
-    /// The place in the world where it was pressed, and the normal there.
+    /// The point of the press in the world, and the normal there.
     place: Vec3,
     normal: Vec3,
     pressed_at: Pos2,
@@ -45,14 +45,14 @@ impl CutState {
         self.begun = None;
     }
 
-    /// What can be done next, while an opening is being drawn.
+    /// The hint for the next step while an opening is drawn.
     pub fn hint(&self) -> Option<&'static str> {
         self.begun.as_ref().map(|_| {
             "Let go at once for one of the usual size, or at the opposite corner, or type its size, such as 1.8,1.3 and Enter (Esc: give it up)"
         })
     }
 
-    /// Follows the mouse; true if the left button is the tool's.
+    /// Follows the mouse; returns whether the left button is used by the tool.
     pub fn follow(
         &mut self,
         kind: OpeningKind,
@@ -86,7 +86,7 @@ impl CutState {
         true
     }
 
-    /// Cuts what is drawn.
+    /// Cuts the drawn opening.
     pub fn confirm(
         &mut self,
         kind: OpeningKind,

@@ -16,31 +16,31 @@ use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::LengthUnit;
 
-/// The state of the tool that draws.
+/// The state of the drawing tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::app::editor::viewport) struct DrawState {
     /// The place under the pointer, where a drawing would begin.
     spot: Option<Spot>,
-    /// The corner or the edge near the pointer, where something that is drawn begins or ends.
+    /// The corner or edge near the pointer that the drawing snaps to.
     caught: Option<Caught>,
     phase: Option<Phase>,
     /// The numbers typed for the present phase.
     typed: Typed,
-    /// The heights that were given last to a box and to a wall.
+    /// The heights last used for a box and for a wall.
     heights: [Option<f32>; 2],
 }
 
 #[derive(Clone, Debug, PartialEq)]
 enum Phase {
-    /// The base goes from a place to the pointer.
+    /// The base, from its first corner to the pointer.
     Base {
         from: Spot,
         to: Vec3,
         pressed_at: Pos2,
-        /// The button that began it is still down.
+        /// Whether the button that began it is still down.
         is_held: bool,
     },
-    /// The base is drawn. The height stays as it is until the pointer has moved away from where this began.
+    /// The base is drawn. The height changes once the pointer has left the place where this phase began.
     Height {
         from: Spot,
         to: Vec3,
@@ -68,7 +68,7 @@ impl DrawState {
         self.phase.is_some().then_some(&mut self.typed)
     }
 
-    /// Whether the base is being dragged and nothing was typed: what is typed next is for what comes after the drag.
+    /// Whether the base is being dragged and nothing was typed: keys typed now belong to the phase after the drag.
     pub fn is_dragging(&self) -> bool {
         matches!(self.phase, Some(Phase::Base { is_held: true, .. })) && self.typed.is_empty()
     }
@@ -78,7 +78,7 @@ impl DrawState {
         self.typed = Typed::default();
     }
 
-    /// What can be done next, while something is being drawn.
+    /// The hint for the next step while something is drawn.
     pub fn hint(&self, kind: BlockKind, unit: LengthUnit) -> Option<String> {
         Some(match (self.phase.as_ref()?, kind) {
             (Phase::Base { .. }, BlockKind::Wall) => {
@@ -95,7 +95,7 @@ impl DrawState {
         })
     }
 
-    /// Follows the mouse; true if the left button is the tool's.
+    /// Follows the mouse; returns whether the left button is used by the tool.
     pub fn follow(
         &mut self,
         kind: BlockKind,
@@ -107,7 +107,7 @@ impl DrawState {
     ) -> bool {
         let was_busy = self.is_busy();
         if model.is_empty {
-            // In an empty scene nothing was given before.
+            // A new scene has no heights used before.
             self.heights = Default::default();
         }
         self.track(kind, seen, screen, model, hand);
@@ -200,7 +200,7 @@ impl DrawState {
         }
     }
 
-    /// Goes on to the height, or adds the thing that is drawn.
+    /// Goes on to the height, or adds the drawn block.
     pub fn confirm(
         &mut self,
         kind: BlockKind,
@@ -236,7 +236,7 @@ impl DrawState {
         }
     }
 
-    /// The thing as it is drawn so far.
+    /// The block as drawn so far.
     fn block(&self, kind: BlockKind, step: f32) -> Option<Block> {
         let scale = if METRES.contains(&step) { 1.0 } else { step / USUAL_STEP };
         let (from, to, height) = match self.phase.as_ref()? {
@@ -298,7 +298,7 @@ impl DrawState {
         marks::text(painter, screen, to, &self.caption(kind, from, to, is_base, model.unit));
     }
 
-    /// The size so far, and what has been typed.
+    /// The size so far, and the typed text.
     fn caption(&self, kind: BlockKind, from: &Spot, to: Vec3, is_base: bool, unit: LengthUnit) -> String {
         let size = match (&self.phase, is_base) {
             (Some(Phase::Height { height, .. }), false) => format!("height {}", unit.text(*height)),

@@ -1,4 +1,4 @@
-//! The floor at the foot of a wall: near the edge between them the floor counts.
+//! The foot of a wall: near the edge between wall and floor the pointer means the floor.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::Vec2;
@@ -9,17 +9,17 @@ use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::blocking::block::Plane;
 
-/// The distance from the pointer down to the foot of a wall up to which the floor counts, in points.
+/// The distance from the pointer down to the foot of a wall within which it means the floor, in points.
 const REACH: f32 = 10.0;
-/// The number of places on that way where the floor is looked for.
+/// The number of points within that distance at which the floor is searched.
 const PROBES: u32 = 5;
 /// The largest cosine between the upward direction and the normal of a wall, and the least one of a floor.
 const WALL: f32 = 0.3;
 const FLOOR: f32 = 0.9;
 
 /// The place where the wall under the pointer meets the floor, with the plane of the floor, if the pointer is a few
-/// points above it: on the wall, what is drawn down or towards one would go through the floor. None elsewhere, and with
-/// Control, which gives the surface under the pointer alone.
+/// points above it: a drawing that began on the wall and went down or towards the viewer would go through the floor.
+/// None elsewhere, and with Control, which gives the surface under the pointer alone.
 pub(super) fn at_foot(
     seen: &SeenSurface,
     hand: &Hand,

@@ -1,5 +1,5 @@
-//! The input of the tools that block out: the data that they act on, the mouse, and the conversion of pointer positions
-//! to places.
+//! The input of the block-out tools: the data that they act on, the mouse, and the conversion of pointer positions to
+//! places.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec3};
@@ -27,7 +27,7 @@ pub struct BlockTarget {
 pub struct BlockingModel<'a> {
     /// The tool in use.
     pub tool: Tool,
-    /// The shapes that were under the pointer and around it in the last frame.
+    /// The shapes that were at and around the pointer in the last frame.
     pub near: &'a [BlockTarget],
     /// The step of the grid, in world units.
     pub step: f32,
@@ -54,17 +54,17 @@ impl<'a> BlockingModel<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::app::editor::viewport) struct Hand {
     pub pointer: Pos2,
-    /// The left button has just gone down on the picture.
+    /// Whether the left button has just gone down on the picture.
     pub pressed: bool,
-    /// The left button has just gone down or up.
+    /// Whether the left button has just gone down or up.
     pub is_turn: bool,
-    /// The left button is down.
+    /// Whether the left button is down.
     pub down: bool,
     /// The step to which places are rounded; 0 with Control.
     pub step: f32,
 }
 
-/// The place along a line (in units of its direction, of unit length) that is nearest to what the pointer shows; None
+/// The place along a line (in units of its direction, of unit length) that is nearest to the ray of the pointer; None
 /// where the line is seen end on.
 pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction: Vec3) -> Option<f32> {
     let ray = screen.ray(pointer);
@@ -72,7 +72,7 @@ pub(super) fn along_line(screen: &Screen, pointer: Pos2, origin: Vec3, direction
     let between = origin - ray.origin;
     let cosine = direction.dot(towards);
     let sine_squared = 1.0 - cosine * cosine;
-    // If the line were seen more nearly end on, one pixel would stand for a very long way.
+    // If the line were seen more nearly end on, one pixel would stand for a very long distance.
     const END_ON: f32 = 3e-3;
     (sine_squared > END_ON).then(|| (cosine * towards.dot(between) - direction.dot(between)) / sine_squared)
 }

@@ -1,8 +1,8 @@
 //! The tools that block out a building in the picture: drawing boxes, floors and walls, pushing and pulling faces,
 //! cutting doors and windows.
 //!
-//! They use the left button and, while something is being drawn or pushed, the number keys, Enter and Escape.
-//! Everything else, such as looking around with the right button, is as without them.
+//! They use the left button and, while something is being drawn or pushed, the number keys, Enter and Escape. All other
+//! input, such as looking around with the right button, works as without them.
 
 mod catch;
 pub mod cut;
@@ -50,7 +50,7 @@ impl BlockingState {
         self.draw.is_busy() || self.push.is_busy() || self.cut.is_busy()
     }
 
-    /// Forgets what was under way when the tool was left. The heights that were given last stay.
+    /// Drops the unfinished drawing when the tool is left. The heights used last stay.
     pub(crate) fn leave(&mut self) {
         self.draw.cancel();
         *self = Self {
@@ -59,7 +59,7 @@ impl BlockingState {
         };
     }
 
-    /// What can be done next with what is being drawn, pushed or cut.
+    /// The hint for the next step of the drawing, the push or the cut.
     pub(super) fn next_step(&self, model: &BlockingModel) -> Option<String> {
         match model.tool {
             Tool::Draw(kind) => self.draw.hint(kind, model.unit),
@@ -106,8 +106,8 @@ impl BlockingState {
         let mut take_keys = |this: &mut Self, commands: &mut Vec<Command>| {
             rest.retain(|press| !this.take_key(press, screen, model, &end, commands));
         };
-        // Keys are told apart from the mouse. Before something is begun they mean nothing to the tool, so that they
-        // were pressed after it.
+        // Keys are told apart from the mouse. Before a drawing begins the tool uses no keys, so that they were pressed
+        // after its begin.
         let keys_first = self.is_busy() && !self.draw.is_dragging();
         if keys_first {
             take_keys(self, commands);
@@ -117,7 +117,7 @@ impl BlockingState {
         for at in 0..moments.len() {
             let hand = moments[at];
             let is_known = self.look(ui, screen, model, is_over, &hand);
-            // If nothing is known of a shape after a frame, it is none that the tools can change.
+            // A shape that is still unknown after a frame is none that the tools can edit.
             if hand.is_turn && !is_known && !(has_waited && at == 0) {
                 self.waiting = moments.split_off(at).into_iter().filter(|hand| hand.is_turn).collect();
                 break;
@@ -142,7 +142,7 @@ impl BlockingState {
         }
     }
 
-    /// Follows the mouse at a moment; true if the left button is the tool's.
+    /// Follows the mouse at a moment; returns whether the left button is used by the tool.
     fn act(&mut self, screen: &Screen, model: &BlockingModel, hand: &Hand, commands: &mut Vec<Command>) -> bool {
         let seen = self.seen.as_ref();
         match model.tool {
@@ -153,7 +153,8 @@ impl BlockingState {
         }
     }
 
-    /// Finds the surface under the pointer and the shapes around it; false if some of these are not looked up yet.
+    /// Finds the surface under the pointer and the shapes around it; returns false if some of these are not looked up
+    /// yet.
     fn look(&mut self, ui: &Ui, screen: &Screen, model: &BlockingModel, is_over: bool, hand: &Hand) -> bool {
         let draws = matches!(model.tool, Tool::Draw(_));
         if self.is_busy() && !draws && !self.push.waits() {
@@ -173,7 +174,7 @@ impl BlockingState {
         is_known
     }
 
-    /// Handles a key; true if it was for what is being drawn or pushed.
+    /// Handles a key; returns whether it was used by the drawing or the push.
     fn take_key(
         &mut self,
         press: &Press,
@@ -212,7 +213,7 @@ impl BlockingState {
         true
     }
 
-    /// Draws what is being drawn, the face under the pointer or the opening there.
+    /// Paints the drawing, the face under the pointer or the opening there.
     pub fn paint_blocks(&self, painter: &Painter, screen: &Screen, model: &BlockingModel) {
         match model.tool {
             Tool::Draw(kind) => self.draw.paint(painter, screen, kind, model),

@@ -13,7 +13,7 @@ use crate::app::editor::command::{Command, SceneEdit};
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::Shape;
 
-/// The state of the tool that pushes faces.
+/// The state of the push tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::app::editor::viewport) struct PushState {
     held: Option<Held>,
@@ -24,12 +24,12 @@ struct Held {
     /// The shape as it was at the press.
     target: BlockTarget,
     face: Face,
-    /// The place in the world where the face was pressed.
+    /// The point of the press on the face, in the world.
     grabbed: Vec3,
     pressed_at: Pos2,
-    /// The button is still down. After a click it is not, and only a number that is typed moves the face.
+    /// Whether the button is still down. After a click it is not, and only a typed number moves the face.
     is_dragged: bool,
-    /// The way of the face so far, in world units.
+    /// The distance that the face has moved so far, in world units.
     by: f32,
     typed: Typed,
 }
@@ -39,7 +39,7 @@ impl PushState {
         self.held.is_some()
     }
 
-    /// Whether a face was clicked, which waits for a number.
+    /// Whether a face was clicked and a number is awaited.
     pub fn waits(&self) -> bool {
         self.held.as_ref().is_some_and(|held| !held.is_dragged)
     }
@@ -48,7 +48,7 @@ impl PushState {
         self.held.as_mut().map(|held| &mut held.typed)
     }
 
-    /// What can be done next, while a face is held.
+    /// The hint for the next step while a face is held.
     pub fn hint(&self) -> Option<&'static str> {
         self.held.as_ref().map(|held| match held.is_dragged {
             true => {
@@ -70,7 +70,7 @@ impl PushState {
         }
     }
 
-    /// Follows the mouse; true if the left button is the tool's.
+    /// Follows the mouse; returns whether the left button is used by the tool.
     pub fn follow(
         &mut self,
         seen: Option<&SeenSurface>,
@@ -80,7 +80,7 @@ impl PushState {
         commands: &mut Vec<Command>,
     ) -> bool {
         if hand.pressed {
-            // What was clicked before stays where it is now.
+            // The face that was clicked before stays where it is now.
             self.held = None;
         }
         if hand.pressed
@@ -158,8 +158,8 @@ impl PushState {
 }
 
 impl Held {
-    /// The way of the face: what was typed, or what the pointer shows, to the grid of the world where the face is along
-    /// it.
+    /// The distance of the push: the typed number, or the distance to the pointer, rounded to the world's grid if the
+    /// face is parallel to it.
     fn way(&self, screen: &Screen, model: &BlockingModel, hand: &Hand) -> Option<f32> {
         if let Some(&[number]) = self.typed.lengths(model.unit).as_deref() {
             return Some(number);

@@ -11,7 +11,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::blocking::block::Plane;
 use crate::app::editor::command::blocking::{BlockKind, snapped};
 
-/// A place that something can be drawn from.
+/// A place where a drawing can begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot {
     pub place: Vec3,
@@ -20,17 +20,17 @@ pub(super) struct Spot {
 
 /// The share of a step to which places across a plane are rounded, so that a surface at 0 is not at 0.0000001.
 const ROUNDING: f32 = 1e-3;
-/// The ground counts where it is no farther than this number of steps of the grid.
+/// The largest distance of the ground, in steps of the grid.
 const FARTHEST: f32 = 2000.0;
 
-/// The least cosine between the upward direction and the normal of a surface that walls and floors are laid onto;
+/// The least cosine between the upward direction and the normal of a surface on which walls and floors are placed;
 /// others are sides.
 const LAID: f32 = 0.5;
 
 impl Spot {
-    /// The place under the pointer: the corner or edge that attracts it, else the floor at the foot of a wall, else the
-    /// surface that is seen there, else the ground through the origin. Walls and floors lie level at the foot of a
-    /// wall or beside a box.
+    /// The place under the pointer: the corner or edge that it snaps to, else the floor at the foot of a wall, else the
+    /// surface that is seen there, else the ground through the origin. Walls and floors lie level at the foot of a wall
+    /// or beside a box.
     pub fn under(
         kind: BlockKind,
         hand: &Hand,
@@ -89,7 +89,7 @@ pub(super) fn is_on(plane: &Plane, through: Vec3, place: Vec3, grid: f32) -> boo
     (place - through).dot(plane.normal).abs() <= OFF * grid
 }
 
-/// The place under the pointer on a plane; None where the pointer is above its horizon.
+/// The point of a plane under the pointer; None if the pointer is above the plane's horizon.
 pub(super) fn on_plane(screen: &Screen, pointer: Pos2, through: Vec3, normal: Vec3) -> Option<Vec3> {
     let ray = screen.ray(pointer);
     let towards = ray.dir.dot(normal);
@@ -105,6 +105,6 @@ pub(super) fn rounded(place: Vec3, plane: &Plane, grid: f32, step: f32) -> Vec3 
     let above = snapped(place.dot(plane.normal), ROUNDING * grid);
     let level = [along, across].map(|direction| direction * snapped(place.dot(direction), step));
     let place = level[0] + level[1] + plane.normal * above;
-    // A zero has no minus in files.
+    // Adding zero turns -0 into 0 for files.
     place + Vec3::ZERO
 }

@@ -1,8 +1,8 @@
-//! Computes how all selected objects stand after a drag: from where the pointer took hold of a handle and where it is
-//! now.
+//! Computes the poses of all selected objects after a drag, from the place of the press on a handle and the pointer's
+//! present place.
 //!
-//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the
-//! perspective undone. Near horizons and vanishing points, where a pixel would be a mile, it goes no further.
+//! The pointer's movement along an axis, in a plane and around a ring is unprojected, so that the handle stays under
+//! it. It is limited near horizons and vanishing points, where a pixel would be a mile.
 
 use std::f32::consts::{PI, TAU};
 
@@ -22,10 +22,10 @@ use crate::app::editor::model::freedom::Freedom;
 use crate::scene::LengthUnit;
 use crate::scene::euler::tidied;
 
-/// The change of things since the drag began.
+/// The transform of the selection since the drag began.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// World units.
+    /// A move in world units.
     Moved(Vec3),
     /// A turn around an axis.
     Turned {
@@ -34,7 +34,7 @@ pub enum Change {
         /// Radians, counter-clockwise as seen from the tip of the axis.
         angle: f32,
     },
-    /// Factors along the axes.
+    /// Scale factors along the axes.
     Scaled(Vec3),
     /// A turn about the origin of the frame, then a move in world units, for snapping to a tilted surface.
     Laid {
@@ -46,7 +46,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// Whether everything stays where it is.
+    /// Whether the change is the identity.
     pub fn is_none(&self) -> bool {
         match self {
             Self::Moved(by) => *by == Vec3::ZERO,
@@ -64,28 +64,28 @@ pub struct Drag {
     pub frame: Frame,
     /// The targets, with their poses at the press.
     pub targets: Vec<Target>,
-    /// Along or about what.
+    /// The axis or plane that the drag is constrained to.
     pub constraint: Constraint,
-    /// Numbers that were typed meanwhile; they count instead of the pointer.
+    /// Numbers that were typed during the drag; they replace the pointer.
     pub typed: Typed,
     /// The unit of the scene, for lengths that are typed.
     pub(super) lengths: LengthUnit,
     pub(super) settings: GizmoSettings,
     /// The point of the window at which the drag began.
     grabbed: Pos2,
-    /// The place where it was seen last, and below the angle up to there: a ring may be turned more than once.
+    /// The pointer's last place, and below the angle accumulated up to there: a ring may be turned more than once.
     last: Pos2,
     angle: f32,
     /// The unit to which places are rounded, in world units; 0 for none.
     pub(super) unit: f64,
 }
 
-/// The sine of the angle of view below which axes and planes are too foreshortened to be dragged as they are seen.
+/// The sine of the angle to the view below which axes and planes are too foreshortened to be dragged directly.
 const EDGE_ON: f32 = 0.1;
-/// The factor of distance up to which the pointer is followed towards the horizon of a plane, or the vanishing point of
-/// an axis.
+/// The limit of the pointer's distance towards the horizon of a plane or the vanishing point of an axis, as a multiple
+/// of the distance of the origin.
 const FARTHEST: f32 = 10.0;
-/// Points on which an even scaling doubles.
+/// The points of pointer movement that double the size in an even scaling.
 const POINTS_PER_DOUBLING: f32 = 100.0;
 /// The smallest factor of a drag, so that things can be enlarged again.
 const SMALLEST_FACTOR: f32 = 0.01;
@@ -94,14 +94,13 @@ const FINEST_TURN: f64 = 0.1;
 /// The significant digits of a scale factor that the pointer chooses, and of the lengths of scaled axes.
 const FACTOR_DIGITS: i32 = 4;
 const LENGTH_DIGITS: i32 = 6;
-/// Places that result from a typed rotation or factor are rounded to this share of the unit that is used for the
-/// pointer.
+/// Places after a typed rotation or factor are rounded to this share of the unit used for the pointer.
 pub(super) const TYPED_SHARE: f64 = 1e-3;
-/// Places on steps are rounded to this share of a step.
+/// Places snapped to steps are rounded to this share of a step.
 const STEP_SHARE: f32 = 1e-3;
 
 impl Drag {
-    /// Begins a drag that took hold at the point `grabbed` of the window.
+    /// Begins a drag whose handle was pressed at the point `grabbed` of the window.
     pub fn new(
         frame: Frame,
         targets: Vec<Target>,
@@ -133,13 +132,13 @@ impl Drag {
         self.settings.mode
     }
 
-    /// Whether the key belongs to the typed text; if so, it has been added to it.
+    /// Adds the key to the typed text if it belongs to it; returns whether it did.
     pub(crate) fn press(&mut self, press: &Press) -> bool {
         let is_unit = |typed: &mut Typed| typed.press_unit(press.key, press.modifiers.shift);
         self.typed.press(press.key) || (self.settings.mode == Mode::Move && is_unit(&mut self.typed))
     }
 
-    /// Sets another constraint from here on. The same constraint again removes it.
+    /// Sets another constraint from now on. The same constraint again removes it.
     pub fn constrain(&mut self, constraint: Constraint) {
         self.constraint = if self.constraint == constraint {
             Constraint::Free
@@ -157,7 +156,7 @@ impl Drag {
         self.angle = 0.0;
     }
 
-    /// The change with the pointer here. `snap`: rounded to steps, for lengths of `length_step` world units.
+    /// The change with the pointer here. `snap` rounds it to steps, for lengths to `length_step` world units.
     pub fn follow(&mut self, screen: &Screen, pointer: Pos2, snap: bool, length_step: f32) -> Change {
         let pixel = screen.units_per_point(screen.depth(self.frame.origin));
         self.unit = rounding::unit_of_pixel(pixel);
@@ -198,7 +197,7 @@ impl Drag {
             Mode::Rotate => {
                 let axis = self.turning_axis(screen);
                 let turned = wrapped(self.angle_at(screen, axis, pointer) - self.angle_at(screen, axis, self.last));
-                // If the camera is on the axis, no angle is seen.
+                // If the camera is on the axis, no angle can be measured.
                 self.angle += if turned.is_finite() { turned } else { 0.0 };
                 self.last = pointer;
                 let degrees = rounded(self.angle.to_degrees(), steps.degrees);
@@ -220,7 +219,7 @@ impl Drag {
         self.frame.axes.iter().all(|axis| axis.abs().max_element() == 1.0)
     }
 
-    /// The lower end of the selection, against `up`, to be where the surface is.
+    /// The move that puts the lowest point of the selection, along `up`, onto the surface.
     pub fn onto_surface(&self, surface: Vec3, up: Vec3) -> Change {
         Change::Moved(surface - lowest_point(&self.targets, up).unwrap_or(self.frame.origin))
     }
@@ -266,7 +265,7 @@ impl Drag {
         match self.constraint {
             Constraint::Axis(k) | Constraint::Plane(k) => self.frame.axes[k],
             Constraint::Free => match screen.direction_to(self.frame.origin) {
-                // The camera is there.
+                // The camera is at the origin.
                 Vec3::ZERO => -screen.forward(),
                 direction => -direction,
             },
@@ -290,7 +289,7 @@ impl Drag {
         screen.unproject(pointer, depth) - screen.unproject(self.grabbed, depth)
     }
 
-    /// The distance from the origin along the axis of the point that is seen beside the pointer.
+    /// The distance along the axis from the origin to the point of the axis nearest to the pointer.
     fn along(&self, screen: &Screen, axis: Vec3, pointer: Pos2) -> f32 {
         let origin = self.frame.origin;
         let depth = screen.depth(origin);
@@ -348,7 +347,7 @@ impl Drag {
         hit(self.grabbed + (pointer - self.grabbed) * share) - hit(self.grabbed)
     }
 
-    /// The angle around the axis at which the pointer is seen, from some start.
+    /// The angle around the axis at the pointer, from an arbitrary zero.
     fn angle_at(&self, screen: &Screen, axis: Vec3, pointer: Pos2) -> f32 {
         let origin = self.frame.origin;
         let view = screen.direction_to(origin);
@@ -381,8 +380,7 @@ impl Drag {
         }
     }
 
-    /// The poses of all objects after the change. An object stays as it was if the change would not leave it a
-    /// transform.
+    /// The poses of all objects after the change. An object keeps its pose if the change would make it singular.
     pub fn apply(&self, change: Change) -> Vec<(Entity, Affine3A)> {
         let changed = |target: &Target| {
             let to_world = self.applied(target, change);

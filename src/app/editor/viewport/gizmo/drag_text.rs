@@ -1,4 +1,4 @@
-//! The line of text about a drag: the change so far, and the keys that act on it.
+//! The text about a drag: the change so far, and the keys that act on it.
 
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};

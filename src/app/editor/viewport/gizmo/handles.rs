@@ -1,5 +1,4 @@
-//! The shapes of the handles on the window, and which of them is under the pointer. All sizes in points, whatever the
-//! distance.
+//! The shapes of the handles in the window, and hit tests of the pointer. All sizes in points, whatever the distance.
 
 use std::f32::consts::TAU;
 
@@ -18,14 +17,14 @@ pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
 /// The distance from the middle within which all handles can be taken.
 pub(crate) const SPAN: f32 = VIEW_RING + REACH;
-/// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of
-/// the parts in the middle and at the tips.
+/// The start of an axis from the origin; below the extents of the plane squares along their axes, and half the widths
+/// of the middle and of the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
 /// Half the width of the handle in the middle, in points.
 pub const MIDDLE: f32 = 9.0;
 pub(crate) const TIP: f32 = 6.0;
-/// The distance up to which the pointer takes a line.
+/// The distance within which the pointer hits a line.
 const REACH: f32 = 7.0;
 /// The share of their length below which axes are too short to be shown, and the sine below which squares are too
 /// foreshortened.
@@ -35,7 +34,7 @@ const RING_SEGMENTS: usize = 64;
 /// The form of a handle, in points of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// The line from where it begins to the tip.
+    /// The line from its start to the tip.
     Line([Pos2; 2]),
     /// The corners in their order around it.
     Square([Pos2; 4]),
@@ -58,9 +57,9 @@ pub enum Form {
 /// A part of the gizmo that can be dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Handle {
-    /// What a drag of it is held to.
+    /// The constraint of a drag of this handle.
     pub constraint: Constraint,
-    /// The form where the pointer takes it.
+    /// The form that the pointer hits.
     pub form: Form,
 }
 
@@ -106,7 +105,7 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// The point that lies this many points away along some axes.
+    /// The point of the window at this offset along the axes, in points.
     fn at(&self, out: Vec3) -> Option<Pos2> {
         let [x, y, z] = self.frame.axes;
         let place = self.frame.origin + (x * out.x + y * out.y + z * out.z) * self.unit;
@@ -177,7 +176,7 @@ pub(crate) fn handle_at(handles: &[Handle], pointer: Pos2) -> Option<Constraint>
         .map(|(_, handle)| handle.constraint)
 }
 
-/// A distance if it is within reach.
+/// The distance if it is within reach.
 fn reached(distance: f32) -> Option<f32> {
     (distance <= REACH).then_some(distance.max(0.0))
 }
@@ -192,7 +191,7 @@ pub(crate) fn distance_to_segment(p: Pos2, [a, b]: &[Pos2; 2]) -> f32 {
     p.distance(*a + along * share)
 }
 
-/// Whether a convex corner loop goes round the point, either way.
+/// Whether a convex polygon, in either orientation, contains the point.
 fn contains(corners: &[Pos2; 4], p: Pos2) -> bool {
     let side = |k: usize| {
         let (edge, out) = (corners[(k + 1) % 4] - corners[k], p - corners[k]);

@@ -1,7 +1,7 @@
-//! The gizmo in the hand: which handle is under the pointer, a drag from press to release, and the keys that rule it.
+//! The interaction with the gizmo: the handle under the pointer, a drag from press to release, and its keys.
 //!
 //! A drag begins with a press on a handle, or with G, R or T: then an axis (X, Y, Z) and a number may be typed, and the
-//! same key again makes the selection follow the pointer. Escape puts everything back.
+//! same key again makes the selection follow the pointer. Escape restores all poses.
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
@@ -28,7 +28,7 @@ use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 use crate::scene::LengthUnit;
 
-/// The offset from the pointer to the figures of a drag, in points.
+/// The offset from the pointer to the text about a drag, in points.
 const READ_OUT: Vec2 = Vec2::new(18.0, 14.0);
 
 /// The data that the gizmo acts on.
@@ -40,7 +40,7 @@ pub struct GizmoModel<'a> {
     pub targets: &'a [Target],
     /// The step of lengths, in world units.
     pub length_step: f32,
-    /// The grid on the ground, whose lines moves may snap to.
+    /// The grid on the ground, to whose lines moves may snap.
     pub grid: GridSettings,
     /// The world's upward direction, an axis.
     pub up: Vec3,
@@ -53,7 +53,7 @@ pub struct GizmoModel<'a> {
 }
 
 impl GizmoModel<'_> {
-    /// The step of moves in world units: that of the grid where moves snap to it and it is seen.
+    /// The step of moves in world units: the step of the grid if moves snap to it and it is visible.
     fn step(&self, screen: &Screen, mode: Mode) -> f32 {
         let is_on_grid = mode == Mode::Move && self.settings.snap.to == SnapTo::Grid && self.grid.shown;
         match is_on_grid {
@@ -70,7 +70,7 @@ pub struct GizmoState {
     held: Option<Held>,
     /// Whether a drag has begun since the last query.
     begun: bool,
-    /// The keys of a frame that end what others of that frame have typed. They are for the next frame.
+    /// The keys after one that ended a drag, which are handled in the next frame.
     waiting: Vec<Press>,
 }
 
@@ -85,10 +85,10 @@ struct Held {
     snapped: Option<SnapPoint>,
 }
 
-/// The input that holds a drag.
+/// The input that keeps a drag going.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Hold {
-    /// The mouse button.
+    /// A pressed mouse button.
     Button,
     /// The pointer without a button, until a click.
     Pointer,
@@ -96,27 +96,27 @@ enum Hold {
     Keys,
 }
 
-/// The input that the gizmo leaves to others.
+/// The input that the gizmo does not use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rest {
-    /// The mouse was not for the gizmo.
+    /// Whether the mouse is free for others.
     pub pointer: bool,
-    /// The keys that were not for the gizmo, in order.
+    /// The keys that the gizmo does not use, in order.
     pub presses: Vec<Press>,
 }
 
 impl GizmoState {
-    /// Whether something is being moved, or is about to be.
+    /// Whether a drag has begun, even if it has not moved anything yet.
     pub(crate) fn is_dragging(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Whether something has been moved by the drag so far.
+    /// Whether the drag has moved anything so far.
     pub(crate) fn is_moving(&self) -> bool {
         self.held.as_ref().is_some_and(|held| held.change.is_some())
     }
 
-    /// Whether a drag has begun since the last call. Its effect is a step of its own.
+    /// Whether a drag has begun since the last call. It is a step of the history of its own.
     pub fn take_begun(&mut self) -> bool {
         std::mem::take(&mut self.begun)
     }
@@ -188,7 +188,8 @@ impl GizmoState {
         rest
     }
 
-    /// Finds the handle under the pointer and begins a drag when it is pressed; true if the pointer is the gizmo's.
+    /// Finds the handle under the pointer and begins a drag when it is pressed; returns whether the gizmo uses the
+    /// pointer.
     fn take_hold(
         &mut self,
         ui: &Ui,
@@ -247,7 +248,7 @@ impl GizmoState {
         }
     }
 
-    /// Handles a key; true if it was for a drag.
+    /// Handles a key; returns whether the drag used it.
     fn take_key(
         &mut self,
         press: &Press,
@@ -291,7 +292,7 @@ impl GizmoState {
         true
     }
 
-    /// Draws the handles, or the drag that is under way. `pointer` lights the handle below it.
+    /// Paints the handles, or the active drag. `pointer` highlights the handle under it.
     pub fn paint_handles(&self, painter: &Painter, screen: &Screen, model: &GizmoModel, pointer: Option<Pos2>) {
         match &self.held {
             Some(held) if held.by != Hold::Keys || held.change.is_some() => {
@@ -308,9 +309,9 @@ impl GizmoState {
         }
     }
 
-    /// A line about a drag by the keyboard; None without one.
+    /// The text about a drag by the keyboard; None without one.
     pub fn note(&self, screen: &Screen, model: &GizmoModel) -> Option<String> {
-        // The figures of a drag by the mouse are shown at the pointer.
+        // The text about a drag by the mouse is shown at the pointer.
         let held = self.held.as_ref().filter(|held| held.by == Hold::Keys)?;
         if held.change.is_none() {
             let same = actions::key_text(action_of(held.drag.mode()), model.bound);
@@ -330,7 +331,7 @@ impl Held {
         self.by == Hold::Keys && is_plain && is_amount
     }
 
-    /// Whether it is these objects that are dragged.
+    /// Whether the drag moves exactly these objects.
     fn is_of(&self, targets: &[Target]) -> bool {
         let dragged = self.drag.targets.iter().map(|target| target.entity);
         dragged.eq(targets.iter().map(|target| target.entity))
@@ -379,7 +380,7 @@ impl Held {
 }
 
 impl Held {
-    /// The change that takes what is dragged to the corner, edge or surface at the pointer; None if there is none.
+    /// The change that snaps the dragged objects to the corner, edge or surface at the pointer; None if there is none.
     fn onto_things(&mut self, screen: &Screen, pointer: Pos2, model: &GizmoModel) -> Option<Change> {
         let drag = &mut self.drag;
         let is_dragged = |entity| drag.targets.iter().any(|target| target.entity == entity);
@@ -400,7 +401,7 @@ impl Held {
     }
 }
 
-/// The axis of a thing, or its opposite, that points up most.
+/// The axis of an object, or its opposite, that points up most.
 fn upper_side(target: &Target, up: Vec3) -> Vec3 {
     let matrix = target.to_world.matrix3;
     let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| Vec3::from(axis).normalize_or_zero());
@@ -429,7 +430,7 @@ pub(crate) fn place_of_handles(screen: &Screen, model: &GizmoModel) -> Option<Re
     Some(Rect::from_center_size(middle, Vec2::splat(2.0 * handles::SPAN)))
 }
 
-/// The point about which something without a place is turned: in the middle of the picture.
+/// The point about which something without a place is turned: straight ahead of the camera.
 fn ahead(screen: &Screen, model: &GizmoModel) -> Vec3 {
     screen.unproject(screen.picture.center(), model.length_step.max(f32::MIN_POSITIVE) * 50.0)
 }

@@ -1,7 +1,7 @@
-//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where
-//! it stands; how it looks is in `handles` and `paint`, what dragging does in `drag`.
+//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. This module has its
+//! targets and its frame, `handles` and `paint` its look, `drag` the effect of drags.
 //!
-//! Scaling is always along an object's own axes: along others it would shear what is turned.
+//! Scaling is always along an object's own axes: along others it would shear a turned object.
 
 pub mod constraint;
 pub mod drag;
@@ -58,7 +58,7 @@ pub struct Frame {
     pub axes: [Vec3; 3],
 }
 
-/// World bounds of all that have a place; empty without one.
+/// World bounds of all targets that have a place; empty if none has.
 pub fn bounds(targets: &[Target]) -> Aabb {
     let placed = targets.iter().filter(|target| target.has_place());
     placed.fold(Aabb::EMPTY, |all, target| match target.bounds {
@@ -67,7 +67,7 @@ pub fn bounds(targets: &[Target]) -> Aabb {
     })
 }
 
-/// The move along x that takes copies of the targets beside them, by whole steps.
+/// The move along x, by whole steps, that puts copies beside the targets.
 pub(crate) fn step_beside(targets: &[Target], step: f32) -> Vec3 {
     let width = bounds(targets).extent().x.max(0.0);
     let steps = (width / step.max(f32::MIN_POSITIVE) + 1e-3).floor() + 1.0;
@@ -104,14 +104,14 @@ pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Optio
     origin.is_finite().then_some(Frame { origin, axes })
 }
 
-/// The mean of the origins of all that have a place.
+/// The mean of the origins of all targets that have a place.
 fn median(targets: &[Target]) -> Vec3 {
     let placed = || targets.iter().filter(|target| target.has_place());
     let sum: Vec3 = placed().map(Target::origin).sum();
     sum / placed().count().max(1) as f32
 }
 
-/// The directions of a transform's axes, set at right angles from the first on; the world's for a degenerate one.
+/// The directions of a transform's axes, orthogonalized from the first on; the world's axes for a degenerate transform.
 fn own_axes(to_world: &Affine3A) -> [Vec3; 3] {
     let [x, y, z] = [
         to_world.matrix3.x_axis,

@@ -23,7 +23,7 @@ const EDGE: f32 = 1.0;
 const LINE: f32 = 2.5;
 /// The width of the line along the axis of a drag.
 const GUIDE: f32 = 1.0;
-/// Half the size of the mark at a place that a drag snaps to.
+/// Half the size of the mark at a snapped place, in points.
 const MARK: f32 = 6.0;
 
 /// The handles; `lit` is the one under the pointer.
@@ -70,7 +70,7 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
     }
 }
 
-/// Paints a drag instead of the handles: the axes of its constraint, and in a rotation the way from the middle to the
+/// Paints a drag instead of the handles: the axes of its constraint, and in a rotation the line from the middle to the
 /// pointer.
 pub(crate) fn paint_drag(
     painter: &Painter,
@@ -102,7 +102,7 @@ pub(crate) fn paint_drag(
     painter.circle_filled(middle, 3.5, LIT);
 }
 
-/// Marks the place that a drag snaps to: a square for a corner, a triangle for an edge, a ring for a surface.
+/// Marks a snapped place: a square for a corner, a triangle for an edge, a ring for a surface.
 pub(crate) fn paint_snap(painter: &Painter, point: &SnapPoint, screen: &Screen) {
     let Some(at) = screen.project(point.place) else { return };
     let corners = match point.of {

@@ -1,4 +1,4 @@
-//! Where a drag goes that snaps: onto the grid, to corners and edges, and along surfaces.
+//! Snapping of drags: to the grid, to corners and edges, and along surfaces.
 
 use bevy::math::{Quat, Vec3};
 use bevy_egui::egui::Pos2;
@@ -10,12 +10,13 @@ use crate::app::editor::camera::rounding;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::camera::solid::Solid;
 
-/// Coordinates that change by less than this share of a move do not snap to the grid: the move is not along them.
+/// The smallest share of a move in one coordinate for which that coordinate snaps to the grid; below it the move is not
+/// along the axis.
 const LEAST_SHARE: f32 = 1e-3;
 
 impl Drag {
-    /// The move that takes the origin of the active thing to multiples of the step, in the coordinates in which it
-    /// moves.
+    /// The move that puts the origin of the active object onto multiples of the step, in the coordinates that the move
+    /// changes.
     pub(super) fn onto_grid(&self, moved: Vec3, step: f32) -> Vec3 {
         let origin = self.targets.last().map_or(self.frame.origin, Target::origin);
         let goal = rounding::rounded_place(origin + moved, f64::from(step));
@@ -23,7 +24,7 @@ impl Drag {
         Vec3::select(moves, goal - origin, Vec3::ZERO)
     }
 
-    /// The move by which the nearest of `corners`, where the pointer would take it, gets to a place.
+    /// The move that takes the nearest of `corners`, as moved by the pointer, to a place.
     pub fn onto_place(&mut self, screen: &Screen, pointer: Pos2, corners: &[Vec3], place: Vec3) -> Change {
         let free = self.moved(screen, pointer);
         let distance = |corner: &&Vec3| (**corner + free).distance(place);
@@ -53,7 +54,7 @@ impl Drag {
         }
     }
 
-    /// The part of a move to a found place that the constraint allows.
+    /// The part of a move that the constraint allows.
     fn onto(&mut self, screen: &Screen, by: Vec3) -> Change {
         let pixel = screen.units_per_point(screen.depth(self.frame.origin));
         self.unit = TYPED_SHARE * rounding::unit_of_pixel(pixel);

@@ -4,7 +4,7 @@ use bevy_egui::egui::Key;
 
 use crate::scene::LengthUnit;
 
-/// The text so far.
+/// The typed text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Typed(String);
 
@@ -22,8 +22,8 @@ impl Typed {
         &self.0
     }
 
-    /// Whether the key belongs to a number; then it has been taken in. Minus turns the sign of the number being typed
-    /// over.
+    /// Adds the key to the text if it belongs to a number; returns whether it did. Minus turns the sign of the number
+    /// being typed over.
     pub fn press(&mut self, key: Key) -> bool {
         let typed = match key {
             Key::Minus => {
@@ -53,7 +53,7 @@ impl Typed {
         true
     }
 
-    /// Whether the key continues the unit of a length, such as `cm` or `'`; if so, it has been added to the text.
+    /// Adds the key to the text if it continues the unit of a length, such as `cm` or `'`; returns whether it did.
     pub fn press_unit(&mut self, key: Key, shift: bool) -> bool {
         let letter = match key {
             Key::M => 'm',
@@ -76,7 +76,7 @@ impl Typed {
         goes_on
     }
 
-    /// The lengths in order, in units of the scene. A unit that is not complete counts as none.
+    /// The typed lengths in order, in units of the scene. An incomplete unit is ignored.
     pub fn lengths(&self, unit: LengthUnit) -> Option<Vec<f32>> {
         let length = |text: &str| {
             let known = unit.parse(text).or_else(|| unit.parse(split(text).0));
@@ -85,7 +85,7 @@ impl Typed {
         (!self.is_empty()).then(|| self.0.split(',').map(length).collect())
     }
 
-    /// The numbers in order, zero for one that is not complete; None while nothing is typed.
+    /// The typed numbers in order, zero for an incomplete one; None if nothing is typed.
     pub fn numbers(&self) -> Option<Vec<f32>> {
         let number = |text: &str| {
             text.parse()

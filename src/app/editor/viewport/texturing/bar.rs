@@ -1,4 +1,4 @@
-//! The row at the foot of the picture that shows how the texture lies as numbers.
+//! The row at the foot of the picture that shows the placement of the texture in numbers.
 
 use bevy::math::Affine2;
 use bevy_egui::egui::emath::format_with_decimals_in_range;
@@ -16,7 +16,7 @@ const HEIGHT: f32 = 30.0;
 /// The width before the first frame; afterwards it is what the fields need.
 const WIDTH: f32 = 560.0;
 
-/// Shows it if there is something to place. `foot` is the distance from the foot of the picture.
+/// Shows the row if there is a texture to place. `foot` is the distance from the foot of the picture.
 pub(crate) fn bar(
     ui: &mut Ui,
     picture: Rect,
@@ -68,7 +68,7 @@ fn place_as(target: &TextureTarget, before: Affine2, after: Affine2, commands: &
     }
 }
 
-/// The choice of the textures that are placed.
+/// The choice among the groups of textures.
 fn choice(ui: &mut Ui, target: &TextureTarget, state: &mut TexturingState) {
     let names: Vec<String> = target.groups.iter().map(|group| group.name()).collect();
     if let [only] = &names[..] {
@@ -94,7 +94,7 @@ fn choice(ui: &mut Ui, target: &TextureTarget, state: &mut TexturingState) {
 }
 
 fn numbers(ui: &mut Ui, placing: &mut Placing) {
-    // The usual field has the colour of the row.
+    // The default field has the colour of the row.
     let field_color = ui.visuals().extreme_bg_color;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = field_color;
     ui.weak("Offset");

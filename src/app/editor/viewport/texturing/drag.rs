@@ -6,10 +6,10 @@ use super::sheet::Tile;
 use crate::app::editor::viewport::gizmo::typed::Typed;
 use crate::scene::LengthUnit;
 
-/// The part of a tile that is held.
+/// The dragged part of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
-    /// The picture moves with it.
+    /// The inside: the picture moves with the pointer.
     Inside,
     /// One of its corners, at shares of the edges: the tile grows evenly from the opposite one.
     Corner(Vec2),
@@ -51,8 +51,8 @@ pub(super) struct Drag {
 }
 
 impl Drag {
-    /// The transform of uv for these coordinates under the pointer; None while nothing follows from them. `snaps`
-    /// rounds to steps.
+    /// The transform of uv that puts the grabbed coordinates under the pointer; None if none does. `snaps` rounds to
+    /// steps.
     pub fn placed(&self, pointer: Vec2, snaps: bool) -> Option<Affine2> {
         let numbers = self.typed.numbers();
         let placed = match self.part {
@@ -74,7 +74,7 @@ impl Drag {
         has_inverse.then_some(placed)
     }
 
-    /// The picture moves by tiles that are typed, or to where the pointer is.
+    /// The transform moved by typed tiles, or to the pointer.
     fn moved(&self, pointer: Vec2, snaps: bool, numbers: Option<&[f32]>) -> Affine2 {
         let start = self.start.to_uv;
         let by = |axis: usize| numbers.and_then(|numbers| numbers.get(axis)).copied().unwrap_or(0.0);
@@ -92,7 +92,7 @@ impl Drag {
         Affine2::from_mat2_translation(start.matrix2, short(offset))
     }
 
-    /// The factor of the tile's size, from what stays, which is opposite of `share`.
+    /// The scale factor of the tile from its fixed part, which is opposite of `share`.
     fn factor(&self, pointer: Vec2, share: Vec2, snaps: bool, numbers: Option<&[f32]>) -> Option<f32> {
         let start = &self.start;
         if let Some(numbers) = numbers {
@@ -100,7 +100,7 @@ impl Drag {
         }
         let held = (2.0 * share - Vec2::ONE) * start.span;
         let moved = start.to_uv.transform_vector2(pointer - self.grabbed);
-        // Along the way from what stays to what is held, as it looks on the surface.
+        // Along the line from the fixed part to the dragged one, as it looks on the surface.
         let lengths = start.lengths_from_texture();
         let along = lengths * held;
         let factor = 1.0 + (lengths * moved).dot(along) / along.length_squared();
@@ -114,7 +114,7 @@ impl Drag {
         Some(repeats / rounded)
     }
 
-    /// The tile made larger by factors along its axes, away from what is opposite of `share`.
+    /// The tile scaled by factors along its axes, with the part opposite of `share` fixed.
     fn scaled(&self, share: Vec2, factors: Vec2) -> Affine2 {
         let start = self.start.to_uv;
         let fixed = self.start.uv(self.start.texture(Vec2::ONE - share));
@@ -144,7 +144,7 @@ impl Drag {
         about(tile.to_uv, middle, tile.to_uv.matrix2 * turn)
     }
 
-    /// What the drag has come to, for the user.
+    /// The text about the change so far.
     pub fn text(&self, now: &Affine2, unit: LengthUnit) -> String {
         let tile = Tile {
             to_uv: *now,
@@ -181,7 +181,7 @@ fn repeats(to_uv: &Affine2) -> Vec2 {
     Vec2::new(uv_from_texture.x_axis.length(), uv_from_texture.y_axis.length()).recip()
 }
 
-/// A transform with another linear part that leaves the texture where it was at some coordinates.
+/// A transform with another linear part that keeps the texture fixed at some coordinates.
 fn about(start: Affine2, fixed: Vec2, linear: Mat2) -> Affine2 {
     let largest = linear.to_cols_array().map(f32::abs).into_iter().fold(0.0, f32::max);
     let places = 5 - largest.log10().floor() as i32;
@@ -190,12 +190,12 @@ fn about(start: Affine2, fixed: Vec2, linear: Mat2) -> Affine2 {
     Affine2::from_mat2_translation(linear, short(start.transform_point2(fixed) - linear * fixed))
 }
 
-/// An offset with as many digits as matter.
+/// An offset rounded to the digits that matter.
 fn short(offset: Vec2) -> Vec2 {
     offset.map(|number| rounded(number, 4))
 }
 
-/// A number with so many decimal places. What is smaller becomes 0 without a sign.
+/// A number rounded to so many decimal places; tiny numbers become 0 without a sign.
 fn rounded(number: f32, places: i32) -> f32 {
     let scale = 10.0_f64.powi(places.clamp(-30, 30));
     ((f64::from(number) * scale).round() / scale) as f32 + 0.0

@@ -33,7 +33,7 @@ use sheet::{Sheet, Tile};
 pub struct TextureTarget {
     /// The shape.
     pub entity: Entity,
-    /// Its textures by how they lie.
+    /// Its textures, grouped by equal placement.
     pub groups: Vec<TextureGroup>,
     /// The transform with which pictures stand upright on it.
     pub upright: Affine2,
@@ -46,7 +46,7 @@ pub struct TexturingModel<'a> {
     pub target: Option<&'a TextureTarget>,
     /// The packed scene, to find surfaces.
     pub packed: &'a PackedScene,
-    /// What cannot be changed in the picture.
+    /// The locked entities, whose textures cannot be placed.
     pub locked: &'a EntityHashSet,
     /// The unit of the scene, in which sizes are told.
     pub unit: LengthUnit,
@@ -62,16 +62,16 @@ impl<'a> TexturingModel<'a> {
 /// The state that the tool keeps between frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TexturingState {
-    /// Where the tile is, on the selected shape or on the one that is being selected.
+    /// The place of the tile, on the selected shape or on the one that is being selected.
     anchor: Option<Anchor>,
-    /// The tile that is shown, at the middle; None for the one at the anchor.
+    /// The texture coordinates in the middle of the tile; None for the tile at the anchor.
     focus: Option<Vec2>,
     /// The index of the group that is placed.
     chosen: usize,
     tile: Option<Tile>,
     lit: Option<Part>,
     held: Option<Held>,
-    /// What the user is told in place of a tile.
+    /// The hint that is shown in place of a tile.
     note: &'static str,
 }
 
@@ -97,11 +97,11 @@ impl Anchor {
 struct Held {
     drag: Drag,
     entity: Entity,
-    /// The transform that the textures have by now.
+    /// The present transform of the textures.
     now: Affine2,
 }
 
-/// The distance in points from which a handle is taken.
+/// The distance in points within which the pointer hits a handle.
 const REACH: f32 = 9.0;
 
 impl TexturingState {
@@ -110,7 +110,7 @@ impl TexturingState {
         self.held.is_some()
     }
 
-    /// Forgets where the tile was, as when the tool is left.
+    /// Drops the tile's place, as when the tool is left.
     pub(crate) fn leave(&mut self) {
         *self = Self::default();
     }
@@ -238,7 +238,7 @@ impl TexturingState {
         })
     }
 
-    /// Goes to the surface under the pointer, which is selected if it is not yet.
+    /// Moves the tile to the surface under the pointer, and selects that shape.
     fn go_to(
         &mut self,
         screen: &Screen,
@@ -259,7 +259,7 @@ impl TexturingState {
         }
     }
 
-    /// Ends the drag. The tile stays where it was put, on the surface that is there.
+    /// Ends the drag. The tile stays on the surface that is now at its place.
     fn let_go(&mut self, screen: &Screen, packed: &PackedScene) {
         let Some(held) = self.held.take() else { return };
         let tile = held.tile();
@@ -274,7 +274,7 @@ impl TexturingState {
         }
     }
 
-    /// Handles a key; true if it was for the drag.
+    /// Handles a key; returns whether the drag used it.
     fn take_key(&mut self, press: &Press, commands: &mut Vec<Command>) -> bool {
         let Some(held) = &mut self.held else { return false };
         if press.modifiers.command || press.modifiers.alt {
@@ -298,7 +298,7 @@ impl TexturingState {
         }
     }
 
-    /// Draws the tile, the figures of a drag, or what is missing for them.
+    /// Paints the tile, the text about a drag, or a hint about the lack of a texture.
     pub fn paint_tile(&self, painter: &Painter, screen: &Screen, model: &TexturingModel, pointer: Option<Pos2>) {
         if let Some(tile) = &self.tile {
             let lit = self.held.as_ref().map(|held| held.drag.part).or(self.lit);
@@ -316,7 +316,7 @@ impl TexturingState {
 }
 
 impl Held {
-    /// The tile as it lies by now.
+    /// The tile in its present transform.
     fn tile(&self) -> Tile {
         Tile {
             to_uv: self.now,
@@ -324,7 +324,7 @@ impl Held {
         }
     }
 
-    /// Places the textures as the pointer or the numbers say.
+    /// Places the textures by the pointer or the typed numbers.
     fn follow(
         &mut self,
         screen: &Screen,
@@ -344,7 +344,7 @@ impl Held {
         let Some(after) = placed.filter(|after| *after != self.now) else {
             return;
         };
-        // On its way past the place of other textures it must not take them along.
+        // A drag past the placement of other textures must not merge with their group.
         if down && target.groups.iter().any(|group| group.to_uv == after) {
             return;
         }
@@ -360,7 +360,7 @@ impl Held {
     }
 }
 
-/// The surface at an anchor as it is now; None if it is gone from there.
+/// The present surface at an anchor; None if the shape has gone from there.
 fn again(packed: &PackedScene, screen: &Screen, anchor: &Anchor) -> Option<MappedSurface> {
     let step = 1e-3
         * screen
@@ -374,9 +374,9 @@ fn again(packed: &PackedScene, screen: &Screen, anchor: &Anchor) -> Option<Mappe
     picking::mapped_surface(packed, &ray, |entity| entity != anchor.entity)
 }
 
-/// The place of a shape that is seen nearest to its middle. If it is all covered, the nearest that would be seen.
+/// The visible point of a shape nearest to its middle. If the shape is covered, the nearest that would be visible.
 fn central(packed: &PackedScene, screen: &Screen, entity: Entity) -> Option<MappedSurface> {
-    /// The places along either side that are looked at.
+    /// The number of probed points along either side.
     const ACROSS: i32 = 9;
     let bounds = picking::bounds_of(packed, entity)?;
     let corners = (0..8).filter_map(|corner| {

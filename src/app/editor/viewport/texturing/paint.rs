@@ -18,7 +18,7 @@ const EDGE: Stroke = Stroke {
     color: Color32::BLACK,
 };
 
-/// The two ends of the arm; None behind the camera. It points to where the picture's upper edge is.
+/// The two ends of the arm; None behind the camera. It points to the upper edge of the picture.
 pub(super) fn arm(screen: &Screen, tile: &Tile) -> Option<[Pos2; 2]> {
     let foot = tile.point(screen, Vec2::new(0.5, 0.0))?;
     let middle = tile.point(screen, Vec2::splat(0.5))?;
@@ -26,7 +26,7 @@ pub(super) fn arm(screen: &Screen, tile: &Tile) -> Option<[Pos2; 2]> {
     Some([foot, foot + ARM * up])
 }
 
-/// Draws it. `lit` is the part under the pointer or in the hand.
+/// Paints the tile. `lit` is the part under the pointer or being dragged.
 pub(super) fn paint(painter: &Painter, screen: &Screen, tile: &Tile, lit: Option<Part>) {
     let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|share| tile.world(share));
     if lit == Some(Part::Inside) {

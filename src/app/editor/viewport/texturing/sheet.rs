@@ -1,4 +1,4 @@
-//! Texture coordinates around a place of a surface as a flat sheet in the world, and one tile of a texture on it.
+//! Texture coordinates around a point of a surface as a flat sheet in the world, and one tile of a texture on it.
 
 use bevy::math::{Affine2, Mat2, Vec2, Vec3};
 use bevy_egui::egui::Pos2;
@@ -20,7 +20,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet at a place; None where there are no texture coordinates, or they do not span a plane.
+    /// The sheet at a point; None if there are no texture coordinates, or they do not span a plane.
     pub fn at(surface: &MappedSurface) -> Option<Self> {
         let [du, dv] = surface.dp_duv.map(|edge| edge.reject_from(surface.normal));
         let along = du.try_normalize()?;
@@ -36,7 +36,7 @@ impl Sheet {
         })
     }
 
-    /// The texture coordinates of the place that it touches.
+    /// The texture coordinates at its point of contact.
     pub fn uv(&self) -> Vec2 {
         self.uv
     }
@@ -46,7 +46,7 @@ impl Sheet {
         self.lengths_from_uv
     }
 
-    /// The place of texture coordinates, in the world.
+    /// The point in the world with these texture coordinates.
     pub fn world(&self, uv: Vec2) -> Vec3 {
         let along = self.lengths_from_uv * (uv - self.uv);
         self.place + self.axes[0] * along.x + self.axes[1] * along.y
@@ -63,20 +63,20 @@ impl Sheet {
     }
 }
 
-/// A square of tiles of a texture on a sheet: one as a rule, several where one would be too small to be held, a part of
-/// one that is too large.
+/// A square of tiles of a texture on a sheet: one as a rule, several if one would be too small for the pointer, a part
+/// of one that is too large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tile {
     pub sheet: Sheet,
-    /// The place in the texture from uv.
+    /// The transform to coordinates of the texture from uv.
     pub to_uv: Affine2,
-    /// The corner with the least coordinates, in tiles.
+    /// The corner with the smallest coordinates, in tiles.
     pub base: Vec2,
     /// The length of its edges, in tiles.
     pub span: f32,
 }
 
-/// The shortest edge that can be held, in points.
+/// The shortest edge that the pointer can hit well, in points.
 const SHORTEST: f32 = 44.0;
 /// The longest edge, as a share of the picture's shorter one.
 const LONGEST: f32 = 0.8;
@@ -84,7 +84,7 @@ const LONGEST: f32 = 0.8;
 const MOST_STEPS: u32 = 12;
 
 impl Tile {
-    /// The tile around a place of the texture, of a size that can be held on the screen.
+    /// The tile around a point of the texture, in a size that suits the screen.
     pub fn around(sheet: Sheet, to_uv: Affine2, focus: Vec2, screen: &Screen) -> Option<Self> {
         let inverse = to_uv.inverse();
         if !inverse.is_finite() {
@@ -112,17 +112,17 @@ impl Tile {
         })
     }
 
-    /// A place of the texture, in shares of the edges from its base.
+    /// The texture coordinates in tiles at shares of the edges from the base.
     pub fn texture(&self, share: Vec2) -> Vec2 {
         self.base + self.span * share
     }
 
-    /// The place in the world at shares of the edges.
+    /// The point in the world at shares of the edges.
     pub fn world(&self, share: Vec2) -> Vec3 {
         self.sheet.world(self.uv(self.texture(share)))
     }
 
-    /// The texture coordinates of a place of the texture.
+    /// The uv coordinates of a point of the texture.
     pub fn uv(&self, texture: Vec2) -> Vec2 {
         self.to_uv.inverse().transform_point2(texture)
     }
