@@ -1,26 +1,26 @@
-//! The picture that is saved once the full film is there, and denoised if that is on.
+//! The image that is saved once the full film is rendered, and denoised if that is on.
 
 use std::path::PathBuf;
 
 use bevy::prelude::Resource;
 
-/// The picture that is waited for.
+/// The awaited image.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub struct AwaitedImage {
     /// The file.
     pub path: PathBuf,
-    /// The samples per pixel that it gets.
+    /// The samples per pixel of the image.
     pub samples: u32,
-    /// Whether it is denoised, as pictures were when it was to be saved.
+    /// Whether it is denoised, as the picture was when the save was requested.
     pub is_denoised: bool,
-    /// The demands on rendering before, which count again afterwards.
+    /// The settings of the renderer from before, which are restored afterwards.
     pub before: Before,
 }
 
-/// The demands on rendering that waiting for a picture replaces.
+/// The settings of the renderer that waiting for an image replaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Before {
-    /// The full film was to be traced: the exact number of samples that was asked for before.
+    /// The window had fewer pixels than the full film: the exact number of samples that was requested before.
     Smaller {
         /// See [`RenderControl::exact_samples`](crate::engine::RenderControl::exact_samples).
         exact_samples: Option<u32>,
@@ -43,7 +43,7 @@ impl AwaitedImage {
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub struct EndedImage(pub Result<(), ImageNotSaved>);
 
-/// Says why a picture that was waited for was not saved.
+/// The reason why an awaited image was not saved.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ImageNotSaved {
     /// Rendering has failed.
@@ -60,7 +60,7 @@ pub enum ImageNotSaved {
         /// The name of the file.
         file: String,
     },
-    /// The full film was given up.
+    /// The scene or the view changed, which ended the full film.
     #[error("{file} was not saved: the scene, the view or the resolution was changed before the full film was there.")]
     Changed {
         /// The name of the file.

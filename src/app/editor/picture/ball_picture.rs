@@ -1,8 +1,9 @@
-//! The finished pictures of balls: without noise, and of the library's own materials as they come with the program.
+//! The finished pictures of material balls: denoised ones, and those of the library's materials that are shipped with
+//! the program.
 //!
-//! `assets/library` holds those: `balls.jpg` with the pictures in rows, and `balls.txt` with a line for each, which
-//! says what material it was made of. A material that has changed since has no picture there and is traced. `cargo run
-//! --release --example make_assets -- balls` makes both anew.
+//! `assets/library` holds the shipped ones: `balls.jpg` with the pictures in rows, and `balls.txt` with the key of each
+//! material in a line. A material that has changed since has no picture there and is traced. `cargo run --release
+//! --example make_assets -- balls` writes both files.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ use crate::render::tonemap::Display;
 
 /// The edge of a picture of the library in pixels: sharp at twice its size in points.
 pub(crate) const EDGE: u32 = 128;
-/// The samples of a pixel of the pictures that come with the program.
+/// The samples per pixel of the shipped pictures.
 const SAMPLES: u32 = 128;
 /// The pictures in a row.
 const COLUMNS: u32 = 10;
@@ -32,7 +33,7 @@ const COLUMNS: u32 = 10;
 const ATLAS: &[u8] = include_bytes!("../../../../assets/library/balls.jpg");
 const LIST: &str = include_str!("../../../../assets/library/balls.txt");
 
-/// The millimetres of the radius of a ball, on which it depends how clear it is.
+/// The radius of a ball in millimetres, on which its transparency depends.
 const MILLIMETRES: f32 = 25.0;
 
 /// The materials of presets as the kernel has them, in the same order.
@@ -49,7 +50,7 @@ pub(crate) fn looks(presets: &[Preset]) -> Vec<BallMaterial> {
     looks.collect()
 }
 
-/// What a picture of the preset depends on. Two presets that look different have different keys.
+/// All inputs of the picture of a preset as text. Presets that look different have different keys.
 pub(crate) fn key(preset: &Preset) -> String {
     let mut parts = format!("{:?}", preset.tree);
     if let Some(medium) = &preset.medium {
@@ -58,7 +59,7 @@ pub(crate) fn key(preset: &Preset) -> String {
     format!("ball {EDGE} {:016x}", stable_hash(parts.as_bytes()))
 }
 
-/// The pictures that come with the program, by [`key`].
+/// The shipped pictures, by [`key`].
 pub(crate) fn shipped() -> HashMap<&'static str, ColorImage> {
     let Ok(atlas) = image::load_from_memory_with_format(ATLAS, ImageFormat::Jpeg) else {
         return HashMap::new();
@@ -114,8 +115,8 @@ pub fn make_shipped(show: impl Fn(&str) + Sync) -> Result<(Vec<u8>, String), Str
     Ok((jpeg, lines.collect()))
 }
 
-/// The radiance without noise, or as it is where the denoiser is not there. `threads` is the number that the denoiser
-/// may use; None is one for each core.
+/// The denoised radiance, or the noisy one if there is no denoiser. `threads` is the number that the denoiser may use;
+/// None is one for each core.
 pub(crate) fn without_noise(film: &Film, threads: Option<usize>, cancel: &AtomicBool) -> Vec<Rgb> {
     denoise_film(film, threads, cancel).unwrap_or_else(|_| film.radiance())
 }
@@ -172,7 +173,7 @@ mod tests {
     fn the_pictures_show_what_the_kernel_traces() {
         let (presets, shipped) = (presets::built_in(), shipped());
         let looks = looks(&presets);
-        // One of each group, which are those with the largest and the smallest differences between neighbours.
+        // One of each group: the presets with the largest and the smallest differences between neighbours.
         for chunk in presets.chunk_by(|a, b| a.group == b.group) {
             let place = presets
                 .iter()

@@ -1,5 +1,4 @@
-//! Shows what an earlier picture still tells about the present one, until that has samples of its own: see
-//! [`crate::render::carry`].
+//! Reprojects an earlier picture onto the present one until that has samples of its own: see [`crate::render::carry`].
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -25,48 +24,47 @@ use crate::render::gbuffer::TileGBuffer;
 use crate::render::tile::{Tile, tiles};
 use crate::render::view::{Shown, View};
 
-/// The part of a frame in which tiles are taken up; the rest waits for the next frame.
+/// The time per frame for taking up reprojected tiles; the rest waits for the next frame.
 const LONGEST: Duration = Duration::from_millis(4);
-/// The tiles whose pixels are found in one piece of work.
+/// The tiles that a job reprojects together.
 const TOGETHER: usize = 16;
-/// The samples up to which tiles that are hardly known come first.
+/// The samples of the film below which tiles with hardly any known pixels are rendered first.
 const FIRST_SAMPLES: u32 = 4;
-/// A picture of low resolution is not carried over while there is a better one for this share of it.
+/// A picture of low resolution is not carried over while an earlier, sharper one covers more than this share of it.
 const ENOUGH: f32 = 0.7;
 /// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier
 /// picture and in this one; and the coarse picture.
 const BYTES_OF_PIXEL: u64 = 2 * Carried::BYTES_OF_PIXEL + 48;
 
-/// The picture before, and what of it is carried over.
+/// The earlier picture, and its parts that are carried over.
 #[derive(Resource, Default)]
 pub(crate) struct Carrying {
     /// Whether the window has a user, or stands for one in a measurement.
     is_watched: bool,
     carried: Option<Carried>,
-    /// The picture that was shown before something else than light was, for the next picture of light.
+    /// The last picture of light before another display mode, kept for the next picture of light.
     kept: Option<Arc<Earlier>>,
-    /// The film's job that was seen last.
+    /// The last job of the film.
     job: u64,
-    /// Whether its resolution is lower than asked for.
+    /// Whether the film's resolution is lower than requested.
     is_coarse: bool,
     last_restart: Option<Instant>,
-    /// Tiles that come from the threads that find their pixels in the earlier picture.
+    /// Tiles from the threads that reproject their pixels.
     found: Option<Found>,
-    /// Whether this picture or one before it had guided paths.
+    /// Whether this picture or one before it was path guided.
     is_guided: bool,
-    /// The tiles that show something that is not of the film.
+    /// The tiles that show pixels of an earlier picture.
     tiles: HashSet<Tile>,
-    /// Whether all has to be painted because nothing is carried over any more.
+    /// Whether all tiles have to be repainted because nothing is carried over any more.
     has_ended: bool,
-    /// Whether the texture still shows the earlier picture, which is right for all pixels of this one that are not
-    /// known yet.
+    /// Whether the texture still shows the earlier picture, which suits all pixels of this one that are not known yet.
     is_unchanged: bool,
-    /// The filter of the coarse picture, while it is at work.
+    /// The running filter of the coarse picture.
     coarse: Option<FilterWork<Result<Vec<Rgb>, DenoiseError>>>,
     memory: Option<Reservation>,
 }
 
-/// The way of tiles from the threads that find their pixels.
+/// The channel of reprojected tiles from their threads.
 struct Found {
     sender: Sender<CarriedTile>,
     receiver: Receiver<CarriedTile>,
@@ -82,29 +80,29 @@ impl Carrying {
         }
     }
 
-    /// What is carried over to this film.
+    /// The carried-over picture of this film.
     pub(super) fn picture_mut(&mut self, film: &RenderFilm) -> Option<&mut Carried> {
         self.carried.as_mut().filter(|carried| carried.is_of_size(&film.film))
     }
 
-    /// Whether some of the picture is still carried over from another.
+    /// Whether parts of the picture are still carried over from an earlier one.
     pub fn is_seen(&self) -> bool {
         self.carried.as_ref().is_some_and(|carried| carried.earlier().is_some()) && !self.tiles.is_empty()
     }
 
-    /// Whether the next frame has something to do for it.
+    /// Whether the next frame has more tiles to take up.
     pub fn has_backlog(&self) -> bool {
         self.found.as_ref().is_some_and(|found| found.awaited > 0)
     }
 
-    /// Compares what is carried over with the samples of these tiles.
+    /// Corrects the carried-over pixels by the samples of these tiles.
     pub(super) fn learn(&mut self, film: &RenderFilm, changed: &[Tile]) {
         if let Some(carried) = self.picture_mut(film) {
             carried.learn(changed, &film.film);
         }
     }
 
-    /// Compares it with a denoised picture.
+    /// Corrects the carried-over pixels by a denoised picture.
     pub(super) fn learn_clean(&mut self, film: &RenderFilm, clean: Clean) {
         let has_some = !self.tiles.is_empty();
         if let Some(carried) = self.picture_mut(film).filter(|_| has_some) {
@@ -112,7 +110,7 @@ impl Carrying {
         }
     }
 
-    /// Notes which of the painted tiles still show something that is not of the film.
+    /// Notes which of the painted tiles still show pixels of an earlier picture.
     pub(super) fn note_painted(&mut self, painted: &[Tile], still: Vec<Tile>) {
         for tile in painted {
             self.tiles.remove(tile);
@@ -120,18 +118,17 @@ impl Carrying {
         self.tiles.extend(still);
     }
 
-    /// Whether all has to be painted because nothing is carried over any more, once for each end.
+    /// Returns, once per end, whether all tiles have to be repainted because nothing is carried over any more.
     pub(super) fn take_end(&mut self) -> bool {
         std::mem::take(&mut self.has_ended)
     }
 
-    /// Whether the texture shows a new picture rightly without being painted, once for each picture.
+    /// Returns, once per picture, whether the texture suits a new picture without being repainted.
     pub(super) fn take_unchanged(&mut self) -> bool {
         std::mem::take(&mut self.is_unchanged)
     }
 
-    /// Carries nothing over while something else than light is shown, or light is mixed or compared. What is known of
-    /// the picture is kept.
+    /// Pauses while another display mode, a light mix or a comparison is shown. The picture so far is kept.
     fn rest(&mut self, garbage: &DeferredDrop) {
         if let Some(carried) = self.carried.take() {
             let before = carried.earlier();
@@ -144,7 +141,7 @@ impl Carrying {
         self.end(garbage);
     }
 
-    /// Carries nothing over from now on.
+    /// Ends carrying over.
     fn end(&mut self, garbage: &DeferredDrop) {
         if let Some(carried) = self.carried.take() {
             self.has_ended = true;
@@ -155,7 +152,7 @@ impl Carrying {
         self.is_unchanged = false;
     }
 
-    /// Reserves the memory for pictures of this view. False if there is too little.
+    /// Reserves the memory for pictures of this view. Returns false if there is too little.
     fn reserve(&mut self, view: &View) -> bool {
         let bytes = BYTES_OF_PIXEL * u64::from(view.width) * u64::from(view.height);
         let reserved = match &mut self.memory {
@@ -165,7 +162,7 @@ impl Carrying {
         reserved.is_ok()
     }
 
-    /// Carries the picture as it was painted last over to a new film.
+    /// Carries the last painted picture over to a new film.
     fn begin(&mut self, film: &mut RenderFilm, garbage: &DeferredDrop) {
         let was_coarse = std::mem::replace(&mut self.is_coarse, film.is_coarse);
         let old = self.carried.take();
@@ -177,7 +174,7 @@ impl Carrying {
             self.rest(garbage);
             return;
         }
-        // A picture that fills the memory is shown without the one before.
+        // A picture that fills the memory is shown without carrying over.
         if !self.reserve(view) {
             (self.has_ended, self.memory) = (true, None);
             garbage.drop_later((old, self.kept.take()));
@@ -220,8 +217,7 @@ impl Carrying {
         }
     }
 
-    /// Has the pixels of tiles found whose G-buffer has come, and takes up those that were found, for as long as a
-    /// frame may take.
+    /// Starts the reprojection of tiles with a new G-buffer, and takes up finished ones, within the time of a frame.
     fn take_gbuffer(&mut self, film: &mut RenderFilm, wake_up: &WakeUp) {
         let (Some(carried), Some(found)) = (&mut self.carried, &mut self.found) else {
             film.gbuffer.clear();
@@ -234,7 +230,7 @@ impl Carrying {
             let reprojection = carried.reprojection().cloned();
             rayon::spawn(move || {
                 for tile in new {
-                    // Nobody waits for it if another picture has begun.
+                    // The receiver is gone if another picture has begun.
                     if sender.send(CarriedTile::find(reprojection.as_deref(), tile)).is_err() {
                         return;
                     }
@@ -258,7 +254,7 @@ impl Carrying {
         }
     }
 
-    /// Takes up the coarse picture once it is there.
+    /// Takes up the coarse picture once it is filtered.
     fn take_coarse(&mut self, film: &mut RenderFilm) {
         let (Some(carried), Some(filter)) = (&mut self.carried, &self.coarse) else {
             return;
@@ -269,14 +265,14 @@ impl Carrying {
                 carried.add_coarse(&light);
                 film.mark_all();
             }
-            // Without it the picture stays as sampled.
+            // Without the filter the picture stays as sampled.
             Ok(Err(_)) | Err(TryRecvError::Disconnected) => {}
         }
         self.coarse = None;
     }
 }
 
-/// Asks the engine for what pictures are carried over with.
+/// Requests the G-buffer from the engine.
 pub(crate) fn ask_for_gbuffer(
     carrying: Res<Carrying>,
     mut control: ResMut<RenderControl>,
@@ -286,11 +282,11 @@ pub(crate) fn ask_for_gbuffer(
     comparison: Res<Comparison>,
     film: Res<RenderFilm>,
 ) {
-    // A picture that was kept may be without what that takes, until another scene is opened.
+    // A kept picture may lack a G-buffer, until another scene is opened.
     if film.is_empty() && control.lights_are_free != carrying.is_watched {
         control.lights_are_free = carrying.is_watched;
     }
-    // Mixed lights and comparisons show what is in the film.
+    // Mixed lights and comparisons show the film alone.
     let is_plain =
         settings.display.mode == DisplayMode::Shaded && mix.is_neutral() && comparison.view == CompareView::Off;
     let is_on = carrying.is_watched && preferences.carries_over && is_plain;
@@ -299,7 +295,7 @@ pub(crate) fn ask_for_gbuffer(
     }
 }
 
-/// Follows the film: keeps pictures that are about to go, and carries them over.
+/// Follows the film: keeps a picture before it is replaced, and carries it over to the next.
 pub(crate) fn follow_carrying(
     mut carrying: ResMut<Carrying>,
     mut film: ResMut<RenderFilm>,
@@ -331,7 +327,7 @@ pub(crate) fn follow_carrying(
     if carrying.job != film.job && !is_relit {
         carrying.begin(film, &garbage);
     }
-    // What is carried over is corrected by the samples, which have the new light.
+    // Carried-over pixels are corrected by the samples, which have the new light.
     carrying.job = film.job;
     carrying.take_gbuffer(film, &wake_up);
     carrying.take_coarse(film);

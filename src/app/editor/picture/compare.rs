@@ -1,4 +1,4 @@
-//! Two pictures side by side, one over the other, and in numbers: the one being rendered and one that was kept.
+//! Comparison of two pictures: the one being rendered and a snapshot, side by side, as a difference, and in numbers.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,19 +11,19 @@ use crate::metrics::Errors;
 use crate::render::camera::Camera;
 use crate::render::visibility::sight::Sight;
 
-/// A picture that was kept.
+/// A stored picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Linear colours, row by row.
     pub radiance: Vec<Rgb>,
-    /// The samples per pixel that it was made of.
+    /// The samples per pixel.
     pub samples: u32,
 }
 
 impl Snapshot {
-    /// The picture, resampled to `size`; None if the aspect ratio is another.
+    /// The picture resampled to `size`; None if the aspect ratio differs.
     fn at_size(&self, size: [u32; 2]) -> Option<Cow<'_, [Rgb]>> {
         if size == self.size {
             return Some(Cow::Borrowed(&self.radiance));
@@ -42,56 +42,56 @@ impl Snapshot {
     }
 }
 
-/// A look at the level.
+/// A view of the baked level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// The camera.
     pub camera: Camera,
     /// Width and height of the picture.
     pub size: [u32; 2],
-    /// What the camera looks through.
+    /// The visibility filters of the camera.
     pub sight: Sight,
-    /// Whether lights are hidden from it.
+    /// Whether lights are invisible to the camera.
     pub hides_emitters: bool,
 }
 
-/// The level as its lightmaps light it.
+/// The level lit by its lightmaps.
 #[derive(Clone, Debug)]
 pub struct LitPicture {
-    /// The look at it.
+    /// The view of the level.
     pub look: Look,
-    /// The picture. Its samples are those of each texel.
+    /// The picture. Its samples are those per texel.
     pub picture: Snapshot,
     /// Whether its lightmaps are finished.
     pub is_finished: bool,
 }
 
-/// The snapshot and how it is shown.
+/// The snapshot and its display.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Comparison {
     /// The snapshot; None until one is taken.
     pub snapshot: Option<Snapshot>,
     /// Whether the snapshot is of a scene that was open before.
     pub is_of_other_scene: bool,
-    /// The way in which picture and snapshot share the viewport.
+    /// The comparison of picture and snapshot in the viewport.
     pub view: CompareView,
-    /// The differences as they were measured last.
+    /// The last measured differences.
     pub figures: Option<Measured>,
-    /// The level as the lightmaps of the bake light it.
+    /// The level lit by the lightmaps of the bake.
     pub baked: Option<Arc<LitPicture>>,
     /// Counts snapshots, and pictures of the lit level.
     pub revision: u64,
 }
 
 impl Comparison {
-    /// Ends the comparison, because another scene is there. The snapshot stays, as one of the scene before.
+    /// Ends the comparison, because another scene was opened. The snapshot stays, marked as of the previous scene.
     pub fn leave_scene(&mut self) {
         (self.view, self.figures, self.is_of_other_scene) = (CompareView::Off, None, true);
         self.revision += 1;
     }
 
-    /// The picture that the one of this camera is compared with. None if it is compared with none, or if the lit level
-    /// is still to be seen from there.
+    /// The picture to compare with this camera's. None without a comparison, or while the lit level has not been
+    /// rendered from there.
     pub fn other(&self, camera: Option<&Camera>) -> Option<&Snapshot> {
         match self.view {
             CompareView::Off | CompareView::Noisy(_) => None,
@@ -104,25 +104,26 @@ impl Comparison {
     }
 }
 
-/// The figures of a comparison, with the job that they belong to.
+/// The measured differences, with the job of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// The differences.
     pub figures: Errors,
-    /// The job of the film; figures of another picture say nothing about this one.
+    /// The job of the film; figures of another job do not apply.
     pub job: u64,
-    /// The samples per pixel that it had.
+    /// The samples per pixel at the measurement.
     pub samples: u32,
 }
 
-/// A comparison of pictures of one shape, pixel by pixel.
+/// A comparison of pictures of equal size, pixel by pixel.
 #[derive(Clone, Debug)]
 pub(crate) struct PixelComparison<'a> {
     view: CompareView,
     /// The snapshot at the picture's size.
     kept: Cow<'a, [Rgb]>,
     width: u32,
-    /// The column where the picture begins, and what is kept ends; the other way round beside a picture without noise.
+    /// The first column of the picture, right of the snapshot; for a comparison with the denoised picture, the first
+    /// column of the latter.
     border: u32,
 }
 
@@ -131,8 +132,8 @@ fn border(share: f32, size: [u32; 2]) -> u32 {
 }
 
 impl<'a> PixelComparison<'a> {
-    /// A comparison; None if nothing is compared, such as pictures of different shapes. Each pixel of a picture of
-    /// lower resolution is compared with the nearest one of the snapshot.
+    /// A comparison; None if nothing is compared, such as pictures of different aspect ratios. Each pixel of a picture
+    /// of lower resolution is compared with the nearest one of the snapshot.
     pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
         let border = match view {
             CompareView::Off | CompareView::Noisy(_) => return None,
@@ -147,8 +148,7 @@ impl<'a> PixelComparison<'a> {
         })
     }
 
-    /// Shows a noisy picture left of `share` of the width, and the same picture without noise, of the same size, right
-    /// of it.
+    /// Shows a noisy picture left of `share` of the width, and the denoised one of the same size right of it.
     pub fn with_clean(share: f32, clean: &'a [Rgb], size: [u32; 2]) -> Self {
         Self {
             view: CompareView::Noisy(share),
@@ -158,12 +158,12 @@ impl<'a> PixelComparison<'a> {
         }
     }
 
-    /// What is compared, and where the border is.
+    /// The view of the comparison, with its border.
     pub fn view(&self) -> CompareView {
         self.view
     }
 
-    /// The colour that is shown at a column and row where the picture has the colour `now`.
+    /// The displayed colour at a column and row where the picture has the colour `now`.
     pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
         let place = y as usize * self.width as usize + x as usize;
         let then = self.kept.get(place).copied().unwrap_or_default();
@@ -175,7 +175,7 @@ impl<'a> PixelComparison<'a> {
         }
     }
 
-    /// A whole picture, row by row.
+    /// The displayed colours of a whole picture, row by row.
     pub fn picture(&self, now: &[Rgb]) -> Vec<Rgb> {
         let width = self.width.max(1);
         let places = (0..).map(|place| (place % width, place / width));
@@ -211,7 +211,7 @@ mod tests {
         // The picture has half the resolution.
         let coarse = PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1]).expect("of one shape");
         assert_eq!(coarse.picture(&now[..2]), [Rgb::ONE, Rgb::ZERO]);
-        // A snapshot of another shape cannot be compared.
+        // A snapshot of another aspect ratio cannot be compared.
         assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
         assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
     }

@@ -1,6 +1,6 @@
-//! Denoises the picture beside the render while the user has that switched on: first soon and quickly, then each time
-//! that the picture has twice the samples, and carefully once it is finished. The filter has a thread of its own and a
-//! copy of the film, so that neither rendering nor the panels wait.
+//! Denoises the picture during rendering while the user has that switched on: first early and quickly, then at each
+//! doubling of the samples, and carefully once it is finished. The filter has a thread of its own and a copy of the
+//! film, so that neither rendering nor the panels wait.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -23,35 +23,35 @@ use crate::render::denoise::{DenoiseError, denoise};
 /// The samples per pixel of the first denoised picture where the filter is slow; where it is quick it is made of the
 /// first sample.
 const FIRST: u32 = 4;
-/// A filter that takes no longer than this many seconds is quick.
+/// The most seconds that a quick filter takes.
 const QUICK: f32 = 1.0;
-/// The picture is also denoised anew when the last time is this many times as long ago as it takes: no samples are made
-/// meanwhile.
+/// The picture is also denoised again after a pause of this many times the filter's duration, in which no samples are
+/// made.
 const REST: f32 = 8.0;
-/// The seconds that the filter is taken to need before it was used.
+/// The assumed duration of the filter before its first use, in seconds.
 const EXPECTED: f32 = 0.3;
 
-/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew or a fresher one is
-/// there.
+/// The denoiser's work, at most one at a time; its result is shown until the film restarts or a newer result replaces
+/// it.
 #[derive(Resource)]
 pub(crate) struct Denoiser {
     stage: Stage,
-    /// Work that was cancelled and still runs: a filter notices that only now and then. The next one waits for its
-    /// end.
+    /// Cancelled work that still runs, since a filter checks for cancellation only now and then. The next work waits
+    /// for its end.
     ending: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
     unavailable: bool,
-    /// A film that could not be denoised.
+    /// The job of a film that could not be denoised.
     failed: Option<u64>,
-    /// The film that is still shown while the next one is being begun.
+    /// The job of a film that is still shown although the next one has been requested.
     abandoned: Option<u64>,
     last_restart: Option<Instant>,
-    /// The film that was looked at last.
+    /// The last job of the film.
     job: u64,
-    /// The time at which that film was begun, or the last work ended.
+    /// The time at which that job or the pause after the last work began.
     rests_since: Instant,
-    /// The seconds that quick work has taken.
+    /// The usual seconds of quick work.
     usual: f32,
 }
 
@@ -67,7 +67,7 @@ struct Work {
     mix: Vec<Rgb>,
 }
 
-/// The film as far as the denoiser decides by it.
+/// The state of the film that the denoiser decides by.
 struct Now<'a> {
     job: u64,
     samples: u32,
@@ -75,7 +75,7 @@ struct Now<'a> {
     mix: &'a [Rgb],
 }
 
-/// How a picture is denoised.
+/// The quality of a denoised picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
     /// The picture will have more samples soon.
@@ -118,7 +118,7 @@ impl Denoiser {
         !self.unavailable
     }
 
-    /// Whether the next frame has something to do for it.
+    /// Whether the next frame has more of the film to copy.
     pub fn is_copying(&self) -> bool {
         matches!(self.stage, Stage::Copying(_))
     }
@@ -131,7 +131,7 @@ impl Denoiser {
     /// The state to show. `is_on`: whether the user has switched it on; `seen`: the number of the denoised picture that
     /// is in the window.
     pub fn state(&self, is_on: bool, seen: Option<u64>) -> DenoiserState {
-        // The first tile of the next film may take the place of a film that was abandoned before the state is drawn.
+        // The first tile of the next film may replace an abandoned film before the state is drawn.
         let is_seen = |shown: &&Denoised| seen == Some(shown.number) && self.abandoned != Some(shown.job);
         match self.shown.as_ref().filter(is_seen) {
             _ if self.unavailable => DenoiserState::Unavailable,
@@ -144,8 +144,8 @@ impl Denoiser {
         }
     }
 
-    /// Whether the best picture of a film that gets no more samples is still to come. `mix` has the factors on its
-    /// layers.
+    /// Whether the final denoised picture of a film that gets no more samples is still to come. `mix` has the factors
+    /// on its layers.
     pub fn owes(&self, film: &RenderFilm, mix: &[Rgb]) -> bool {
         let now = Now {
             job: film.job,
@@ -161,7 +161,7 @@ impl Denoiser {
         !self.unavailable && self.shown.is_none() && self.failed != Some(film.job)
     }
 
-    /// Stops what is under way: the scene or the view is about to change.
+    /// Cancels running work: the scene or the view is about to change.
     pub fn interrupt(&mut self) {
         if let Stage::Working(work) = std::mem::replace(&mut self.stage, Stage::Idle) {
             work.filter.stop();
@@ -177,7 +177,7 @@ impl Denoiser {
         self.ending.is_some()
     }
 
-    /// How the film is to be denoised now; None if there is nothing to do yet.
+    /// The quality in which the film is to be denoised now; None if it is not due.
     fn care_due(&self, now: &Now) -> Option<Care> {
         if self.unavailable || self.failed == Some(now.job) || now.samples == 0 {
             return None;
@@ -198,7 +198,7 @@ impl Denoiser {
         (now.samples >= next || now.samples > before && has_rested).then_some(Care::Quick)
     }
 
-    /// Goes on with the shown picture if lamps have changed and the samples have stayed. A fresh one is due soon.
+    /// Relights the shown picture if lamps have changed and the samples have stayed. A new one is due soon.
     fn relight(&mut self, film: &RenderFilm) {
         if let Some(before) = film.relit.as_deref().filter(|_| self.job + 1 == film.job)
             && let Some(shown) = self.shown.take_if(|shown| shown.job == self.job)
@@ -208,7 +208,7 @@ impl Denoiser {
         }
     }
 
-    /// Notes which film there is, and drops what is of another one.
+    /// Notes the film's present job, and drops results of another one.
     fn follow(&mut self, now: &Now, last_restart: Instant) {
         // The old film stays until the first tile of the new one arrives, but the cores are needed at once.
         if self.last_restart.replace(last_restart) != Some(last_restart) {
@@ -231,7 +231,7 @@ impl Denoiser {
         }
     }
 
-    /// Copies more of the film, and sets the filter to work once all of it is copied.
+    /// Copies more of the film, and starts the filter once all of it is copied.
     fn go_on_copying(
         &mut self,
         mut copy: FilmCopy,
@@ -249,7 +249,7 @@ impl Denoiser {
         }
         self.started += 1;
         let (number, job, mix) = (self.started, copy.job, copy.mix.clone());
-        // A careful filter may take seconds, in which samples may be asked for.
+        // A careful filter may take seconds, in which samples may be requested.
         let gate = (copy.care == Care::Quick).then_some(gate);
         let filter = move |cancel: &AtomicBool| {
             let started = Instant::now();
@@ -274,7 +274,7 @@ impl Denoiser {
     }
 }
 
-/// Follows the film: begins, cancels and shows denoised pictures. A failure becomes a message.
+/// Follows the film: starts and cancels work, and shows denoised pictures. A failure becomes a message.
 pub(crate) fn follow_denoiser(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,
@@ -303,7 +303,7 @@ pub(crate) fn follow_denoiser(
     denoiser.relight(&film);
     denoiser.follow(&now, status.last_restart);
     let begin = |denoiser: &mut Denoiser| {
-        // Other modes do not show it.
+        // Other display modes do not show it.
         let is_seen = settings.display.mode == DisplayMode::Shaded && !film.is_coarse;
         if is_seen
             && denoiser.abandoned != Some(now.job)
@@ -350,17 +350,17 @@ pub enum DenoiserState {
     /// The picture is shown as sampled.
     #[default]
     Off,
-    /// The picture is shown as sampled: it is too young, the first filter is at work, or the display mode shows
-    /// something else.
+    /// The picture is shown as sampled: it has too few samples, the first filter runs, or the display mode shows no
+    /// light.
     Waiting,
     /// The denoised picture is shown.
     Shown {
         /// The time that the filter took.
         seconds: f32,
-        /// The samples per pixel that it had.
+        /// The samples per pixel of its input.
         samples: u32,
     },
-    /// The program was built without it.
+    /// The program was built without a denoiser.
     Unavailable,
 }
 
@@ -407,7 +407,7 @@ mod tests {
 
     #[test]
     fn pictures_are_denoised_each_time_that_they_have_twice_the_samples() {
-        // The rest lasts for ever.
+        // The pause lasts for ever.
         let mut slow = Denoiser {
             usual: f32::MAX,
             ..Denoiser::default()
@@ -419,7 +419,7 @@ mod tests {
             ..Denoiser::default()
         };
         assert_eq!(stops(&mut quick), [1, 2, 4, 8, 16, 32, 64]);
-        // After a rest any new sample will do.
+        // After a pause any new sample suffices.
         let mut rested = Denoiser {
             usual: 0.0,
             ..Denoiser::default()

@@ -1,4 +1,4 @@
-//! What the denoiser needs of the film, copied over several frames where the film is large.
+//! The denoiser's input, copied from the film over several frames if the film is large.
 
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
@@ -11,16 +11,16 @@ use crate::engine::RenderFilm;
 use crate::render::denoise::{DenoiseInput, DenoiseQuality};
 use crate::render::film::Film;
 
-/// The part of a frame in which the film is copied.
+/// The time per frame for copying the film.
 const LONGEST: Duration = Duration::from_millis(6);
 
 /// The colours and the features of a film; those of all pixels once it is complete. Later pixels may have more samples
-/// than earlier ones, of which the means know nothing.
+/// than earlier ones, which does not matter, since pixels are means.
 pub(super) struct FilmCopy {
     pub job: u64,
     pub mix: Vec<Rgb>,
     pub care: Care,
-    /// The samples that each pixel has at least.
+    /// The least samples of any pixel.
     pub samples: u32,
     size: [u32; 2],
     color: Vec<Rgb>,
@@ -44,7 +44,7 @@ impl FilmCopy {
         }
     }
 
-    /// Copies rows for as long as a frame may take; true once all are copied.
+    /// Copies rows within the time of a frame; returns true once all are copied.
     pub fn step(&mut self, film: &Film) -> bool {
         let begun = Instant::now();
         let [width, height] = self.size;

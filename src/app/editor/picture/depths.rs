@@ -1,12 +1,11 @@
-//! The distances of the surfaces in the picture, by which lines that are drawn over it are hidden where they lie
-//! behind.
+//! The depths of the surfaces in the picture, which hide lines that are drawn over it.
 
 use bevy::math::Vec2;
 
 use crate::engine::RenderFilm;
 use crate::render::film::Film;
 
-/// The distances of the picture's first hits. Without a film none is known.
+/// The depths of the picture's first hits. Without a film none is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Depths<'f> {
     film: Option<&'f Film>,
@@ -14,7 +13,7 @@ pub struct Depths<'f> {
 }
 
 impl<'f> Depths<'f> {
-    /// The distances in a film.
+    /// The depths in a film.
     pub fn of(film: &'f Film) -> Self {
         Self {
             film: Some(film).filter(|film| film.width() > 0 && film.height() > 0),
@@ -22,8 +21,8 @@ impl<'f> Depths<'f> {
         }
     }
 
-    /// The distances of the picture that is being rendered. Once every pixel has samples they have a version, which is
-    /// another one after each pass.
+    /// The depths of the picture that is being rendered. Once every pixel has samples they have a version, which
+    /// changes after each pass.
     pub fn rendered(film: &'f RenderFilm) -> Self {
         Self {
             version: (film.samples > 0).then_some([film.job, film.samples.into()]),
@@ -31,14 +30,14 @@ impl<'f> Depths<'f> {
         }
     }
 
-    /// Distances of the same version are the same, or so nearly that one does not see it. None: they may change at any
+    /// Depths of one version are equal, or so nearly that the difference is invisible. None: they may change at any
     /// time.
     pub fn version(&self) -> Option<[u64; 2]> {
         self.version
     }
 
     /// The distance in world units along the ray through a place of the picture, (0, 0) top left, (1, 1) bottom right:
-    /// infinity where nothing is hit, and None where that is not known yet.
+    /// infinity if nothing is hit, and None if it is not known yet.
     pub fn at(&self, place: Vec2) -> Option<f32> {
         let film = self.film?;
         let pixel = |share: f32, count: u32| ((share * count as f32).max(0.0) as u32).min(count - 1);
@@ -47,7 +46,7 @@ impl<'f> Depths<'f> {
         Some(if depth > 0.0 { depth } else { f32::INFINITY })
     }
 
-    /// The number of distances in a row; 0 if none is known.
+    /// The number of depths in a row; 0 if none is known.
     pub fn width(&self) -> u32 {
         self.film.map_or(0, Film::width)
     }

@@ -1,5 +1,5 @@
-//! A filter at work beside the window, on a thread of its own and those of the filter. If it is quick, the tracing
-//! threads begin nothing new meanwhile: beside them it would take about ten times as long.
+//! A filter at work beside the window, on a thread of its own and those of the filter. During a quick filter the
+//! tracing threads begin nothing new: beside them it would take about ten times as long.
 
 use std::io;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use crate::engine::{ClosedGate, Gate, WakeUp, yield_to_rendering};
 
-/// Opens the gate at the end of the thread, also if that panics.
+/// Opens the gate at the end of the thread, even after a panic.
 struct OpenAtEnd(Arc<ClosedGate>);
 
 impl Drop for OpenAtEnd {
@@ -18,7 +18,7 @@ impl Drop for OpenAtEnd {
     }
 }
 
-/// A filter that gives a `T`. It is stopped when this is dropped.
+/// A filter that returns a `T`. Dropping this cancels it.
 pub(super) struct FilterWork<T> {
     cancel: Arc<AtomicBool>,
     gate: Option<Arc<ClosedGate>>,
@@ -26,7 +26,7 @@ pub(super) struct FilterWork<T> {
 }
 
 impl<T: Send + 'static> FilterWork<T> {
-    /// Begins it on a thread of this name, behind the closed gate if there is one. The filter is given the flag by
+    /// Starts it on a thread of this name, behind the closed gate if there is one. The filter is given the flag by
     /// which it is cancelled.
     pub fn begin(
         name: &str,
@@ -57,17 +57,17 @@ impl<T: Send + 'static> FilterWork<T> {
 }
 
 impl<T> FilterWork<T> {
-    /// The result, if it is there.
+    /// The result, if it has arrived.
     pub fn result(&self) -> Result<T, TryRecvError> {
         self.result.try_recv()
     }
 
-    /// Whether the thread is still at work. A result that is there is lost.
+    /// Whether the thread still runs. A result that has arrived is dropped.
     pub fn is_working(&self) -> bool {
         matches!(self.result(), Err(TryRecvError::Empty))
     }
 
-    /// Lets the tracing threads go on, and has the filter end soon.
+    /// Opens the gate for the tracing threads, and cancels the filter.
     pub fn stop(&self) {
         self.cancel.store(true, Ordering::Relaxed);
         self.gate.iter().for_each(|gate| gate.open());

@@ -14,7 +14,7 @@ use super::pacing::Pacing;
 #[derive(Resource, Default)]
 pub(crate) struct FrameTimes {
     recent: VecDeque<f32>,
-    /// The last frame's whole time, see [`Frame`].
+    /// The whole time of the last frame, see [`Frame`].
     whole: Option<f32>,
     last: Option<Instant>,
     /// The milliseconds that the systems of the last frame took, the editor's and egui's, until the window was handed

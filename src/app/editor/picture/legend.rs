@@ -1,13 +1,13 @@
-//! The meaning of the colours of the picture, where they are not those of light.
+//! The meaning of the picture's colours in display modes that show no light.
 
 use super::painter::{DARKEST, Scales};
 use crate::app::editor::command::display::{DisplayMode, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat};
 use crate::app::editor::words::figures::length;
 
-/// The meaning of a mode's colours.
+/// The legend of a display mode.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Legend {
-    /// A number by a ramp of colours.
+    /// Numbers on a colour ramp.
     Ramp {
         /// The colours.
         ramp: Ramp,

@@ -1,5 +1,5 @@
-//! The preview of a material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the very
-//! tables that the picture is rendered from. Knows nothing of windows or entities.
+//! The preview of a material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the same
+//! tables as the picture. It uses neither windows nor entities.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -22,7 +22,7 @@ use crate::sampling::SequenceKind;
 use crate::shading::{Bsdf, Diffuse};
 use crate::texture::{Checkerboard, Parameter, Texture, TextureTable};
 
-/// One material, as the tables of a scene have it.
+/// A material in the tables of a scene.
 #[derive(Clone, Debug)]
 pub struct BallMaterial {
     pub materials: Arc<MaterialTable>,
@@ -33,7 +33,7 @@ pub struct BallMaterial {
 }
 
 impl PartialEq for BallMaterial {
-    /// Whether the two look the same, whatever else is in their tables.
+    /// Whether the two look the same, whatever their tables hold besides.
     fn eq(&self, other: &Self) -> bool {
         if self.inside != other.inside {
             return false;
@@ -43,14 +43,14 @@ impl PartialEq for BallMaterial {
         if same_tables && self.material == other.material {
             return true;
         }
-        // The numbers of textures mean nothing outside of their table.
+        // Ids of textures are valid only in their own table.
         let same_textures = Arc::ptr_eq(&self.textures, &other.textures) || self.textures == other.textures;
         same_textures && self.looks_like(self.material, other, other.material)
     }
 }
 
 impl BallMaterial {
-    /// Tables hold no circles.
+    /// Tables have no cycles.
     fn looks_like(&self, own: MaterialId, other: &Self, its: MaterialId) -> bool {
         let (Some(own), Some(its)) = (self.materials.get(own), other.materials.get(its)) else {
             return false;
@@ -66,7 +66,7 @@ impl BallMaterial {
     }
 }
 
-/// The materials inside, and the material with zeros in their places.
+/// The nested materials, and the material with zeros as their ids.
 fn without_nested(material: &Material) -> (Vec<MaterialId>, Material) {
     let mut plain = material.clone();
     let inside = match &mut plain {
@@ -96,7 +96,7 @@ const SQUARE: f32 = 0.5;
 const ROOM: f32 = 12.0;
 
 impl MaterialBall {
-    /// The picture will be a square with an edge of `edge` pixels. None if the material is not in its own table.
+    /// Makes the scene of a picture of `edge` pixels squared. None if the material is not in its own table.
     pub fn new(look: &BallMaterial, edge: u32) -> Option<Self> {
         look.materials.get(look.material)?;
         let (textures, squares) = look.textures.with(Texture::Checkerboard(Checkerboard {
@@ -183,7 +183,7 @@ impl MaterialBall {
         })
     }
 
-    /// An empty film for it.
+    /// An empty film for the picture.
     pub fn film(&self) -> Film {
         Film::new(self.view.width, self.view.height)
     }
@@ -204,7 +204,7 @@ impl MaterialBall {
     }
 }
 
-/// A rectangle of this half size whose front looks from `place` at `target`.
+/// A rectangle of this half size at `place` whose front faces `target`.
 fn facing(place: Vec3, target: Vec3, half_size: Vec2) -> Affine3A {
     let front = (target - place).normalize();
     let across = Vec3::Z.cross(front).normalize();
@@ -321,7 +321,7 @@ mod tests {
             }
         };
         let (clear, dark) = (middle(&of(0.0), 64), middle(&of(1.0), 64));
-        // The way through the middle of the ball is nearly two units long.
+        // The path through the middle of the ball is nearly two units long.
         let share = dark.x / clear.x;
         assert!((0.13..0.16).contains(&share), "{share}");
         assert_ne!(of(0.0), of(1.0));

@@ -1,4 +1,4 @@
-//! Turns the film into what is shown of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the
+//! Turns the film into the displayed picture: false colours, the denoiser, outlines, boxes and paths, and the pacing of
 //! frames. May import `session` and the modules below it.
 
 pub mod awaited_image;

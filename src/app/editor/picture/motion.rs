@@ -1,5 +1,5 @@
 //! Notices whether the picture moves, by flying or a drag. It is then rendered at less than its full resolution, if
-//! that would take too long. A single change is no movement.
+//! full resolution would take too long. A single change is no movement.
 
 use std::time::{Duration, Instant};
 
@@ -12,20 +12,20 @@ use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus};
 const STILL: Duration = Duration::from_millis(150);
 /// The longest time for a sample of every pixel before the resolution is lowered, in seconds.
 const QUICK: f64 = 0.03;
-/// The time of rendering, in seconds, that it takes to know its speed.
+/// The least time of rendering, in seconds, after which its speed is known.
 const SHORTEST_RUN: f64 = 0.2;
 
 #[derive(Resource, Debug, Default)]
 pub struct Motion {
-    /// Whether the picture is seen, which it is not without a window.
+    /// Whether the picture is visible, which it is not without a window.
     is_followed: bool,
-    /// A change was made in this frame.
+    /// Whether a change was made in this frame.
     is_new: bool,
     last_change: Option<Instant>,
     moves: bool,
-    /// Whether the full resolution has been asked for and is not there yet.
+    /// Whether the full resolution has been requested but not rendered yet.
     sharpens: bool,
-    /// The camera samples per second that were seen last.
+    /// The last measured camera samples per second.
     speed: Option<f64>,
 }
 
@@ -37,12 +37,12 @@ impl Motion {
         }
     }
 
-    /// The view or something in it has been moved, and may be moved on.
+    /// Notes that the view or something in it has moved, and may move on.
     pub fn note_change(&mut self) {
         self.is_new = self.is_followed;
     }
 
-    /// Whether the picture has the resolution that was asked for, and a sample of every pixel.
+    /// Whether the picture has the requested resolution, and a sample of every pixel.
     pub fn is_settled(&self) -> bool {
         !self.moves && !self.sharpens
     }
@@ -52,7 +52,8 @@ impl Motion {
         self.last_change = None;
     }
 
-    /// Whether less is to be rendered. `seconds` is the time for a sample of every pixel, None if it is not known.
+    /// Returns whether the resolution is to be lowered. `seconds` is the time for a sample of every pixel, None if it
+    /// is not known.
     fn step(&mut self, now: Instant, seconds: Option<f64>) -> bool {
         let goes_on = self.last_change.is_some_and(|last| now.duration_since(last) < STILL);
         if std::mem::take(&mut self.is_new) {
@@ -65,7 +66,7 @@ impl Motion {
     }
 }
 
-/// Follows the motion. It runs between the changes and the engine.
+/// Follows the motion. Runs after the commands and before the engine.
 pub fn follow_motion(
     mut motion: ResMut<Motion>,
     mut control: ResMut<RenderControl>,
@@ -84,7 +85,7 @@ pub fn follow_motion(
     if control.motion_scale != scale {
         control.motion_scale = scale;
     }
-    // While nothing is rendered, waiting would not make the picture sharper.
+    // While rendering is paused, waiting would not make the picture sharper.
     let is_busy = !control.paused && matches!(status.state, RenderState::Building | RenderState::Rendering);
     let is_there = !film.is_coarse && status.samples > 0;
     motion.sharpens = moves || (motion.sharpens && is_busy && !is_there);

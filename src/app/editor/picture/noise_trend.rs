@@ -1,4 +1,4 @@
-//! The noise of the picture as its samples grew, for the status line.
+//! The noise of the picture over its number of samples, for the status line.
 
 use bevy::prelude::*;
 
@@ -7,11 +7,11 @@ use crate::engine::{RenderFilm, RenderStatus};
 /// The largest number of points. When it is reached, every second one is left out.
 const MOST: usize = 64;
 
-/// The noise at numbers of samples, of the present picture.
+/// The noise of the present picture at increasing numbers of samples.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct NoiseTrend {
     job: u64,
-    /// The samples per pixel and the relative noise that was estimated then.
+    /// The samples per pixel and the estimated relative noise at that time.
     points: Vec<(u32, f32)>,
 }
 

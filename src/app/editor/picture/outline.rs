@@ -1,8 +1,7 @@
-//! The outline of what is selected or under the pointer, as an image that is laid over the picture. Saved images do not
-//! have it.
+//! The outline of the selection and of the hovered thing, as an image over the picture. Saved images do not have it.
 //!
-//! `outline_pass` finds the edges; here they become lines of constant width with smooth borders. Where something hides
-//! a thing its line is dim.
+//! `outline_pass` finds the edges; here they become lines of constant width with smooth borders. The line of a hidden
+//! part is dim.
 
 use std::sync::Arc;
 
@@ -15,7 +14,7 @@ use bevy_egui::egui::{
 use crate::app::editor::command::selection::Selection;
 use crate::render::visibility::silhouette::{EdgePoint, PixelGrid};
 
-/// The emphasis of a thing's outline. Where two meet, the later one is shown.
+/// The emphasis of a thing's outline. Where two overlap, the later level is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// It has no outline.
@@ -54,15 +53,15 @@ impl Level {
     }
 }
 
-/// The opacity of a line whose thing is hidden, as a share of that in plain sight.
+/// The opacity of the line of a hidden part, as a share of that of a visible one.
 const HIDDEN: f32 = 0.4;
 
 /// An image of lines that covers a part of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutlineImage {
-    /// Pixels of the whole picture that it lies on.
+    /// The size of the whole picture in pixels.
     picture: UVec2,
-    /// The pixel of the picture where it begins.
+    /// Its upper left pixel in the picture.
     min: UVec2,
     size: UVec2,
     /// Row by row.
@@ -70,8 +69,8 @@ pub struct OutlineImage {
 }
 
 impl OutlineImage {
-    /// Draws lines `width` pixels wide along the edges of each level, which were found in `grid`. The later ones are
-    /// drawn over the earlier ones, and what is visible over what is hidden.
+    /// Draws lines `width` pixels wide along the edges of each level, which were found in `grid`. Later levels are
+    /// drawn over earlier ones, and visible edges over hidden ones.
     pub fn draw(edges: &[(Level, Vec<EdgePoint>)], grid: &PixelGrid, width: f32) -> Self {
         let reach = 0.5 * width + 0.5;
         let margin = UVec2::splat(reach.ceil() as u32);
@@ -122,7 +121,7 @@ impl OutlineImage {
         }
     }
 
-    /// The part that it takes up of a picture in the window.
+    /// The rectangle of the image in the window, for a picture at this rectangle.
     fn place(&self, picture: Rect) -> Rect {
         let corner = |pixel: UVec2| {
             let film = pixel.as_vec2() / self.picture.as_vec2();
@@ -142,7 +141,7 @@ impl OutlineImage {
     }
 }
 
-/// `color` (premultiplied, 0 to 255) over what is there.
+/// Blends `color` (premultiplied, 0 to 255) over a pixel.
 fn over(below: Color32, color: [f32; 4], covered: f32) -> Color32 {
     let kept = 1.0 - color[3] / 255.0 * covered;
     let below = below.to_array();
@@ -151,11 +150,11 @@ fn over(below: Color32, color: [f32; 4], covered: f32) -> Color32 {
     Color32::from_rgba_premultiplied(r, g, b, a)
 }
 
-/// The outline as it was last found.
+/// The last outline.
 #[derive(Clone, Debug, Default)]
 pub struct SelectionOutline {
     image: Option<Arc<OutlineImage>>,
-    /// The number of the image, which tells it from earlier ones.
+    /// The number of the image, which changes with it.
     number: u64,
 }
 
@@ -163,7 +162,7 @@ pub struct SelectionOutline {
 type Uploaded = Option<(u64, TextureHandle)>;
 
 impl SelectionOutline {
-    /// The lines; None where there are none.
+    /// The image; None without outlines.
     pub fn image(&self) -> Option<&OutlineImage> {
         self.image.as_deref()
     }
@@ -174,7 +173,7 @@ impl SelectionOutline {
         self.number += 1;
     }
 
-    /// Paints it over the picture, whose rectangle in the window is `picture`.
+    /// Paints the image over the picture, whose rectangle in the window is `picture`.
     pub fn paint(&self, painter: &Painter, picture: Rect) {
         let Some(image) = &self.image else { return };
         let id = Id::new("outline texture");

@@ -1,5 +1,5 @@
-//! Finds the outline anew whenever what it depends on has changed: first with cells so coarse that it is there in the
-//! next frame, then, when nothing changes any more, with a ray for each pixel.
+//! Searches the outline whenever one of its inputs has changed: first in cells so coarse that it is ready in the next
+//! frame, then, when nothing changes any more, with a ray for each pixel.
 //!
 //! It has threads of its own, because those that render are busy until a picture is done. Its threads work little and
 //! run with the window's priority.
@@ -21,19 +21,19 @@ use crate::render::camera::Camera;
 use crate::render::visibility::sight::Sight;
 use crate::render::visibility::silhouette::{MarkedShapes, PixelGrid, edges};
 
-/// The cells of the first outline after a change: few enough for a few milliseconds.
+/// The cells of the first search after a change: few enough for a few milliseconds.
 const QUICK_CELLS: u32 = 30_000;
-/// The most cells of the last one, more than a screen has pixels.
+/// The most cells of the fine search, more than a screen has pixels.
 const MOST_CELLS: u32 = 9_000_000;
 
-/// All that an outline depends on.
+/// The inputs of an outline.
 #[derive(Clone, Debug)]
 pub struct OutlineRequest {
     /// The scene.
     pub geometry: Arc<Tlas>,
     /// The entity of each instance and placement of the scene.
     pub entity_of_instance: Arc<[Entity]>,
-    /// The camera of the picture, and what its rays pass.
+    /// The camera of the picture.
     pub camera: Camera,
     /// See [`crate::render::view::View::sight`].
     pub sight: Sight,
@@ -41,7 +41,7 @@ pub struct OutlineRequest {
     pub picture: UVec2,
     /// The width of lines in pixels.
     pub width: f32,
-    /// The things that have an outline.
+    /// The outlined things.
     pub marked: Arc<[(Entity, Level)]>,
 }
 
@@ -55,7 +55,7 @@ impl PartialEq for OutlineRequest {
     }
 }
 
-/// The shapes of one level, which are kept from one request to the next.
+/// The shapes of one level, which are kept for the next request.
 #[derive(Clone)]
 struct LevelShapes {
     level: Level,
@@ -63,8 +63,8 @@ struct LevelShapes {
     shapes: Arc<MarkedShapes>,
 }
 
-/// The shapes of the last request, the strongest level last. Each level is looked for by itself, so that a wall under
-/// the pointer does not hide the selection behind it.
+/// The shapes of the last request, the strongest level last. Each level is searched by itself, so that a wall under the
+/// pointer does not hide the selection behind it.
 #[derive(Clone)]
 struct KnownShapes {
     geometry: Arc<Tlas>,
@@ -72,7 +72,7 @@ struct KnownShapes {
 }
 
 struct Done {
-    /// None: there are more edges than an outline could show.
+    /// The image of the outline; None if there are more edges than an outline could show.
     image: Option<Option<OutlineImage>>,
     shapes: KnownShapes,
     is_finest: bool,
@@ -90,14 +90,14 @@ struct Running {
 pub struct OutlinePass {
     pool: Option<ThreadPool>,
     running: Option<Running>,
-    /// The request that the outline is the answer to, and whether it could not be finer.
+    /// The request of the shown outline, and whether the outline is final.
     answered: Option<(OutlineRequest, bool)>,
     shapes: Option<KnownShapes>,
     outline: SelectionOutline,
 }
 
 impl OutlinePass {
-    /// The outline as it was last found.
+    /// The last outline.
     pub fn outline(&self) -> &SelectionOutline {
         &self.outline
     }
@@ -109,7 +109,7 @@ impl OutlinePass {
             Ok(done) => done,
             Err(crossbeam_channel::TryRecvError::Empty) => return,
             Err(crossbeam_channel::TryRecvError::Disconnected) => {
-                // It panicked: the outline of this request is given up.
+                // The search panicked: the outline of this request is not tried again.
                 self.answered = self.running.take().map(|running| (running.request, true));
                 return;
             }
@@ -118,14 +118,14 @@ impl OutlinePass {
             return;
         };
         self.shapes = Some(done.shapes);
-        // Without an image, what was found with larger cells stays.
+        // Without an image, the outline of the coarser cells stays.
         if let Some(image) = done.image {
             self.outline.replace(image);
         }
         self.answered = Some((request, done.is_finest));
     }
 
-    /// Asks for an outline; None for none at all. `threads` is the number that may be used.
+    /// Requests an outline, or none at all. `threads` is the number of threads that may be used.
     pub fn request(&mut self, request: Option<OutlineRequest>, threads: usize, wake_up: &WakeUp) {
         let Some(request) = request.filter(|request| !request.marked.is_empty()) else {
             if self.outline.image().is_some() {
@@ -137,7 +137,7 @@ impl OutlinePass {
             return;
         };
         if let Some(running) = &self.running {
-            // A quick search is not cancelled: otherwise there would never be an outline while the camera moves.
+            // A quick search is not cancelled: otherwise there would be no outline while the camera moves.
             if running.request != request && !running.is_quick {
                 self.cancel();
             }
@@ -177,7 +177,7 @@ impl OutlinePass {
         let known = self.shapes.clone();
         let (job, flag) = (request.clone(), cancel.clone());
         pool.spawn(move || {
-            // A panic that leaves a job of this pool would end the program.
+            // A panic that escapes from a job of this pool would end the program.
             let found = catch_unwind(AssertUnwindSafe(|| find(&job, known, refined, &flag)));
             if let Ok(done) = found {
                 let _ = sender.send(done);
@@ -196,7 +196,7 @@ impl OutlinePass {
     }
 }
 
-/// Finds the outline, with cells of a pixel if `refined`.
+/// Searches the outline, with cells of a pixel if `refined`.
 fn find(request: &OutlineRequest, known: Option<KnownShapes>, refined: bool, cancel: &AtomicBool) -> Done {
     let known = KnownShapes::of(request, known);
     let mut is_finest = true;
@@ -229,7 +229,7 @@ fn find(request: &OutlineRequest, known: Option<KnownShapes>, refined: bool, can
 }
 
 impl KnownShapes {
-    /// The shapes of a request. Levels that are the same as before are taken over.
+    /// The shapes of a request. Levels that equal those of the last request are reused.
     fn of(request: &OutlineRequest, known: Option<Self>) -> Self {
         let known = known.filter(|known| Arc::ptr_eq(&known.geometry, &request.geometry));
         let mut before = known.map_or(Vec::new(), |known| known.levels);
@@ -258,7 +258,7 @@ impl KnownShapes {
     }
 }
 
-/// The shapes of entities, each of which has a mark of its own.
+/// The shapes of entities, each with a mark of its own.
 fn shapes_of(entities: &[Entity], request: &OutlineRequest) -> MarkedShapes {
     let marks: HashMap<Entity, u32> = entities.iter().copied().zip(1..).collect();
     let items = (0..).zip(request.entity_of_instance.iter());

@@ -20,11 +20,11 @@ pub(crate) const MAX_BOXES: usize = 4000;
 pub struct WorldBox {
     /// The corners in world space.
     pub corners: [Vec3; 8],
-    /// True for a box of the hierarchy over the instances, false for one of a mesh.
+    /// Whether it belongs to the hierarchy over the instances, not to one of a mesh.
     pub over_instances: bool,
 }
 
-/// The boxes to be drawn, at most 4000, and how many there would have been; with figures of the hierarchies.
+/// The boxes to be drawn, at most 4000, and their full number; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
     /// The boxes that are drawn.
@@ -71,8 +71,8 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
 }
 
 impl BoxList {
-    /// The boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are among the
-    /// figures.
+    /// Adds the boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are counted
+    /// already.
     fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const Blas>) {
         self.count(&geometry.stats());
         geometry
@@ -111,7 +111,7 @@ impl BoxList {
         self.bytes += stats.bytes;
     }
 
-    /// A description of the boxes that `overlay` shows, in a few short lines.
+    /// A description of the displayed boxes in a few short lines.
     pub(crate) fn figures(&self, overlay: &BvhOverlay) -> String {
         let shown = match overlay.leaves_only {
             true => format!("to depth {}: {}", overlay.depth, counted(self.leaves as u64, "leaf")),

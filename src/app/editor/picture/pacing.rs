@@ -1,9 +1,9 @@
-//! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and
-//! results wake it at once.
+//! Decides how often the window is drawn: often while the picture changes, rarely otherwise. Input and results wake it
+//! at once.
 //!
-//! A software driver draws with the very cores that trace rays. There the window is not drawn after an edit until there
-//! is something new to see. While there is no input and the picture only becomes less noisy, drawing takes at most a
-//! tenth of a core with any driver.
+//! A software driver draws with the cores that trace rays. There the window is not drawn after an edit until the new
+//! picture has pixels. While there is no input and the picture only becomes less noisy, drawing takes at most a tenth
+//! of a core with any driver.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,33 +29,32 @@ const SPARING: Duration = Duration::from_millis(100);
 const IDLE: Duration = Duration::from_millis(500);
 /// The time after a command for which the window is drawn often.
 const AFTER_INPUT: Duration = Duration::from_millis(500);
-/// The time after any event of the window in which no frame is left out, long enough for tooltips.
+/// The time after any event of the window in which no frame is skipped, long enough for tooltips.
 const AFTER_EVENT: Duration = Duration::from_millis(800);
 /// The least rest after a frame that was drawn without input, as a multiple of the time that it took.
 const REST: f32 = 9.0;
 /// The longest such rest.
 const LONGEST_REST: Duration = Duration::from_secs(2);
-/// The share of what drawing took before that still counts when a frame takes less: frames that are not drawn take
-/// nothing.
+/// The decay of the measured drawing time per frame that took less, since skipped frames take no time.
 const MEMORY: f32 = 0.97;
 /// The longest wait for an edit's first pixels; then the panels are drawn without them.
 const LONGEST_HOLD: Duration = Duration::from_millis(120);
 
 #[derive(Resource, Default)]
 pub struct Pacing {
-    /// The time at which the last command was applied.
+    /// The time of the last command.
     last_input: Option<Instant>,
-    /// The time at which a command was applied whose picture has not begun to show.
+    /// The time of a command whose picture has no pixels yet.
     waiting_since: Option<Instant>,
-    /// The time at which something last happened to the window: the pointer moved, a key was pressed.
+    /// The time of the last event of the window, such as a moved pointer or a pressed key.
     last_event: Option<Instant>,
     /// The time at which the window was last drawn.
     last_drawn: Option<Instant>,
     /// The milliseconds that drawing takes.
     drawing: f32,
-    /// The texture's revision that was drawn last.
+    /// The revision of the texture that was drawn last.
     drawn: u64,
-    /// Whether results wake the event loop at once. The threads that produce them share it.
+    /// Whether results wake the event loop at once. The worker threads share it.
     is_lively: Arc<AtomicBool>,
     draws_on_cpu: bool,
     /// Whether nothing is drawn, see [`crate::app::editor::session::options::WindowOptions::undrawn`].
@@ -70,17 +69,17 @@ impl Pacing {
         }
     }
 
-    /// Frames follow each other without rest.
+    /// Whether frames follow each other without rest.
     pub fn is_lively(&self) -> bool {
         self.is_lively.load(Ordering::Relaxed)
     }
 
-    /// Whether the user has done nothing for a while.
+    /// Whether there has been no input for a while.
     pub fn rests(&self) -> bool {
         self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
     }
 
-    /// Whether this frame is not drawn because there is no input and the last drawing took long.
+    /// Whether this frame is skipped because there is no input and the last drawing took long.
     fn spares(&self, now: Instant, status: &RenderStatus) -> bool {
         let since = |then: Option<Instant>| then.map_or(Duration::MAX, |then| now.duration_since(then));
         let rest = Duration::from_secs_f32(1e-3 * REST * self.drawing).min(LONGEST_REST);
@@ -90,7 +89,7 @@ impl Pacing {
             && since(self.last_drawn) < rest
     }
 
-    /// Notes that commands are applied. `restarts` says that they begin the picture anew.
+    /// Notes that commands are applied. `restarts` says that they restart the picture.
     pub fn note_commands(&mut self, restarts: bool) {
         let now = Instant::now();
         self.last_input = Some(now);
@@ -137,8 +136,8 @@ pub fn pace(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
     );
-    // Until there is a sample of every pixel much is new in each frame. Where many cores trace, results fill the room
-    // for them between two frames.
+    // Until every pixel has a sample, each frame has much that is new. Where many cores trace, their results leave no
+    // rest between two frames.
     let settles = busy && status.samples == 0;
     let is_lively = in_use || !busy || settles || !pacing.draws_on_cpu;
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
@@ -191,7 +190,7 @@ pub fn hold_back_frame(
     }
 }
 
-/// The type of the adapter's kind is not among what Bevy hands on; its name is.
+/// Bevy does not hand on the type of the adapter's kind; its name is available.
 fn is_software(adapter: &RenderAdapterInfo) -> bool {
     format!("{:?}", adapter.device_type) == "Cpu"
 }

@@ -1,4 +1,4 @@
-//! Paints the film as bytes of the screen, in every display mode. It knows neither rendering nor Bevy.
+//! Paints the film as bytes of the screen, in every display mode. It uses neither the renderer nor Bevy.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::render::noise::DARK;
 use crate::render::tile::{PixelSum, TILE, Tile};
 use crate::render::tonemap::{Display, Encoder};
 
-/// The data that colours depend on besides the film and the settings. When they change, all pixels do.
+/// The inputs of colours besides the film and the settings. When they change, all pixels do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
     /// The nearest and farthest depth of the picture.
@@ -29,7 +29,7 @@ pub struct Scales {
 const STEADY: f32 = 0.05;
 
 impl Scales {
-    /// The scales of the film as it is. `mix` is as in [`Self::mix`], `before` are the scales that were shown last.
+    /// The scales of the present film. `mix` is as in [`Self::mix`], `before` are the last scales.
     pub fn of(film: &Film, mode: DisplayMode, mix: Vec<Rgb>, before: &Self) -> Self {
         match mode {
             DisplayMode::Depth => {
@@ -63,7 +63,7 @@ impl Scales {
     }
 }
 
-/// The range of all depths without the least and greatest hundredth: at the rims of things a pixel's mean is on no
+/// The range of all depths without the least and greatest hundredth: at silhouettes a pixel's mean depth is on no
 /// surface. Only some pixels are read.
 fn depth_range(film: &Film) -> [f32; 2] {
     const ASKED: usize = 20_000;
@@ -79,28 +79,28 @@ fn depth_range(film: &Film) -> [f32; 2] {
     }
 }
 
-/// So many tiles are painted by several threads.
+/// The least number of tiles that several threads paint.
 const MANY: usize = 64;
 
-/// A row of tiles of the picture, and which of them are to be painted.
+/// A row of tiles of the picture, and the tiles of it that are to be painted.
 struct Band<'a> {
     rgba: &'a mut [u8],
     tiles: Vec<Tile>,
     carried: &'a mut [Option<CarriedTile>],
 }
 
-/// Makes colours of the film's pixels.
+/// Turns the film's pixels into colours.
 pub struct Painter<'a> {
     film: &'a Film,
     mode: DisplayMode,
     scales: &'a Scales,
     tone: Encoder,
     plain: Encoder,
-    /// Mean luminance of the picture, only where noise is shown.
+    /// The mean luminance of the picture, only in the display of noise.
     brightness: f32,
     /// The comparison of light.
     comparison: Option<PixelComparison<'a>>,
-    /// The picture without its noise.
+    /// The denoised picture.
     denoised: Option<Clean<'a>>,
 }
 
@@ -123,24 +123,24 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Light is shown beside that of a snapshot.
+    /// The painter that compares light with that of a snapshot.
     pub(crate) fn compared(self, comparison: Option<PixelComparison<'a>>) -> Self {
         Self { comparison, ..self }
     }
 
-    /// Light is shown as in this picture of the film.
+    /// The painter that shows light as in this denoised picture of the film.
     pub(crate) fn denoised(self, denoised: Option<Clean<'a>>) -> Self {
         Self { denoised, ..self }
     }
 
-    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing
-    /// for stay as they are.
+    /// Writes the colours of `tiles` into `rgba` (row-major, as large as the film). Pixels without samples stay as they
+    /// are.
     pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
         self.paint_carried(tiles, rgba, None);
     }
 
-    /// The same with what is carried over from an earlier picture, which is as large. Returns the tiles that show
-    /// something of it.
+    /// The same blended with the carried-over pixels of an earlier picture of equal size. Returns the tiles that show
+    /// some of them.
     pub(crate) fn paint_carried(&self, tiles: &[Tile], rgba: &mut [u8], carried: Option<&mut Carried>) -> Vec<Tile> {
         let (blender, mut rows) = carried.map(Carried::rows).unzip();
         let bands = rgba
@@ -165,7 +165,7 @@ impl<'a> Painter<'a> {
         carried.concat()
     }
 
-    /// Paints the tiles of a band. Returns those that show something that is carried over.
+    /// Paints the tiles of a band. Returns the tiles that show carried-over pixels.
     fn paint_band(&self, band: &mut Band, blender: Option<&Blender>) -> Vec<Tile> {
         let mut carried = Vec::new();
         for &tile in &band.tiles {
@@ -199,7 +199,7 @@ impl<'a> Painter<'a> {
         carried
     }
 
-    /// The light of a row of a tile, without what is carried over.
+    /// The light of a row of a tile, without carried-over pixels.
     fn row_of_light(&self, tile: Tile, y: u32, row: &mut [Option<Rgb>; TILE as usize]) {
         match self.denoised {
             Some(denoised) => {
@@ -311,7 +311,7 @@ fn quantized(encoded: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
-/// Resizes a picture by nearest neighbours; it is shown until the one of the new size is there.
+/// Resizes a picture by nearest neighbours, to be shown until the next one is rendered.
 pub(crate) fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
     let [width, height] = to.map(|n| n as usize);
     let mut resized = vec![0; 4 * width * height];

@@ -1,4 +1,5 @@
-//! The paths of one pixel, kept up to date with the scene and the view, with the names of what they meet.
+//! The paths of one pixel, kept up to date with the scene and the view, with the names of shapes and materials at their
+//! vertices.
 
 use std::sync::Arc;
 
@@ -26,11 +27,11 @@ pub struct NamedPath {
 /// The inspected paths, which are drawn and described.
 #[derive(Resource, Debug, Default)]
 pub struct PathInspector {
-    /// The paths that the user has asked for, if any.
+    /// The pixel and view of the paths that the user has requested, if any.
     pub wanted: Option<InspectedPaths>,
     /// The paths, recorded from the picture's scene; empty while that is being packed.
     pub paths: Arc<Vec<NamedPath>>,
-    /// The pixel they are of.
+    /// Their pixel.
     pub pixel: UVec2,
     made_of: Option<(RenderScene, View, InspectedPaths)>,
 }
@@ -58,7 +59,7 @@ impl Names<'_, '_> {
     }
 }
 
-/// Traces them again when something changed; that takes less than a frame.
+/// Traces the paths again when the scene or the view has changed, which takes less than a frame.
 pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScene>, names: Names) {
     let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
         if !inspector.paths.is_empty() {

@@ -15,11 +15,10 @@ use super::paths::PathInspector;
 use super::resolution::PicturePlace;
 use super::texture;
 
-/// Adds the resources of the picture.
 pub(crate) struct PicturePlugin {
-    /// Whether a camera that moves lowers the resolution and old pictures are carried over, as for a user.
+    /// Whether motion lowers the resolution and old pictures are carried over, as for a user.
     pub is_live: bool,
-    /// Whether the window's pixels are not drawn.
+    /// Whether the window is not drawn.
     pub undrawn: bool,
 }
 

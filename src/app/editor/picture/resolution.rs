@@ -1,7 +1,7 @@
 //! Decides how many pixels of the film are traced: as many as the window shows, unless the user wants the full film.
 //!
-//! The pixels of the window are taken over when they have been the same for a moment, so that the picture does not
-//! begin anew at every step of a resize; meanwhile the last picture is stretched.
+//! The size of the window is adopted when it has stayed the same for a moment, so that the picture does not restart at
+//! every step of a resize; meanwhile the last picture is stretched.
 
 use std::time::{Duration, Instant};
 
@@ -16,20 +16,20 @@ use crate::render::film::Film;
 use crate::render::layers::FilmLayers;
 use crate::scene::{self, ActiveSensor};
 
-/// The time for which the size of the picture's place has to stay before it counts.
+/// The time for which the size of the picture's panel has to stay before it is adopted.
 const SETTLING: Duration = Duration::from_millis(200);
 /// The time without a change after which the full film is traced, if the user wants that.
 const REST: Duration = Duration::from_secs(5);
 /// A film that takes more than this share of the memory budget is traced in full only if the user confirms it.
 const LARGE_SHARE: f64 = 0.25;
 
-/// The pixels of the place where the picture is shown.
+/// The size in pixels of the panel with the picture.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PicturePlace {
-    /// The pixels as of the last frame. None before the first, and without a window.
+    /// The size in the last frame. None before the first, and without a window.
     room: Option<UVec2>,
     since: Option<Instant>,
-    /// The pixels that pictures are made for.
+    /// The adopted size.
     settled: Option<UVec2>,
 }
 
@@ -42,12 +42,12 @@ impl PicturePlace {
         }
     }
 
-    /// Whether the picture has the pixels that it will have.
+    /// Whether the panel's size is adopted.
     pub fn is_settled(&self) -> bool {
         self.room == self.settled
     }
 
-    /// Takes the pixels over: at once before there is a picture, else when they have stayed for a while.
+    /// Adopts the size: at once before there is a picture, else when it has stayed for a while.
     fn settle(&mut self, has_picture: bool, now: Instant) {
         let has_stayed = self
             .since
@@ -63,12 +63,12 @@ pub fn full_film_bytes(size: UVec2, layers: FilmLayers) -> u64 {
     Film::memory_bytes(size.x, size.y, layers)
 }
 
-/// Whether a film of so many bytes is only traced in full when the user asks for it.
+/// Whether a film of so many bytes is only traced in full after a question.
 pub fn is_large(bytes: u64) -> bool {
     bytes as f64 > LARGE_SHARE * memory::budget().limit() as f64
 }
 
-/// Sets the pixels of the picture. It runs between the changes and the engine.
+/// Sets the size of the film. Runs after the commands and before the engine.
 pub fn follow_place(
     mut place: ResMut<PicturePlace>,
     mut control: ResMut<RenderControl>,
@@ -81,7 +81,7 @@ pub fn follow_place(
 ) {
     let has_picture = film.job > 0;
     place.bypass_change_detection().settle(has_picture, Instant::now());
-    // The panel with the picture may stand behind another one.
+    // The panel with the picture may be hidden behind another one.
     let whole_window = || windows.single().ok().map(Window::physical_size);
     let room = place.settled.or_else(whole_window);
     let Some(of_camera) = active.0.and_then(|sensor| films.get(sensor).ok()) else {

@@ -1,5 +1,5 @@
 //! The texture that shows the picture. There is only one, which is resized in place, and written only where tiles
-//! arrived or when it is to be shown differently.
+//! arrived or when its display changes.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -21,16 +21,16 @@ use crate::color::Rgb;
 use crate::engine::{PackedScene, RenderFilm, fit};
 use crate::render::tile::tiles;
 
-/// The longest side of a texture that every driver of WebGPU takes, in pixels.
+/// The largest side of a texture that every driver of WebGPU supports, in pixels.
 const LARGEST_TEXTURE: u32 = 8192;
 
 #[derive(Resource)]
 pub struct Picture {
     handle: Handle<Image>,
     texture: egui::TextureId,
-    /// Pixels of the picture; (0, 0) before the first.
+    /// The size of the picture in pixels; (0, 0) before the first.
     size: UVec2,
-    /// The colours of a picture that is too large for a texture, which shows it smaller; else empty.
+    /// The colours of a picture that is too large for a texture, which shows a smaller copy; else empty.
     too_large: Vec<u8>,
     shown: Option<Shown>,
     /// The comparison that the pixels show.
@@ -42,7 +42,7 @@ pub struct Picture {
     pub revision: u64,
 }
 
-/// The settings that the texture's pixels were made with.
+/// The inputs of the texture's pixels.
 #[derive(Clone, PartialEq)]
 struct Shown {
     display: DisplaySettings,
@@ -60,7 +60,7 @@ impl Picture {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
     }
 
-    /// The pixels as they are shown, four sRGB-encoded bytes each, and their number either way. None if there is no
+    /// The displayed pixels, four sRGB-encoded bytes each, and their number along both sides. None if there is no
     /// picture, or if it is too large for a texture.
     pub(crate) fn pixels<'a>(&self, images: &'a Assets<Image>) -> Option<(UVec2, &'a [u8])> {
         let is_whole = self.size != UVec2::ZERO && texture_size(self.size) == self.size;
@@ -68,7 +68,7 @@ impl Picture {
         Some((self.size, image.data.as_deref()?))
     }
 
-    /// Forgets the picture, since there is none.
+    /// Drops the picture.
     fn clear(&mut self) {
         if self.size != UVec2::ZERO {
             (self.size, self.shown, self.compared) = (UVec2::ZERO, None, CompareView::Off);
@@ -77,17 +77,17 @@ impl Picture {
         }
     }
 
-    /// The number of the denoised picture that the pixels show; None if they are as sampled.
+    /// The number of the displayed denoised picture; None if pixels are as sampled.
     pub(crate) fn denoised(&self) -> Option<u64> {
         self.shown.as_ref()?.denoised
     }
 
-    /// The comparison that the pixels show, which may be none though one is wanted.
+    /// The displayed comparison, which may be none though one is requested.
     pub(crate) fn compared(&self) -> CompareView {
         self.compared
     }
 
-    /// The data that the colours of the texture depend on.
+    /// The scales of the texture's colours.
     pub fn scales(&self) -> &Scales {
         &self.scales
     }
@@ -165,7 +165,7 @@ pub fn update_picture(
     let has_ended = carrying.take_end();
     let shows_other = picture.denoised() != shown.denoised;
     if carrying.take_unchanged() && denoised.is_none() {
-        // What was denoised is carried over.
+        // Parts of the denoised picture are carried over, so that it counts as not shown.
         picture.shown.iter_mut().for_each(|shown| shown.denoised = None);
     }
     let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || picture.size != size;
@@ -187,7 +187,7 @@ pub fn update_picture(
         return;
     };
     let mut pixels = match texture_size(old_size) == old_size {
-        // The texture still has what a picture before it has left.
+        // The new texture still has the content of an earlier picture.
         _ if old_size == UVec2::ZERO => Vec::new(),
         true => image.data.take().unwrap_or_default(),
         false => std::mem::take(&mut picture.too_large),
@@ -232,8 +232,8 @@ pub fn update_picture(
     picture.revision += 1;
 }
 
-/// The mode in which to show a film that was last shown as `shown`. Some modes have a film of their own: until that is
-/// begun, the old one must not be taken for it.
+/// The mode in which to show a film that was last shown as `shown`. Some modes have films of their own: until one is
+/// begun, the old film must not be shown in such a mode.
 fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
     if shown.with_own_film() == wanted.with_own_film() {
         wanted
@@ -251,7 +251,7 @@ fn texture_size(size: UVec2) -> UVec2 {
     }
 }
 
-/// A picture that is larger than its place is always filtered.
+/// The sampler; a picture larger than its panel is always filtered.
 fn sampler(enlarging: Enlarging) -> ImageSampler {
     let mag_filter = match enlarging {
         Enlarging::Smooth => ImageFilterMode::Linear,

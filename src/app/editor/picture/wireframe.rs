@@ -19,18 +19,18 @@ const MOST_LINES: usize = 24_000;
 /// The number of segments of a circle.
 const PIECES: usize = 32;
 
-/// The lines as they were last made.
+/// The last lines.
 #[derive(Debug, Default)]
 pub struct Wireframe {
     of: Option<(Selection, Arc<Tlas>)>,
     /// The ends of each line in the world.
     pub lines: Vec<[Vec3; 2]>,
-    /// The triangles of the selection, and how many of them are drawn.
+    /// The triangles of the selection, and the number of drawn ones.
     pub triangles: [usize; 2],
 }
 
 impl Wireframe {
-    /// Brings the lines up to date; without `shown` there are none.
+    /// Updates the lines; without `shown` there are none.
     pub fn update(&mut self, packed: &PackedScene, selection: &Selection, shown: bool) {
         let Some(scene) = packed.scene.as_ref().filter(|_| shown && !selection.is_empty()) else {
             if self.of.is_some() {
@@ -71,7 +71,7 @@ impl Wireframe {
     }
 }
 
-/// The shapes of the selection, each with the transform from the space that it is placed in to the world.
+/// The shapes of the selection, each with the transform from its group's space to the world.
 fn shapes<'a>(
     geometry: &'a Tlas,
     entity_of_instance: &[Entity],

@@ -1,4 +1,4 @@
-//! The bake of lightmaps that is under way.
+//! The running bake of lightmaps.
 
 pub mod shown;
 pub mod thread;
@@ -13,37 +13,37 @@ use thread::{BakeThread, LeftThread};
 /// The bake.
 #[derive(Resource, Default)]
 pub struct Baking {
-    /// The bake under way or at its end.
+    /// The bake, running or ended.
     pub work: Work,
-    /// How the last one failed, for those who wait for it.
+    /// The error of the last bake, for callers that wait for it.
     pub failure: Option<String>,
     /// Whether the bake is of the scene that is open now, not of one that was open before.
     pub is_of_open_scene: bool,
-    /// The threads of bakes that were given up.
+    /// The threads of discarded bakes.
     pub ending: Vec<LeftThread>,
 }
 
 /// A bake.
 #[derive(Default)]
 pub enum Work {
-    /// There is none.
+    /// No bake.
     #[default]
     None,
     /// It waits until the scene is loaded and packed.
     Waiting(OutputFolder),
-    /// It is under way.
+    /// The bake runs.
     UnderWay(BakeThread),
-    /// It has ended, and is still looked at.
+    /// The bake has ended, and its result is still shown.
     Ended(BakeThread),
 }
 
 impl Baking {
-    /// Whether one waits or is under way.
+    /// Whether a bake waits or runs.
     pub fn is_busy(&self) -> bool {
         matches!(self.work, Work::Waiting(_) | Work::UnderWay(_))
     }
 
-    /// The thread of the bake, under way or not.
+    /// The thread of the bake, running or ended.
     pub fn thread(&self) -> Option<&BakeThread> {
         match &self.work {
             Work::UnderWay(thread) | Work::Ended(thread) => Some(thread),
@@ -51,7 +51,7 @@ impl Baking {
         }
     }
 
-    /// The folder that it is written to.
+    /// The folder of the bake's files.
     pub fn target(&self) -> Option<&Path> {
         match &self.work {
             Work::None => None,
@@ -60,12 +60,12 @@ impl Baking {
         }
     }
 
-    /// How the last bake of the open scene has failed.
+    /// The error of the last bake of the open scene.
     pub fn notice(&self) -> Option<&str> {
         self.failure.as_deref().filter(|_| self.is_of_open_scene)
     }
 
-    /// Gives the bake up, or closes what is shown of it.
+    /// Discards a running bake, or closes the view of its result.
     pub fn discard(&mut self) {
         match std::mem::take(&mut self.work) {
             Work::UnderWay(thread) | Work::Ended(thread) => self.ending.push(thread.discard()),

@@ -17,22 +17,22 @@ use crate::render::tonemap::Display;
 const LARGEST: u32 = 512;
 /// The time between two pictures while light is gathered.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// While the window wants to see the same, pictures take at most the share 1 / (1 + this) of the time, or more after
+/// While the window wants the same view, pictures take at most the share 1 / (1 + this) of the time, or more after
 /// [`LONGEST_PAUSE`].
 const WORK_PER_PICTURE: u32 = 20;
 /// The longest pause after a picture, so that it is seen to grow on a slow or busy machine as well.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
-/// The same while what it wants to see changes, such as the camera.
+/// The same while the view that the window wants changes, such as its camera.
 const WORK_PER_CHANGE: u32 = 3;
 
-/// What the window wants to see.
+/// The pictures that the window wants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wanted {
     /// The lightmap, from 0.
     pub page: usize,
-    /// How light becomes colours.
+    /// The settings that turn light into colours.
     pub display: Display,
-    /// Where the level is looked at from as its lightmaps light it; None if it is not looked at.
+    /// The view of the level lit by its lightmaps; None if it is not shown.
     pub look: Option<Look>,
 }
 
@@ -41,20 +41,20 @@ pub struct Wanted {
 pub struct PagePicture {
     /// The lightmap, from 0.
     pub page: usize,
-    /// The picture: what a white surface would look like there; transparent where no surface lies.
+    /// The picture: the look of a white surface there; transparent outside of surfaces.
     pub image: Arc<ColorImage>,
 }
 
-/// When something was shown last, and what it took.
+/// The pictures of a bake: when the last was made, and how long it took.
 #[derive(Default)]
 pub(super) struct Showing {
     last: Option<(Instant, Duration, Wanted)>,
-    /// What is seen in each pixel of the last look.
+    /// The visible point in each pixel of the last view.
     seen: Option<(Look, SeenPixels)>,
 }
 
 impl Showing {
-    /// Shows the job as it is, if it is time.
+    /// Makes new pictures of the job, if it is time.
     pub fn look(&mut self, shared: &Shared, job: &BakeJob) {
         let wanted = shared.wanted();
         let is_early = |(at, cost, shown): &(Instant, Duration, Wanted)| {
@@ -69,7 +69,7 @@ impl Showing {
         }
     }
 
-    /// Shows the job as it is.
+    /// Makes new pictures of the job.
     pub fn show_now(&mut self, shared: &Shared, job: &BakeJob, wanted: &Wanted) {
         let begin = Instant::now();
         let page = wanted.page.min(job.blueprint().page_count() - 1);

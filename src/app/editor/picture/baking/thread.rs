@@ -1,7 +1,6 @@
-//! The thread that bakes: it tells how far the bake is, and makes the small pictures of lightmaps that the window
-//! shows.
+//! The thread that bakes: it reports its progress, and makes the small pictures of lightmaps that the window shows.
 //!
-//! The window's thread reads what is told and says what it wants to see, both under a lock that is held for a moment.
+//! The window's thread reads the reports and sets the wanted pictures, both under a lock that is held for a moment.
 
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,71 +24,70 @@ use crate::render::view::View;
 use crate::scene::description::SceneDescription;
 use crate::scene::export::Hidden;
 
-/// Everything that a bake is made of. It is a copy: later edits of the scene change nothing.
+/// The input of a bake. It is a copy: later edits of the scene do not affect the bake.
 pub struct BakeOrder {
-    /// The scene that sends the light.
+    /// The scene that light is traced in.
     pub scene: RenderScene,
-    /// The settings of paths, the medium that all surfaces are in, and the random numbers.
+    /// The settings of paths, the medium around all surfaces, and the seed of random numbers.
     pub view: View,
-    /// The level.
+    /// The scene that the level is written from.
     pub level: SceneDescription,
-    /// The parts of the level that are left out.
+    /// The hidden parts of the scene, which the level lacks.
     pub hidden: Hidden,
     /// The files that may be read.
     pub access: Access,
-    /// How it is baked.
+    /// The settings of lightmaps and probes.
     pub settings: BakeSettings,
-    /// What ends the gathering of light.
+    /// The limits of samples and time.
     pub limits: BakeLimits,
     /// The folder for the files.
     pub folder: PathBuf,
     /// The number of threads that trace rays.
     pub threads: NonZeroUsize,
-    /// Lets the window show what is new.
+    /// Wakes the window when there are new pictures.
     pub wake_up: WakeUp,
 }
 
-/// How a bake has ended that has written its files.
+/// The result of a bake that has written its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// Whether it was stopped before its time.
+    /// Whether it was stopped before its limits.
     pub is_stopped: bool,
     /// The samples of each texel of a lightmap.
     pub samples: u32,
 }
 
-/// What is known of a bake.
+/// The progress of a bake, for the window.
 #[derive(Clone, Debug, Default)]
 pub struct BakeNews {
-    /// What is being done, in words.
+    /// The present stage, in words.
     pub stage: String,
-    /// How far that is; None before anything is begun.
+    /// The progress of the stage; None before the first.
     pub progress: Option<Progress>,
     /// The samples that each texel of the lightmaps has.
     pub samples: u32,
-    /// What the level has that is in the folder, as long as this bake has less and would not replace it if it were
-    /// stopped.
+    /// The content of the level that is in the folder, if this bake has less and would not replace it when stopped now.
     pub stays: Option<Content>,
-    /// The number of lightmaps; 0 before that is known.
+    /// The number of lightmaps; 0 before it is known.
     pub pages: usize,
     /// Width and height of a lightmap.
     pub page_size: [u32; 2],
     /// The small picture of a lightmap; None before the first.
     pub picture: Option<PagePicture>,
-    /// The level as its lightmaps light it, if the window wants to see it.
+    /// The level lit by its lightmaps, if the window wants it.
     pub lit: Option<Arc<LitPicture>>,
-    /// Sentences about what is not as it was asked for.
+    /// Sentences about settings that could not be followed.
     pub warnings: Arc<Vec<String>>,
-    /// The sentence why the level is not seen as its lightmaps light it although it is wanted.
+    /// The reason why the wanted view of the lit level cannot be shown, as a sentence.
     pub blind: Option<String>,
-    /// How it has ended, or the sentence why it failed.
+    /// The result of the bake, or its error as a sentence.
     pub ended: Option<Result<Written, String>>,
 }
 
-/// What the bake does with its folder.
+/// The state of the bake's output folder.
 #[derive(Default)]
 struct Folder {
-    /// None when the bake has left it, and writes nothing any more.
+    /// The folder; None once the bake has left it and writes nothing more.
     held: Option<OutputFolder>,
     /// Whether files are being written into it.
     is_written: bool,
@@ -97,11 +95,11 @@ struct Folder {
 
 #[derive(Default)]
 pub(super) struct Shared {
-    /// Ends the gathering of light.
+    /// Set to end the tracing of light.
     cancel: AtomicBool,
-    /// Nothing is written, and nothing is finished any more.
+    /// Set to write and finish nothing more.
     discards: Arc<AtomicBool>,
-    /// The window shows the bake no more.
+    /// Set when the window has closed the bake.
     closes: AtomicBool,
     folder: Mutex<Folder>,
     wanted: Mutex<Wanted>,
@@ -115,7 +113,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Shared {
-    /// Tells what `change` writes.
+    /// Applies `change` to the progress, and wakes the window.
     pub fn tell(&self, change: impl FnOnce(&mut BakeNews)) {
         change(&mut lock(&self.news));
         if let Some(wake) = &self.wake_up.0 {
@@ -132,25 +130,25 @@ impl Shared {
         });
     }
 
-    /// Notes that files are being written; false if the bake has left its folder, because it was given up.
+    /// Notes that files are being written; returns false if the bake was discarded and has left its folder.
     fn begin_to_write(&self) -> bool {
         let mut folder = lock(&self.folder);
         folder.is_written = folder.held.is_some();
         folder.is_written
     }
 
-    /// Leaves the folder. What was made for it is removed if nothing is in it.
+    /// Leaves the folder, and removes it if it was made for this bake and is empty.
     fn leave_folder(&self) {
         *lock(&self.folder) = Folder::default();
     }
 
-    /// What the window wants to see.
+    /// The pictures that the window wants.
     pub fn wanted(&self) -> Wanted {
         lock(&self.wanted).clone()
     }
 
-    /// The thread that bakes waits here until the window wants to see something else than `before`. Returns false when
-    /// the window shows the bake no more.
+    /// Blocks the baking thread until the window wants other pictures than `before`. Returns false once the window has
+    /// closed the bake.
     fn wait_for_other(&self, before: &Wanted) -> bool {
         let mut wanted = lock(&self.wanted);
         while *wanted == *before && !self.closes.load(Ordering::Relaxed) {
@@ -168,8 +166,8 @@ pub struct BakeThread {
 }
 
 impl BakeThread {
-    /// Begins to bake for the order's folder, which is `held`. The error is that of the system, which has no more
-    /// threads.
+    /// Begins to bake into the order's folder, which is `held`. The error is that of the system if it cannot start a
+    /// thread.
     pub fn begin(order: BakeOrder, held: OutputFolder, wanted: Wanted) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             folder: Mutex::new(Folder {
@@ -208,22 +206,22 @@ impl BakeThread {
         &self.folder
     }
 
-    /// What is known of it.
+    /// The present progress.
     pub fn news(&self) -> BakeNews {
         lock(&self.shared.news).clone()
     }
 
-    /// The level as its lightmaps light it.
+    /// The level lit by its lightmaps.
     pub fn lit(&self) -> Option<Arc<LitPicture>> {
         lock(&self.shared.news).lit.clone()
     }
 
-    /// How it has ended; None while it is under way.
+    /// The result; None while the bake runs.
     pub fn ended(&self) -> Option<Result<Written, String>> {
         lock(&self.shared.news).ended.clone()
     }
 
-    /// Ends the gathering of light; what there is will be written.
+    /// Ends the tracing of light; the light so far will be written.
     pub fn stop(&self) {
         self.shared.cancel.store(true, Ordering::Relaxed);
     }
@@ -233,7 +231,7 @@ impl BakeThread {
         self.shared.cancel.load(Ordering::Relaxed)
     }
 
-    /// Says what the window wants to see.
+    /// Sets the pictures that the window wants.
     pub fn show(&self, wanted: Wanted) {
         let mut known = lock(&self.shared.wanted);
         if *known != wanted {
@@ -242,13 +240,13 @@ impl BakeThread {
         }
     }
 
-    /// What the window wants to see.
+    /// The pictures that the window wants.
     pub fn wanted(&self) -> Wanted {
         self.shared.wanted()
     }
 
-    /// Gives it up. Nothing is written, and a folder that was made for it is removed at once; files that are being
-    /// written already are all written, so that they fit together.
+    /// Discards the bake. Nothing is written, and a folder that was made for it is removed at once; files that are
+    /// being written already are all written, so that they fit together.
     pub fn discard(self) -> LeftThread {
         self.shared.discards.store(true, Ordering::Relaxed);
         self.shared.cancel.store(true, Ordering::Relaxed);
@@ -257,7 +255,7 @@ impl BakeThread {
             folder.held = None;
         }
         drop(folder);
-        // Under the lock, so that the thread does not begin to wait in between.
+        // Under the lock, so that the thread does not begin to wait between its check and the notification.
         let wanted = lock(&self.shared.wanted);
         self.shared.closes.store(true, Ordering::Relaxed);
         self.shared.is_wanted_anew.notify_all();
@@ -269,8 +267,8 @@ impl BakeThread {
     }
 }
 
-/// The thread of a bake that was given up, or that is not shown any more. It ends soon, except while a large level is
-/// described, or the neighbours of the triangles of a large mesh are looked for.
+/// The thread of a discarded or closed bake. It ends soon, except while it describes a large level or finds the
+/// neighbours of the triangles of a large mesh.
 pub struct LeftThread {
     shared: Arc<Shared>,
     thread: JoinHandle<()>,
@@ -301,7 +299,7 @@ pub fn wait_at_exit(threads: Vec<LeftThread>) {
 /// The time that the end of the program waits for a bake that writes nothing.
 const LAST_WAIT: Duration = Duration::from_millis(300);
 
-/// Why a bake ends that is given up.
+/// The error of a discarded bake.
 const GIVEN_UP: &str = "the bake is given up";
 
 /// Bakes and writes the files. The error is a sentence.
@@ -402,7 +400,7 @@ mod tests {
         wait_at_exit((0..8).map(|_| slow()).collect());
         let waited = begin.elapsed();
         assert!(waited >= LAST_WAIT && waited < 6 * LAST_WAIT, "{waited:?}");
-        // Files that are being written become complete, however long others have been waited for.
+        // Files that are being written are completed, however long the wait for other threads was.
         let time = 2 * LAST_WAIT;
         let begin = Instant::now();
         wait_at_exit(vec![slow(), left(true, time)]);
