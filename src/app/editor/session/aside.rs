@@ -1,7 +1,7 @@
-//! The folders in which edits are written aside that no file has.
+//! The autosave folders, which hold edits that no file has.
 //!
-//! Each scene and each run of the program has one of its own. It holds the scene as it was then, a note of which file
-//! it is, and a file that is locked while the program runs.
+//! Each scene and each run of the program has one of its own. It holds a copy of the scene, a note that names its file,
+//! and a file that is locked while the program runs.
 
 use std::cmp::Reverse;
 use std::fs::{File, TryLockError};
@@ -21,7 +21,7 @@ const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
 const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 
-/// A folder that no other window offers or removes while this value exists.
+/// An autosave folder that no other window offers or removes while this value exists.
 #[derive(Debug)]
 pub struct Aside {
     pub folder: PathBuf,
@@ -30,9 +30,9 @@ pub struct Aside {
 }
 
 impl Aside {
-    /// Claims a folder. None: another run of the program has it.
+    /// Claims a folder. None if another run of the program has claimed it.
     pub fn claim(folder: &Path) -> Option<Self> {
-        // A folder that cannot be written to is complained of when it is written to.
+        // An error of a folder that cannot be written to is reported by the first write.
         let _ = std::fs::create_dir_all(folder);
         let lock = File::create(folder.join(LOCK)).ok();
         let is_taken = |lock: &File| matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
@@ -43,14 +43,14 @@ impl Aside {
     }
 
     pub fn remove(self) {
-        // Some systems remove no file that is open.
+        // Some systems cannot remove an open file.
         drop(self.lock);
         remove(&self.folder);
     }
 }
 
-/// Writes a scene aside. `path` is its file, and `file` the hash of what that held. The note comes first: as soon as
-/// the scene is there, it is offered.
+/// Writes an autosave. `path` is the scene's file, and `file` the hash of its content at that time. The note comes
+/// first: as soon as the scene is written, it is offered.
 pub fn write_aside(
     folder: &Path,
     scene: &SceneDescription,
@@ -79,7 +79,7 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The copies that ended programs have left in `all`, the newest first. `is_own` names the folders of this run.
+/// The autosaves that ended programs have left in `all`, the newest first. `is_own` names the folders of this run.
 pub fn left_over(all: &Path, is_own: impl Fn(&Path) -> bool, hashes: &mut FileHashes) -> Vec<Offer> {
     let folders = std::fs::read_dir(all).into_iter().flatten().flatten();
     let folders = folders.map(|folder| folder.path()).filter(|folder| !is_own(folder));
@@ -102,7 +102,7 @@ fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
             note,
             is_damaged: false,
         },
-        // The scene beside it may be whole.
+        // The note is missing or damaged, but the scene beside it may be whole.
         None => Offer {
             note: Note {
                 time: changed_at(&scene).unwrap_or_default(),
@@ -115,13 +115,13 @@ fn offer_of(folder: PathBuf, hashes: &mut FileHashes) -> Option<Offer> {
     })
 }
 
-/// Whether there is the scene of a copy. The program may have been killed while it gave the files of its first copy
-/// their places.
+/// Whether the scene of an autosave is complete. Finishes a first autosave whose program was killed while it moved the
+/// files into place.
 fn is_complete(scene: &Path) -> bool {
     scene.is_file() || finish_set(scene).is_ok() && scene.is_file()
 }
 
-/// Whether the file of the scene was changed after the copy was written. Its content tells that, whatever clocks say.
+/// Whether the scene's file was changed after the autosave was written, judged by content, since clocks may be wrong.
 fn is_outdated(note: &Note, hashes: &mut FileHashes) -> bool {
     let Some(path) = &note.scene else {
         return false;
@@ -132,8 +132,8 @@ fn is_outdated(note: &Note, hashes: &mut FileHashes) -> bool {
     }
 }
 
-/// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their
-/// program may just have made them and not locked them yet.
+/// Removes folders of programs that were killed before their first autosave was complete. Young folders stay: their
+/// program may just have made and not locked them yet.
 pub fn remove_fragments(all: &Path) {
     for entry in std::fs::read_dir(all).into_iter().flatten().flatten() {
         let folder = entry.path();
@@ -147,7 +147,7 @@ pub fn remove_fragments(all: &Path) {
     }
 }
 
-/// The copy of this scene, or else, when a run begins, of a scene that no file leads to.
+/// The autosave of this scene, or else, at the start of a run, of a scene without a file.
 pub fn copy_of<'o>(offers: &'o [Offer], scene: Option<&Path>, is_first: bool) -> Option<&'o Offer> {
     let is_its = |offer: &&Offer| {
         let of_copy = offer.note.scene.as_deref();
@@ -159,7 +159,7 @@ pub fn copy_of<'o>(offers: &'o [Offer], scene: Option<&Path>, is_first: bool) ->
     own.or_else(|| offers.iter().find(|offer| is_first && offer.note.scene.is_none()))
 }
 
-/// Whether another window may be using it. Where files cannot be locked, none is in use.
+/// Whether another window may be using it. Without file locks, no folder counts as in use.
 pub fn is_in_use(folder: &Path) -> bool {
     let lock = files::open(&folder.join(LOCK), LARGEST_NOTE);
     lock.is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
@@ -210,7 +210,7 @@ mod tests {
             [2000, 1000, 500]
         );
         assert!(!offers[0].is_outdated);
-        // The scene was saved long after.
+        // The scene was saved long after the autosave.
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
         let offers = left_over(all.path());
         assert!(offers[0].is_outdated);
@@ -288,7 +288,7 @@ mod tests {
         for name in ["first.bin", "second.bin", SCENE] {
             set.add(&path(name), "new").expect("a temporary folder");
         }
-        // The second file cannot be renamed, and what comes after it is not either.
+        // The second file cannot be renamed, and later ones are not either.
         std::fs::create_dir(path("second.bin")).expect("a temporary folder");
         assert!(set.replace().is_err() && path("first.bin").is_file());
         std::fs::remove_dir(path("second.bin")).expect("it is there");
@@ -300,7 +300,7 @@ mod tests {
         remove_fragments(all.path());
         assert_eq!(left_over(all.path()).len(), 1);
         assert!(path(SCENE).is_file() && path("second.bin").is_file());
-        // Without anything that waits it is a fragment.
+        // Without any waiting file it is a fragment.
         std::fs::remove_file(path(SCENE)).expect("it is there");
         remove_fragments(all.path());
         assert!(!folder.exists());

@@ -1,4 +1,4 @@
-//! A copy of the scene that is written aside. It is made over several frames if the scene is large.
+//! An autosave of the scene in progress. The scene is copied over several frames if it is large.
 
 use std::path::{Path, PathBuf};
 
@@ -10,14 +10,14 @@ use super::file_hashes::hash_of;
 use crate::scene::SceneStatus;
 use crate::scene::write::snapshot::Snapshot;
 
-/// A copy that is being made.
+/// An autosave in progress.
 pub struct Copying {
-    /// The scene, as far as it is copied.
+    /// The part of the scene that is copied.
     pub scene: Snapshot,
     /// The file of the scene.
     pub path: Option<PathBuf>,
-    /// The hash of what the file held when the copy was begun. What others write into it from then on may not be in
-    /// the copy.
+    /// The hash of the file's content when the copy was begun. Later edits of the file by others may not be in the
+    /// copy.
     file: Task<Option<u64>>,
 }
 
@@ -30,7 +30,7 @@ impl Copying {
         Self { scene, path, file }
     }
 
-    /// Writes the copy, which is complete.
+    /// Writes the complete copy.
     pub async fn write(self, folder: &Path) -> Result<(), String> {
         let file = self.file.await;
         write_aside(folder, &self.scene.describe().0, self.path, file)

@@ -1,4 +1,4 @@
-//! Hashes of what files hold, by which it is known whether they were changed.
+//! Hashes of the contents of files, which tell whether files were changed.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,16 @@ use crate::files;
 
 /// The largest file, in bytes, that is read for its hash.
 const LARGEST: u64 = 32 << 20;
-/// A file that was written within this time may be written again without getting another time: some file systems keep
-/// even seconds only.
+/// A file that was written within this time may be written again with the same time stamp: some file systems keep only
+/// seconds.
 const CLOCK: Duration = Duration::from_secs(3);
 
-/// The hash of what a file holds. None if it cannot be read, or is too large to be read for this alone.
+/// The hash of a file's content. None if it cannot be read, or is too large.
 pub fn hash_of(file: &Path) -> Option<u64> {
     Some(stable_hash(&files::read(file, LARGEST).ok()?))
 }
 
-/// The hashes of files that were looked at before. A file with the same length and time is not read again.
+/// The cached hashes of files. A file with the same length and time stamp is not read again.
 #[derive(Debug, Default)]
 pub struct FileHashes(HashMap<PathBuf, Known>);
 
@@ -30,7 +30,7 @@ struct Known {
 }
 
 impl FileHashes {
-    /// Does what [`hash_of`] does.
+    /// The same as [`hash_of`], from the cache if the file is unchanged.
     pub fn of(&mut self, file: &Path) -> Option<u64> {
         let about = std::fs::metadata(file).ok()?;
         let (length, changed) = (about.len(), about.modified().ok());
@@ -71,14 +71,14 @@ mod tests {
         let mut hashes = FileHashes::default();
         write("one", Some(1000));
         assert_eq!(hashes.of(&path), hash_of(&path));
-        // It is not read, so that the other content is not seen.
+        // The file is not read, so that its new content is not noticed.
         write("two", Some(1000));
         assert_eq!(hashes.of(&path), Some(stable_hash(b"one")));
         write("two", Some(2000));
         assert_eq!(hashes.of(&path), Some(stable_hash(b"two")));
         write("three", Some(2000));
         assert_eq!(hashes.of(&path), Some(stable_hash(b"three")));
-        // What was written just now is read each time.
+        // A file that was written just now is read each time.
         for text in ["four", "five"] {
             write(text, None);
             assert_eq!(hashes.of(&path), Some(stable_hash(text.as_bytes())));

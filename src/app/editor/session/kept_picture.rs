@@ -1,5 +1,5 @@
-//! The picture that is kept beside its scene to be rendered later: where it is, how it was shown, and whether there is
-//! something to keep.
+//! The picture that is kept beside its scene to be resumed later: its file, its view, and whether there is a picture
+//! worth keeping.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::app::editor::command::stored_view::StoredView;
 use crate::document::animation::MOST_TIME;
 use crate::render::part::PartFile;
 
-/// The rendering in seconds that is worth a question before it is lost.
+/// The seconds of rendering from which on the user is asked before a picture is lost.
 const WORTH_A_QUESTION: f64 = 60.0;
 
 /// The file in which the picture of a scene is kept.
@@ -20,7 +20,7 @@ pub fn kept_file(scene: &Path) -> PathBuf {
     scene.with_file_name(name)
 }
 
-/// What the window needs beside the scene to make the same picture.
+/// The state of the window that a picture depends on besides the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
     /// The index of the camera in use, in the order of the file.
@@ -37,19 +37,18 @@ pub struct Shown {
     pub noise: Option<f32>,
     /// Whether sampling is adaptive; None if the film says so.
     pub adaptive: Option<bool>,
-    /// The corners of the part of the picture that gets samples, see
-    /// [`RenderControl::region`](crate::engine::RenderControl::region).
+    /// The corners of the rendered region, see [`RenderControl::region`](crate::engine::RenderControl::region).
     pub region: Option<[[f32; 2]; 2]>,
-    /// Whether the light of each light is kept by itself.
+    /// Whether the film has a layer for each light.
     pub keeps_lights_apart: bool,
-    /// Whether it has what it takes for lights to be free, see
+    /// Whether lights can be edited without a restart, see
     /// [`RenderControl::lights_are_free`](crate::engine::RenderControl::lights_are_free).
     #[serde(default)]
     pub lights_are_free: bool,
 }
 
 impl Shown {
-    /// Reads what the file of a kept picture says, without what cannot be: the file may come from others.
+    /// Reads the text of a kept picture. Drops impossible values: the file may come from others.
     pub fn read(text: &str) -> Option<Self> {
         let shown: Self = serde_json::from_str(text).ok()?;
         let is_part = |corners: &[[f32; 2]; 2]| corners.as_flattened().iter().all(|side| (0.0..=1.0).contains(side));
@@ -66,7 +65,7 @@ impl Shown {
     }
 }
 
-/// A kept picture that is resumed as soon as the scene is as it was then.
+/// A kept picture that is resumed as soon as the scene is in the same state.
 #[derive(Resource)]
 pub struct Returning {
     /// The scene.
@@ -77,17 +76,17 @@ pub struct Returning {
     pub is_sized: bool,
 }
 
-/// What is known of the kept picture, and of the samples that no file has.
+/// The state of the kept picture, and of the samples that no file has.
 #[derive(Resource, Debug, Default)]
 pub struct KeptPictures {
     /// Whether rendering resumes from the kept picture when a scene is opened.
     returns: bool,
-    /// The last load of the scene that was looked at.
+    /// The last seen load of the scene.
     seen: u64,
-    /// The picture as [`RenderFilm`](crate::engine::RenderFilm) counts them, and the seconds of rendering of which
-    /// nothing needs to be kept.
+    /// The number of the last saved picture as [`RenderFilm`](crate::engine::RenderFilm) counts them, and its seconds
+    /// of rendering, which need not be kept.
     kept: (u64, f64),
-    /// Whether the next picture is the kept one.
+    /// Whether the next picture is the resumed one.
     resumes: bool,
     /// Whether a picture is kept beside the open scene.
     pub is_there: bool,
@@ -98,7 +97,7 @@ pub struct KeptPictures {
 }
 
 impl KeptPictures {
-    /// `returns`: whether scenes go on with their pictures when they are opened.
+    /// Makes the state; with `returns`, scenes resume their pictures when they are opened.
     pub fn new(returns: bool) -> Self {
         Self {
             returns,
@@ -106,13 +105,13 @@ impl KeptPictures {
         }
     }
 
-    /// Whether a scene was opened since the last call that may go on with its picture. `revision` counts the loads.
+    /// Returns whether a scene that may resume its picture was opened since the last call. `revision` counts the loads.
     pub fn take_opened(&mut self, revision: u64, is_fresh: bool) -> bool {
         let is_new = std::mem::replace(&mut self.seen, revision) != revision;
         is_new && is_fresh && self.returns
     }
 
-    /// Notes the picture and how long it was rendered. Returns whether much of that is in no file.
+    /// Notes the picture and its seconds of rendering. Returns whether much of that is in no file.
     pub fn note(&mut self, job: u64, seconds: f64) -> bool {
         if self.kept.0 != job {
             let kept = if std::mem::take(&mut self.resumes) {
@@ -130,7 +129,7 @@ impl KeptPictures {
         self.kept = (job, seconds);
     }
 
-    /// Notes that the next picture is the kept one.
+    /// Notes that the next picture is the resumed one.
     pub fn note_resumed(&mut self) {
         self.resumes = true;
     }

@@ -9,9 +9,9 @@ use super::panel_sizes::{WantedSizes, assume_shown};
 use crate::app::editor::command::panel::{Panel, Side};
 use crate::app::editor::command::preferences::Preferences;
 
-/// Points; the shares are of this.
+/// The size in points that the shares below refer to.
 const USUAL_ROOM: Vec2 = vec2(1280.0, 674.0);
-/// The share of the window's width, and below that of what is left of it.
+/// The share of the window's width, and below that of the rest of it.
 const LEFT_SHARE: f32 = 0.17;
 const RIGHT_SHARE: f32 = 0.32;
 
@@ -33,12 +33,12 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// The layout when the preferences were written.
+    /// The layout stored in the preferences.
     pub fn remembered(preferences: &Preferences) -> Self {
         Self::from_json(&preferences.layout).unwrap_or_default()
     }
 
-    /// Fits the panels. To be called with the room for all panels, in points, before they are shown.
+    /// Fits the panels to the room for all panels, in points. To be called before they are shown.
     pub fn fit(&mut self, room: Vec2) {
         self.1.fit(self.0.main_surface_mut(), room);
     }
@@ -49,7 +49,7 @@ impl Layout {
         self
     }
 
-    /// Whether the panel is somewhere in the window, in front or not.
+    /// Whether the panel is open, in front or not.
     pub fn has(&self, panel: Panel) -> bool {
         self.0.find_tab(&panel).is_some()
     }
@@ -84,20 +84,20 @@ impl Layout {
         }
     }
 
-    /// Brings a panel to the front of its group; false if it is closed.
+    /// Brings a panel to the front of its group; returns false if it is closed.
     pub(crate) fn bring_to_front(&mut self, panel: Panel) -> bool {
         let place = self.0.find_tab(&panel);
         place.is_some_and(|place| self.0.set_active_tab(place).is_ok())
     }
 
-    /// Takes the panel out; the viewport stays.
+    /// Closes the panel, except the viewport.
     pub fn close(&mut self, panel: Panel) {
         if let Some(place) = self.0.find_tab(&panel).filter(|_| panel != Panel::Viewport) {
             self.0.remove_tab(place);
         }
     }
 
-    /// The layout for the preferences: where panels are and how large, without places in points.
+    /// The layout for the preferences: the places of panels and their shares, without coordinates in points.
     pub fn to_json(&self) -> serde_json::Value {
         let mut state = self.0.clone();
         for (_, node) in state.iter_all_nodes_mut() {
@@ -109,11 +109,11 @@ impl Layout {
                 leaf.scroll = 0.0;
             }
         }
-        // Plain data always is JSON. Otherwise nothing is remembered.
+        // Plain data always is JSON. Otherwise nothing is stored.
         serde_json::to_value(&state).unwrap_or_default()
     }
 
-    /// None if it is of no layout, or of one that cannot be shown.
+    /// Parses a layout. None if it is none, or one that cannot be shown.
     pub fn from_json(value: &serde_json::Value) -> Option<Self> {
         let mut layout = Self(DockState::deserialize(value).ok()?, WantedSizes::default());
         layout.drop_unsound_focus();
@@ -122,7 +122,7 @@ impl Layout {
         (layout.is_sound() && can_be_kept()).then_some(layout)
     }
 
-    /// Removes a focus on what does not exist, and that of the window as a whole, which is of no use in another run.
+    /// Removes a focus on a node that does not exist, and the focus of the window, which does not apply to another run.
     fn drop_unsound_focus(&mut self) {
         const NOWHERE: NodeIndex = NodeIndex(usize::MAX);
         for tree in self.0.iter_surfaces_mut().filter_map(Surface::node_tree_mut) {
@@ -132,8 +132,8 @@ impl Layout {
         self.0.set_focused_node_and_surface(NodePath { surface, node: NOWHERE });
     }
 
-    /// Each panel is there at most once, the viewport is docked, every split has two sides and all else hangs on a
-    /// split, and no surface is without panels.
+    /// Whether each panel is there at most once, the viewport is docked, every split has two sides, all other nodes are
+    /// below a split, and every surface has panels.
     fn is_sound(&self) -> bool {
         let mut surfaces = self.0.iter_surfaces();
         let is_main = matches!(surfaces.next(), Some(Surface::Main(_)));

@@ -1,4 +1,4 @@
-//! The options of the window, beside a scene.
+//! The options of the window besides the scene.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use crate::document::paths::settle;
 
-/// The options for opening the window, and for what is done in it without a user.
+/// The options of the window, and of automation in it without a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
     /// The scene; None opens an empty window.
@@ -16,7 +16,7 @@ pub struct WindowOptions {
     pub begins: bool,
     /// The values for the scene file's `$name` parameters.
     pub defines: Vec<(String, String)>,
-    /// The name or index of the camera the first scene is seen with; None is its first.
+    /// The name or index of the camera for the first scene; None is its first.
     pub camera: Option<String>,
     /// The size of the window's content in points. None: the size that it had when it was last closed, or else
     /// [`Self::FIRST_SIZE`].
@@ -31,17 +31,17 @@ pub struct WindowOptions {
     pub after_spp: u32,
     /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
     pub exit: bool,
-    /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
+    /// Repeats edits of several kinds this many times and prints the time until the picture followed.
     pub measure_latency: Option<u32>,
-    /// Does edits of several kinds and prints how near the shown picture is to the converged one soon after them.
+    /// Does edits of several kinds and prints the error of the shown picture against the converged one soon after them.
     pub measure_settling: Option<SettlingOptions>,
-    /// Does random things and judges how the program bears them; the program ends with the outcome.
+    /// Runs random acts and checks the program; the program ends with the outcome.
     pub monkey: Option<MonkeyOptions>,
-    /// Whether the window's pixels are not drawn, as if the graphics driver took no time.
+    /// Whether the window is not drawn, as if the graphics driver took no time.
     pub undrawn: bool,
     /// Whether the picture is denoised from the beginning.
     pub denoise: bool,
-    /// The time after which the program fails if `exit` has not come about.
+    /// The time after which the program fails if `exit` has not ended it.
     pub timeout: Duration,
 }
 
@@ -72,7 +72,7 @@ impl WindowOptions {
     /// Width and height of the window at the first start, and without a user, in points.
     pub const FIRST_SIZE: [u32; 2] = [1280, 720];
 
-    /// Whether something is measured of the window as a user would see it.
+    /// Whether a measurement needs the window as a user would see it.
     pub(crate) fn is_measured(&self) -> bool {
         self.measure_latency.is_some() || self.measure_settling.is_some()
     }
@@ -87,7 +87,7 @@ impl WindowOptions {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneDefines(pub Vec<(String, String)>);
 
-/// The scene that is shown because none was named. None: the user has chosen one, or saved that one.
+/// The scene that the program opened because none was named. None once the user has chosen one, or saved that one.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct BegunWith(pub Option<PathBuf>);
 
@@ -98,11 +98,11 @@ impl BegunWith {
     }
 }
 
-/// The camera that is to be looked through, until there is a scene.
+/// The requested camera, until a scene is loaded.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct WantedCamera {
     pub name: Option<String>,
-    /// The program ends with an error if the camera does not exist, because no user is there to choose another.
+    /// Whether the program ends with an error if the camera does not exist, because no user is there to choose another.
     pub is_required: bool,
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct WantedCamera {
 pub struct SettlingOptions {
     /// The samples per pixel of a converged picture, at least 1.
     pub samples: u32,
-    /// The folder that gets the pictures that are compared. None: they are not written.
+    /// The folder for the compared pictures. None: they are not written.
     pub pictures: Option<PathBuf>,
     /// Whether one JSON object is printed in place of the table.
     pub json: bool,
@@ -120,7 +120,7 @@ pub struct SettlingOptions {
 /// The length of a monkey's run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// It takes at least this time.
+    /// At least this time.
     Time(Duration),
     /// This number of acts: such a run can be repeated exactly.
     Steps(usize),
@@ -131,11 +131,11 @@ pub enum Length {
 pub struct MonkeyOptions {
     /// The condition under which the run ends.
     pub length: Length,
-    /// The seed of everything random.
+    /// The seed of all random numbers.
     pub seed: u64,
     /// The scenes, at least one. Copies of them are edited, and other files are never touched.
     pub scenes: Vec<PathBuf>,
-    /// The file that gets every act, one a line. Lines without a comment sign are lines of a script.
+    /// The file that logs every act, one a line. Lines without a comment sign are lines of a script.
     pub log: Option<PathBuf>,
     /// The longest frame of the window's own systems; longer ones are faults. None: frames are not judged.
     pub longest_frame: Option<Duration>,

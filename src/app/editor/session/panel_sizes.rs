@@ -1,5 +1,5 @@
 //! The sizes of the docked panels: beside the viewport they keep their width (or height) in points when the window is
-//! resized, and the viewport takes the rest. Where they are is in `layout`.
+//! resized, and the viewport takes the rest. Their places are in `layout`.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::app::editor::command::panel::Panel;
 
 /// The largest share of a split that the side without the viewport keeps when there is little room.
 const LARGEST_SHARE: f32 = 0.45;
-/// The change in points that is rounding to pixels, and no resizing.
+/// The largest change in points that counts as rounding to pixels, and not as resizing.
 const TOLERANCE: f32 = 1.5;
 
 /// The sizes in points that the panels beside the viewport would have if there were room. The key is the node of the
@@ -19,7 +19,7 @@ const TOLERANCE: f32 = 1.5;
 pub struct WantedSizes(HashMap<NodeIndex, f32>);
 
 impl WantedSizes {
-    /// Fits the sizes. To be called with the room for all panels, in points, before they are shown.
+    /// Fits the sizes to the room for all panels, in points. To be called before they are shown.
     pub fn fit(&mut self, tree: &mut Tree<Panel>, room: Vec2) {
         let Some(before) = size_of(tree, NodeIndex::root()) else {
             return;
@@ -30,7 +30,7 @@ impl WantedSizes {
         }
     }
 
-    /// Notes sizes that are not those that were set here: the user has changed them.
+    /// Stores sizes that differ from the ones set here: the user has changed them.
     fn note(&mut self, tree: &Tree<Panel>) {
         let mut sizes = HashMap::new();
         for node in (0..tree.len()).map(NodeIndex) {
@@ -45,7 +45,7 @@ impl WantedSizes {
     }
 }
 
-/// The side of a split that the viewport is not in.
+/// The side of a split without the viewport.
 struct Side {
     is_first: bool,
     size: f32,
@@ -163,7 +163,7 @@ mod tests {
             Node::Horizontal(split) => split.fraction,
             other => panic!("{other:?}"),
         };
-        // The outliner was put left of everything else, later.
+        // The outliner was docked left of everything else, later.
         let root = NodeIndex::root();
         let outliner = share(root) * room;
         let rest = room - outliner;

@@ -1,5 +1,5 @@
-//! A folder of small pictures that take time to make, kept between runs. Each can be made again, so that the folder may
-//! be removed at any time.
+//! A cache of small pictures in a folder, kept between runs. Each picture can be made again, so that the folder may be
+//! removed at any time.
 //!
 //! A file begins with a line of text about the picture; a PNG file of it follows. Its name is the hash of the key.
 
@@ -19,7 +19,7 @@ use super::stable_hash::stable_hash;
 use crate::files::{self, write_atomically};
 use crate::scene::assets::cache_folder::cache_folder;
 
-/// The folder within those of the program.
+/// The name of the cache's folder within the program's.
 const NAME: &str = "pictures";
 const EXTENSION: &str = "picture";
 /// The longest side of a picture in pixels, and the longest file in bytes.
@@ -27,9 +27,9 @@ const LONGEST_SIDE: u32 = 512;
 const LARGEST: u64 = 2 << 20;
 /// The size of all files together, in bytes, above which the oldest are removed.
 const MOST_BYTES: u64 = 64 << 20;
-/// The bytes that are written between two looks at that size.
+/// The number of written bytes between two checks of that size.
 const BYTES_UNTIL_TIDIED: u64 = 8 << 20;
-/// Two programs that make pictures in another way have other keys.
+/// A part of the key for programs that make pictures differently.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " 1");
 
 /// A picture with a line of text about it.
@@ -42,14 +42,14 @@ pub(crate) struct Kept {
 /// The pictures of earlier runs. Clones share the folder.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct PictureCache {
-    /// None if nothing is kept.
+    /// The folder; None if nothing is cached.
     folder: Option<PathBuf>,
-    /// The bytes that were written since the folder was tidied.
+    /// The bytes written since the folder was tidied.
     untidied: Arc<AtomicU64>,
 }
 
 impl PictureCache {
-    /// The cache in the user's folder for caches. Without a user nothing is kept.
+    /// The cache in the user's folder for caches. Without a user nothing is cached.
     pub fn of_user(attended: bool) -> Self {
         Self::in_folder(attended.then(|| cache_folder(NAME)).flatten())
     }
@@ -57,12 +57,12 @@ impl PictureCache {
     pub(crate) fn in_folder(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
-            // What earlier runs left is looked at with the first picture.
+            // The first picture triggers a check of the files of earlier runs.
             untidied: Arc::new(AtomicU64::new(BYTES_UNTIL_TIDIED)),
         }
     }
 
-    /// The picture that was kept under the key; None if there is none, or a damaged one.
+    /// The cached picture of the key; None if there is none, or a damaged one.
     pub fn get(&self, key: &str) -> Option<Kept> {
         let bytes = files::read(&self.path(key)?, LARGEST).ok()?;
         let end = bytes.iter().position(|byte| *byte == b'\n')?;
@@ -74,8 +74,8 @@ impl PictureCache {
         })
     }
 
-    /// Keeps a picture, if it can be kept: nothing depends on it. `text` is one line. The first call, and each after
-    /// [`BYTES_UNTIL_TIDIED`], removes the oldest pictures if there are too many.
+    /// Caches a picture, and ignores errors. `text` is one line. The first call, and each after [`BYTES_UNTIL_TIDIED`],
+    /// removes the oldest pictures if there are too many.
     pub fn keep(&self, key: &str, kept: &Kept) {
         let Some(path) = self.path(key) else { return };
         let [width, height] = kept.image.size.map(|side| side as u32);
@@ -99,7 +99,7 @@ impl PictureCache {
         Some(self.folder.as_ref()?.join(format!("{hash:016x}.{EXTENSION}")))
     }
 
-    /// Counts what was written, and tidies the folder once that is much.
+    /// Counts written bytes, and tidies the folder once there are many.
     fn tidy_after(&self, written: u64, most_bytes: u64) {
         let Some(folder) = &self.folder else { return };
         let untidied = written + self.untidied.fetch_add(written, Ordering::Relaxed);
@@ -110,7 +110,7 @@ impl PictureCache {
     }
 }
 
-/// Removes the oldest pictures, until all together are not larger than `most_bytes`. Other files stay.
+/// Removes the oldest pictures until all together are not larger than `most_bytes`. Other files stay.
 fn tidy(folder: &Path, most_bytes: u64) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let pictures = entries.filter(|entry| entry.path().extension().is_some_and(|extension| extension == EXTENSION));

@@ -1,21 +1,21 @@
-//! Whether the timeline plays, and since when.
+//! The playback of the timeline.
 
 use std::time::Instant;
 
-/// The state of playing.
+/// The state of playback.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Playback {
-    /// The time of the scene in seconds at which playing began, and when that was.
+    /// The time of the scene in seconds at which playback began, and the clock's time then.
     started: Option<(f64, Instant)>,
 }
 
 impl Playback {
-    /// Plays from this time of the scene, in seconds.
+    /// Starts playback at this time of the scene, in seconds.
     pub fn start(&mut self, time: f64) {
         self.started = Some((time, Instant::now()));
     }
 
-    /// Holds.
+    /// Stops playback.
     pub fn stop(&mut self) {
         self.started = None;
     }
@@ -25,7 +25,7 @@ impl Playback {
         self.started.is_some()
     }
 
-    /// The time of the scene in seconds at which playing began, and when that was; None while it holds.
+    /// The time of the scene in seconds at which playback began, and the clock's time then; None while it is stopped.
     pub fn started(&self) -> Option<(f64, Instant)> {
         self.started
     }

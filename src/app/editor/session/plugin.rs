@@ -26,9 +26,9 @@ use crate::scene::SceneAccess;
 
 /// Adds the resources of the session.
 pub(crate) struct SessionPlugin {
-    /// How the window was opened.
+    /// The options of the window.
     pub options: WindowOptions,
-    /// The folder of the preferences and of what else is remembered; None if nothing is.
+    /// The folder of the preferences and other remembered files; None if nothing is remembered.
     pub folder: Option<PathBuf>,
 }
 
@@ -93,14 +93,14 @@ fn settings(options: &WindowOptions, preferences: &Preferences) -> ViewSettings 
     settings.gizmo.steps = preferences.steps;
     settings.gizmo.snap = preferences.snapping;
     settings.enlarging = preferences.enlarging;
-    // Pictures that a script saves have the pixels of the film, whatever the window's size.
+    // Pictures that a script saves have the film's resolution, whatever the window's size.
     settings.resolution = match options.script {
         Some(_) => Resolution::Full,
         None => preferences.resolution,
     };
     settings.grid = preferences.grid;
     settings.dimensions = preferences.dimensions;
-    // A script begins in the same way whatever a user prefers.
+    // A script starts with the defaults, whatever a user prefers.
     if options.is_attended() {
         settings.display.tone_map = preferences.tone_map;
     }

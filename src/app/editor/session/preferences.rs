@@ -1,8 +1,7 @@
-//! Stores the preferences between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is
-//! in it.
+//! Stores the preferences between runs, in one JSON file of the platform's folder for settings. It has no data of
+//! scenes.
 //!
-//! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never
-//! overwritten.
+//! Fields of later versions are kept. A file that cannot be parsed is renamed, never overwritten.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -22,20 +21,20 @@ use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{SceneState, SceneStatus};
 
 const FILE: &str = "preferences.json";
-/// The environment variable with a folder in place of the platform's.
+/// The environment variable for a folder in place of the platform's.
 const FOLDER_VARIABLE: &str = "SUNROOM_CONFIG";
 /// The longest time before changes are written.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// The file that the preferences are kept in.
+/// The file of the preferences.
 #[derive(Resource, Debug)]
 pub struct PreferencesFile {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
-    /// They are not written, because no user has chosen anything.
+    /// Whether they are never written, because there is no user.
     is_only_read: bool,
     written: Preferences,
-    /// They are being written: other files that are written at the time may keep the disk busy.
+    /// The write in progress, on another thread because the disk may be busy.
     writing: Option<Task<std::io::Result<()>>>,
     looked_at: Instant,
     /// A problem with the file, in words.
@@ -51,7 +50,7 @@ pub fn folder(attended: bool) -> Option<PathBuf> {
     }
 }
 
-/// The place of the window in the preferences of this folder.
+/// The stored place of the window, from the preferences in this folder.
 pub(super) fn window_place(folder: &Path) -> Option<WindowPlace> {
     window_place::read(folder, FILE)
 }
@@ -62,7 +61,7 @@ impl PreferencesFile {
         Self::open_as(folder, false)
     }
 
-    /// The same for a window without a user: the file is never written, nor set aside.
+    /// The same for a window without a user: the file is never written nor renamed.
     pub fn open_only_read(folder: Option<&Path>) -> (Self, Preferences) {
         Self::open_as(folder, true)
     }
@@ -131,7 +130,7 @@ impl PreferencesFile {
         self.finish();
     }
 
-    /// Begins to write them on another thread. Nothing else may be written meanwhile.
+    /// Begins to write them on another thread. No other write may run meanwhile.
     fn begin_to_store(&mut self, preferences: Preferences) {
         let is_changed = preferences != self.written && !self.is_only_read;
         let Some(path) = self.path.clone().filter(|_| is_changed) else {
@@ -143,11 +142,11 @@ impl PreferencesFile {
             write_atomically(&path, text?)
         };
         self.writing = Some(IoTaskPool::get_or_init(TaskPool::default).spawn(writing));
-        // After a failure nothing is written until there is another change.
+        // After a failure the next write waits for another change.
         self.written = preferences;
     }
 
-    /// Whether nothing is being written. Notes how the last write ended.
+    /// Whether no write is running. Notes the result of the last one.
     fn is_idle(&mut self) -> bool {
         match self.writing.as_mut().map(check_ready) {
             None => true,
@@ -159,7 +158,7 @@ impl PreferencesFile {
         }
     }
 
-    /// Waits until nothing is being written.
+    /// Waits for the end of the running write.
     fn finish(&mut self) {
         if let Some(writing) = self.writing.take() {
             let outcome = block_on(writing);
@@ -175,7 +174,7 @@ impl PreferencesFile {
     }
 }
 
-/// A scene that is open, or was saved under this name, is among the recent ones, unless the program has chosen it.
+/// Adds a scene that was opened or saved to the recent ones, unless the program has chosen it.
 pub(crate) fn note_scene(
     status: Res<SceneStatus>,
     begun_with: Option<Res<BegunWith>>,
@@ -192,7 +191,7 @@ pub(crate) fn note_scene(
     }
 }
 
-/// Writes changed preferences, from time to time and at the end.
+/// Writes changed preferences after a pause and at the end.
 pub(crate) fn remember(
     mut file: ResMut<PreferencesFile>,
     preferences: Res<Preferences>,
@@ -210,7 +209,7 @@ pub(crate) fn remember(
     let problem = silent.problem.clone();
     let now = Preferences {
         layout: layout.to_json(),
-        // At the end the window may be gone already.
+        // At the end the window may be closed already.
         window: windows
             .single()
             .ok()

@@ -1,4 +1,4 @@
-//! Writes edits that no file has aside from time to time, and offers them again after a crash.
+//! Writes autosaves of edits that no file has, and offers them after a crash.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -22,50 +22,50 @@ use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::scene::write::KnownTexts;
 use crate::scene::{OpenScene, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
-/// The part of a frame in which the scene is copied, and the things that are copied between two looks at the clock.
+/// The time per frame for copying the scene, and the number of things that are copied between two looks at the clock.
 const LONGEST: Duration = Duration::from_millis(10);
 const STEP: usize = 256;
 
-/// The state of writing edits aside, so that a crash loses little.
+/// The state of autosaving and recovery.
 #[derive(Resource, Default)]
 pub struct Recovery {
-    /// The folder of all scenes. None: nothing is written aside.
+    /// The folder of all autosaves. None: nothing is autosaved.
     folder: Option<PathBuf>,
-    /// Tells this run of the program from all others.
+    /// The name of this run of the program.
     run: String,
-    /// The time since which there have been edits that are not written aside.
+    /// The time since which there have been edits without an autosave.
     since: Option<Instant>,
     is_due: bool,
-    /// There will be no later frame for it.
+    /// Whether there will be no later frame for an autosave.
     is_last_chance: bool,
-    /// The copy of the scene that will be written.
+    /// The autosave in progress.
     copy: Option<Copying>,
     task: Option<Task<Result<(), String>>>,
-    /// The folders that are no longer needed once the scene is saved.
+    /// The folders of this scene, which are removed once the scene is saved.
     mine: Vec<Aside>,
-    /// The copies that other runs have left, the newest first. Those of running windows are not among them.
+    /// The autosaves of other runs, the newest first, without those of running windows.
     pub left: Vec<Offer>,
     /// The hashes of the files of their scenes.
     hashes: FileHashes,
-    /// The edits that the user is asked about.
+    /// The autosave that the user is asked about.
     pub offer: Option<Offer>,
-    /// Whether a message has named what was left.
+    /// Whether a message has named the autosaves of other runs.
     is_told: bool,
-    /// There is no user: what was written aside is kept for the next start.
+    /// Whether there is no user: autosaves are kept for the next start.
     is_unattended: bool,
-    /// The edits that are being opened.
+    /// The autosave that is being opened.
     returning: Option<(Offer, Aside)>,
-    /// The last load of the scene that was looked at, and the last failure.
+    /// The last seen load of the scene, and the last seen failure.
     seen: (u64, u64),
 }
 
 impl Recovery {
-    /// Whether a copy of the scene is being made, a slice in each frame.
+    /// Whether the scene is being copied, a slice in each frame.
     pub(crate) fn is_copying(&self) -> bool {
         self.copy.is_some()
     }
 
-    /// Writes into a folder below `folder`; without one nothing is written.
+    /// Autosaves into a folder below `folder`; without one, nothing is autosaved.
     pub fn new(folder: Option<&Path>) -> Self {
         let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self {
@@ -75,7 +75,7 @@ impl Recovery {
         }
     }
 
-    /// The state of a window in which questions are shown only if a user is there to answer them.
+    /// The same state, which shows questions only if a user is there to answer them.
     pub fn asking(self, is_attended: bool) -> Self {
         Self {
             is_unattended: !is_attended,
@@ -83,7 +83,7 @@ impl Recovery {
         }
     }
 
-    /// Finds what other runs have left.
+    /// Finds the autosaves of other runs.
     pub(crate) fn look(&mut self) {
         let mut hashes = std::mem::take(&mut self.hashes);
         let all = self.folder.as_deref().filter(|_| !self.is_unattended);
@@ -92,7 +92,7 @@ impl Recovery {
         self.hashes = hashes;
     }
 
-    /// Whether this run has made or claimed the folder. Where files cannot be locked, nothing else says that.
+    /// Whether this run has made or claimed the folder. Without file locks, this is the only test.
     fn is_own(&self, folder: &Path) -> bool {
         let returning = self.returning.iter().map(|(_, aside)| aside);
         let is_claimed = self.mine.iter().chain(returning).any(|aside| aside.folder == folder);
@@ -100,7 +100,7 @@ impl Recovery {
         is_claimed || name.ends_with(&format!("-{}", self.run))
     }
 
-    /// Looks again, and brings the message up to date if it is still shown.
+    /// Finds them again, and updates the message if it is still shown.
     fn look_again(&mut self, toasts: &mut Toasts) {
         let before = std::mem::take(&mut self.left);
         self.look();
@@ -109,7 +109,7 @@ impl Recovery {
         }
     }
 
-    /// Names what was left, except what the user is asked about.
+    /// Shows a message that names them, except the one that the user is asked about.
     fn tell(&mut self, toasts: &mut Toasts) {
         let is_other = |offer: &&Offer| self.offer.as_ref() != Some(*offer);
         let others: Vec<Offer> = self.left.iter().filter(is_other).cloned().collect();
@@ -122,7 +122,7 @@ impl Recovery {
         }
     }
 
-    /// The copy of the scene at this path, if it has edits that the file has not. None: a window may be at work on it.
+    /// The autosave of the scene at this path, if it has edits that the file has not. None if a window may be using it.
     pub(crate) fn newer_copy_of(&mut self, path: &Path) -> Option<Offer> {
         self.look();
         copy_of(&self.left, Some(path), false)
@@ -130,13 +130,13 @@ impl Recovery {
             .cloned()
     }
 
-    /// Whether the scene that is being opened is one that was written aside.
+    /// Whether an autosave is being opened.
     pub fn is_returning(&self) -> bool {
         self.returning.is_some()
     }
 
     fn forget(&mut self) {
-        // The edits that are being written are removed as well, even if that fails.
+        // The write in progress is removed as well, even if that fails.
         if let Some(task) = self.task.take() {
             let _ = block_on(task);
         }
@@ -147,7 +147,7 @@ impl Recovery {
         self.since = None;
     }
 
-    /// The folder to which edits of this scene are written aside; None if there is none.
+    /// The folder for autosaves of this scene; None without autosaving.
     fn folder_of(&self, scene: Option<&Path>) -> Option<PathBuf> {
         let name = match scene {
             Some(scene) => format!(
@@ -161,8 +161,8 @@ impl Recovery {
     }
 }
 
-/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before
-/// are removed. When the program begins, what others have left is told. To run after the history has begun anew.
+/// Notices new scenes, and scenes that cannot be read: their autosaves are offered, and those of the previous scene are
+/// removed. At the start, autosaves of other runs are reported. To run after the history was cleared.
 pub fn follow_scene(
     mut recovery: ResMut<Recovery>,
     mut status: ResMut<SceneStatus>,
@@ -178,7 +178,7 @@ pub fn follow_scene(
     let Some(all) = recovery.folder.clone() else {
         return;
     };
-    // The page names them all.
+    // The start page lists them all.
     let is_on_page = requests.is_some_and(|requests| requests.sheet == Some(Sheet::Start));
     if is_first {
         remove_fragments(&all);
@@ -200,7 +200,7 @@ pub fn follow_scene(
                 let text = format!("{} could not be read; it is kept.", file.display());
                 toasts.add(Tone::Error, Topic::Other, text, None);
             }
-            // The open scene has no remaining edits.
+            // The open scene has no autosave.
             None if status.asked == status.path => {}
             None => recovery.offer = copy_of(&recovery.left, status.asked.as_deref(), false).cloned(),
         }
@@ -236,8 +236,8 @@ pub fn follow_scene(
     }
 }
 
-/// Decides when to write, and removes what is no longer needed. A run that ends without asking the user, such as by a
-/// signal, writes at once.
+/// Decides when to autosave, and removes folders that are no longer needed. A run that ends without asking the user,
+/// such as by a signal, autosaves at once.
 pub(crate) fn plan_autosave(
     mut recovery: ResMut<Recovery>,
     mut toasts: ResMut<Toasts>,
@@ -280,7 +280,7 @@ pub(crate) fn plan_autosave(
     // Another scene may be about to replace this one, whose edits will not be needed then; but until it has, they exist
     // nowhere else.
     let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
-    // While the scene is being saved its entities are not all of one file.
+    // While the scene is being saved its entities do not all belong to one file.
     recovery.is_due = breaks_off || is_over && is_staying && !history.is_saving();
     recovery.is_last_chance = breaks_off;
     if recovery.is_due {
@@ -293,7 +293,7 @@ pub fn is_due(recovery: Res<Recovery>) -> bool {
     recovery.is_due
 }
 
-/// Copies the scene, over several frames if it is large, and writes it in the background.
+/// Copies the scene, over several frames if it is large, and writes the autosave in the background.
 pub fn autosave(world: &mut World) {
     let begun = Instant::now();
     let copy = world.resource_mut::<Recovery>().copy.take();
@@ -315,7 +315,7 @@ pub fn autosave(world: &mut World) {
     recovery.task = Some(IoTaskPool::get().spawn(async move { copy.write(&folder).await }));
 }
 
-/// After a good end nothing is kept. Otherwise the program waits for what is being written.
+/// Removes the autosaves after a good end. Otherwise waits for the write in progress.
 pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
     let Some(exit) = exits.read().last() else {
         return;
@@ -330,11 +330,11 @@ pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<R
     }
 }
 
-/// Opens the edits that were written aside.
+/// Opens an autosave.
 pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     let path = offer.folder.join(SCENE);
     let aside = claim(&offer)?;
-    // The names in it are those of the scene's own files.
+    // It names files in the folder of the scene.
     if let Some(folder) = offer.note.scene.as_deref().and_then(Path::parent)
         && let Trust::Folders(folders) = &mut *world.resource_mut::<Trust>()
     {
@@ -352,18 +352,18 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Whether the copy is of the scene in this file.
+/// Whether the autosave is of the scene in this file.
 pub(crate) fn is_copy_of(offer: &Offer, scene: &Path) -> bool {
     copy_of(std::slice::from_ref(offer), Some(scene), false).is_some()
 }
 
-/// Deletes what an offer is about. An error says that another window has it open, or had.
+/// Deletes an autosave. An error if another window has it open, or had.
 pub fn discard(offer: &Offer) -> Result<(), CommandError> {
     claim(offer)?.remove();
     Ok(())
 }
 
-/// Claims a copy that was left.
+/// Claims the folder of an autosave.
 fn claim(offer: &Offer) -> Result<Aside, CommandError> {
     let is_there = || offer.folder.join(SCENE).is_file();
     if !is_there() {
@@ -381,7 +381,7 @@ fn claim(offer: &Offer) -> Result<Aside, CommandError> {
 const IN_USE: &str = "Another window is at work on those edits.";
 const GONE: &str = "Those edits are not there any more: another window has recovered or discarded them.";
 
-/// Asks about the edits that were left; if there are several, all are listed.
+/// Asks about the autosaves of other runs; if there are several, all are listed.
 pub(crate) fn show(world: &mut World) {
     look_again(world);
     let left = world.resource::<Recovery>().left.clone();
@@ -395,7 +395,7 @@ pub(crate) fn show(world: &mut World) {
     }
 }
 
-/// Looks what is left, for instance because the user has been in another window.
+/// Finds autosaves again, for instance because the user has been in another window.
 pub(crate) fn look_again(world: &mut World) {
     world.resource_scope(|world, mut recovery: Mut<Recovery>| {
         let mut toasts = world.resource_mut::<Toasts>();
@@ -460,7 +460,7 @@ mod tests {
         assert_eq!([plan(), plan()], [false, true]);
     }
 
-    /// Numbers of processes are used again.
+    /// Process ids are reused.
     #[test]
     fn runs_do_not_share_folders() {
         let folders: Vec<_> = (0..2)

@@ -10,7 +10,7 @@ use crate::app::editor::words::times::{ago, changed_at, clock_of, exact_clock_of
 /// The most scenes that a message names.
 const MOST_NAMED: usize = 4;
 
-/// Names the scene of a recovery copy by the path of its file.
+/// The scene of an autosave, named by the path of its file.
 pub(crate) fn scene_of(offer: &Offer) -> String {
     match &offer.note.scene {
         Some(path) => path.display().to_string(),
@@ -27,7 +27,7 @@ fn unnamed(offer: &Offer) -> String {
     }
 }
 
-/// Short names of the scenes: those of their files, with as much of the folder as tells apart files of the same name.
+/// Short names of the scenes: the file names, with as much of the folder as tells files of the same name apart.
 pub(crate) fn short_names(offers: &[Offer]) -> Vec<String> {
     let mut paths: Vec<&Path> = offers.iter().filter_map(|offer| offer.note.scene.as_deref()).collect();
     paths.sort_unstable();
@@ -52,12 +52,12 @@ pub(crate) fn short_names(offers: &[Offer]) -> Vec<String> {
     offers.iter().map(short).collect()
 }
 
-/// When a copy was written, such as `20:48`.
+/// The time at which an autosave was written, such as `20:48`.
 pub(crate) fn time_of(note: &Note) -> Option<String> {
     clock_of(note.time)
 }
 
-/// When each copy was written, with seconds where copies of one scene are of the same minute.
+/// The time at which each autosave was written, with seconds if autosaves of one scene are of the same minute.
 pub(crate) fn times_of(offers: &[Offer]) -> Vec<Option<String>> {
     let time = |offer: &Offer| {
         let clock = time_of(&offer.note);
@@ -70,12 +70,12 @@ pub(crate) fn times_of(offers: &[Offer]) -> Vec<Option<String>> {
     offers.iter().map(time).collect()
 }
 
-/// When a copy was written, with its age.
+/// The time at which an autosave was written, with its age.
 pub(crate) fn time_and_age(note: &Note) -> String {
     with_age(time_of(note), note)
 }
 
-/// A time, as of [`times_of`], with the age of the copy. A copy of the future was written by another clock.
+/// A time, as of [`times_of`], with the age of the autosave. One from the future was written by another clock.
 pub(crate) fn with_age(time: Option<String>, note: &Note) -> String {
     let age = SystemTime::now()
         .duration_since(UNIX_EPOCH)
@@ -90,10 +90,10 @@ pub(crate) fn with_age(time: Option<String>, note: &Note) -> String {
     }
 }
 
-/// How many scenes there are to recover, such as `1 scene has unsaved edits`, and how many copies of them if there are
-/// several of one.
+/// The number of scenes to recover, such as `1 scene has unsaved edits`, and the number of autosaves if a scene has
+/// several.
 pub(crate) fn count_of(offers: &[Offer]) -> String {
-    // What was never saved is a scene of its own in each copy.
+    // A scene that was never saved counts as one in each autosave.
     let mut scenes: Vec<&Path> = offers
         .iter()
         .map(|offer| offer.note.scene.as_ref().unwrap_or(&offer.folder).as_path())
@@ -110,7 +110,7 @@ pub(crate) fn count_of(offers: &[Offer]) -> String {
     }
 }
 
-/// What there is to recover, in a sentence.
+/// A sentence that sums up the edits to recover.
 pub(crate) fn summary(offers: &[Offer]) -> String {
     let named = short_names(offers).into_iter().zip(times_of(offers)).take(MOST_NAMED);
     let mut named: Vec<String> = named
@@ -125,7 +125,7 @@ pub(crate) fn summary(offers: &[Offer]) -> String {
     format!("{}: {}.", count_of(offers), named.join(", "))
 }
 
-/// A sentence about the scene's file; None if there is nothing to say.
+/// A sentence about the scene's file; None if the file needs no remark.
 pub(crate) fn about_file(offer: &Offer) -> Option<String> {
     let path = offer.note.scene.as_deref()?;
     let Some(changed) = changed_at(path) else {

@@ -1,4 +1,4 @@
-//! Requests for the next step: commands of this frame, and what the window is to show.
+//! Requests for the next step: the commands of this frame, and the dialogs of the window.
 
 use bevy::prelude::{Entity, Resource};
 
@@ -16,15 +16,15 @@ pub struct CommandQueue(pub Vec<Command>);
 /// Requests to the window.
 #[derive(Resource, Default)]
 pub struct Requests {
-    /// A file to ask for.
+    /// The file dialog to open.
     pub dialog: Option<FileDialogKind>,
-    /// The missing file that it is asked for in place of.
+    /// The missing file that the dialog replaces.
     pub sought: Option<SoughtFile>,
-    /// The question how to save a file that others changed.
+    /// The question how to save a file that others have changed.
     pub save_question: Option<SaveQuestion>,
     /// The question whether to trace a large film in full.
     pub full_film_question: Option<FullFilmQuestion>,
-    /// A scene of which is asked whether it is to be added or opened.
+    /// A scene file, with the question whether to add or open it.
     pub scene_question: Option<FileUse>,
     /// The sheet that covers the window.
     pub sheet: Option<Sheet>,
@@ -38,12 +38,12 @@ pub struct Requests {
     pub saves_handled: u64,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,
-    /// Imported meshes whose size is told when they have been read.
+    /// Imported meshes whose size is reported once they are loaded.
     pub imported: Vec<Entity>,
 }
 
 impl Requests {
-    /// Closes the start page, which would cover what was begun.
+    /// Closes the start page, which would cover the new scene.
     pub fn leave_start_page(&mut self) {
         self.sheet = self.sheet.filter(|sheet| *sheet != Sheet::Start);
     }

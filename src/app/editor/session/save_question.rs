@@ -1,4 +1,4 @@
-//! The question to the user when a file was changed by others since it was read, or when there are other edits of it to
+//! The question to the user when others have changed a file since it was read, or when there are newer edits of it to
 //! recover.
 
 use std::path::{Path, PathBuf};
@@ -7,24 +7,24 @@ use super::recovery_words::time_and_age;
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::scene::write::SaveError;
 
-/// The question. It is shown until it is answered; meanwhile changes of the file are not read.
+/// The question. It is shown until it is answered; meanwhile changes of the file are not loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SaveQuestion {
-    /// The path to which the scene was to be saved.
+    /// The path of the save.
     pub path: PathBuf,
-    /// What has happened to the file, without a full stop.
+    /// The change of the file, as a sentence without a full stop.
     pub reason: String,
-    /// The changes of the file can be taken in.
+    /// Whether the changes of the file can be merged.
     pub can_merge: bool,
-    /// A copy with edits of that scene that the file does not have, which a run before this one has left.
+    /// An autosave by an earlier run with edits that the file does not have.
     pub copy: Option<Offer>,
-    /// The user is choosing another file.
+    /// Whether the user is choosing another file.
     pub is_naming: bool,
 }
 
 impl SaveQuestion {
-    /// The question about an error. `path` is where the scene was to be saved. None for errors that saving in another
-    /// way would not solve.
+    /// The question about an error. `path` is the path of the save. None for errors that another choice would not
+    /// solve.
     pub fn about(error: &SaveError, path: &Path) -> Option<Self> {
         let can_merge = match error {
             SaveError::Changed { edited_twice, .. } => edited_twice.is_some(),
@@ -40,7 +40,7 @@ impl SaveQuestion {
         })
     }
 
-    /// The question before a scene is saved at `path` of which there is a newer copy.
+    /// The question before a scene is saved at `path` over a file with a newer autosave.
     pub fn about_copy(copy: Offer, path: &Path) -> Self {
         Self {
             path: path.to_owned(),
@@ -55,7 +55,7 @@ impl SaveQuestion {
         }
     }
 
-    /// The question as an error message, for where the user cannot be asked.
+    /// The question as an error message, for callers that cannot ask the user.
     pub(crate) fn refusal(&self) -> String {
         let merge = match self.can_merge {
             true => "`save-to FILE merge` takes in what the file changed, ",

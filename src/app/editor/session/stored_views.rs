@@ -1,5 +1,5 @@
-//! The views of the open scene under the numbers 1 to 9, the view that it is left with, and how its lightmaps are
-//! baked: read when it is opened, and written to the [`ViewsFile`].
+//! The views of the open scene under the numbers 1 to 9, its last view, and the settings of its bakes: read when it is
+//! opened, and written to the [`ViewsFile`].
 
 use bevy::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::app::editor::command::stored_view::{StoredView, StoredViews};
 use crate::engine::RenderControl;
 use crate::scene::{ActiveSensor, FreeView, Lens, SceneState, SceneStatus, Sensor, ToWorld};
 
-/// Reads the views of a scene that has been opened, and writes those that are stored.
+/// Reads the views of a scene that has been opened, and writes stored views.
 pub fn follow_views(
     mut file: ResMut<ViewsFile>,
     mut settings: ResMut<ViewSettings>,
@@ -25,12 +25,12 @@ pub fn follow_views(
     let file = file.bypass_change_detection();
     let is_opened = *seen != status.revision && status.fresh_load;
     *seen = status.revision;
-    // A script begins in the same way whatever a user has chosen, and leaves that as it is.
+    // A script starts with the defaults, and does not change the choices of a user.
     let plan = plan.as_mut().filter(|_| file.returns);
     if let Some(plan) = &plan
         && ***plan != file.bake
     {
-        // This still is of the scene before.
+        // The plan still belongs to the previous scene.
         file.bake = BakePlan::clone(plan);
     }
     let path = status.path.as_deref().filter(|_| status.state == SceneState::Ready);
@@ -71,8 +71,7 @@ pub fn follow_views(
     }
 }
 
-/// A scene that has been opened begins with the view that it was left with, if the user prefers that. To be run after
-/// [`follow_views`].
+/// Restores the last view of a scene that has been opened, if the user prefers that. To be run after [`follow_views`].
 pub fn return_to_view(
     mut file: ResMut<ViewsFile>,
     mut free_view: ResMut<FreeView>,
@@ -182,7 +181,7 @@ mod tests {
         assert_eq!(open(&mut world, "a.xml"), plan(Some(8.0)));
         assert_eq!(open(&mut world, "b.xml"), plan(None), "there is no such number");
         assert_eq!(open(&mut start(true), "a.xml"), plan(Some(8.0)));
-        // A script neither takes it up nor changes it.
+        // A script neither reads nor changes it.
         let mut world = start(false);
         assert_eq!(open(&mut world, "a.xml"), BakePlan::default());
         world.insert_resource(plan(Some(2.0)));
@@ -190,7 +189,7 @@ mod tests {
         assert_eq!(open(&mut start(true), "a.xml"), plan(Some(8.0)));
     }
 
-    /// A world in which a scene has just been opened that was left with a view.
+    /// A world with a scene that has just been opened and has a last view.
     fn opened(returns: bool, prefers: bool) -> World {
         let mut world = World::new();
         let sensor = world.spawn((Sensor::default(), ToWorld::default())).id();
@@ -226,7 +225,7 @@ mod tests {
             let mut world = opened(returns, prefers);
             let view = views(60.0)[2].expect("stored");
             assert!(view.hides_walls);
-            // The walls that it was seen without are hidden again.
+            // The walls that were hidden in it are hidden again.
             let hides_walls = world.resource::<ViewSettings>().hides_walls();
             let passes_backs = world.resource::<RenderControl>().sight.passes_backs;
             assert_eq!((hides_walls, passes_backs), (returns && prefers, returns && prefers));
@@ -238,7 +237,7 @@ mod tests {
             }
             world.run_system_cached(note_view).expect("runs");
             assert_eq!(world.resource::<ViewsFile>().last, Some(view));
-            // The view of the camera is not remembered in its place until the user has looked around.
+            // The view of the camera does not replace it until the user has moved the view.
             let other = FreeView {
                 pose: Some(Affine3A::IDENTITY),
                 ..FreeView::default()

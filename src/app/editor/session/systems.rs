@@ -9,6 +9,6 @@ pub(crate) enum EditorSystems {
     Gather,
     /// Commands are applied to the world, before the engine looks for changes.
     Apply,
-    /// The film is copied to the texture, after the engine has collected results and given its workers new work.
+    /// The film is copied to the texture, after the engine has collected results and given its workers new tiles.
     Show,
 }

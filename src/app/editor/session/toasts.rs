@@ -7,21 +7,21 @@ use bevy::prelude::*;
 use crate::app::editor::command::Command;
 use crate::app::editor::words::files::without_numbers;
 
-/// The severity of a message, which decides its colour and how long it stays.
+/// The severity of a message, which decides its colour and duration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// Something was done.
+    /// A report of something done.
     Note,
-    /// Something that was asked for cannot be done, or may be unintended.
+    /// A request that cannot be met, or may be unintended.
     Warning,
-    /// Something is broken.
+    /// A failure.
     Error,
 }
 
-/// The topic of a message, by which it is removed when that is repaired.
+/// The topic of a message, by which it is removed once the problem is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
-    /// The open file cannot be read as it is now.
+    /// The open file cannot be read at present.
     SceneFile,
     /// The scene could not be saved.
     Saving,
@@ -29,14 +29,14 @@ pub enum Topic {
     MissingFiles,
     /// There are edits that can be recovered.
     Recovery,
-    /// Messages about what is never repaired by itself.
+    /// All other topics, whose messages never become obsolete by themselves.
     Other,
 }
 
 /// A message over the window.
 #[derive(Clone, Debug)]
 pub struct Toast {
-    /// Errors stay, all others go.
+    /// Errors stay until dismissed, all others disappear.
     pub tone: Tone,
     /// What it is about.
     pub topic: Topic,
@@ -44,11 +44,11 @@ pub struct Toast {
     pub text: String,
     /// Lines of a file, with marks under them.
     pub excerpt: Option<String>,
-    /// A command that a button does, with its label.
+    /// A button's label and its command.
     pub offer: Option<(&'static str, Command)>,
     /// Whether it stays until it is dismissed. Errors do in any case.
     pub stays: bool,
-    /// The time at which it came up.
+    /// The time at which it appeared.
     pub since: Instant,
 }
 
@@ -58,24 +58,24 @@ pub(crate) const SHOWN: Duration = Duration::from_secs(5);
 pub(crate) const OFFERED: Duration = Duration::from_secs(20);
 /// The last part of that time, in which they fade.
 pub(crate) const FADING: Duration = Duration::from_millis(400);
-/// The time between two frames of something that fades.
+/// The time between two frames of a fading message.
 pub(crate) const FADE_STEP: Duration = Duration::from_millis(40);
 /// The most messages that are shown at once; the oldest make room.
 pub(crate) const MOST: usize = 5;
 
-/// The messages that are shown, the newest last.
+/// The shown messages, the newest last.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Toasts(Vec<Toast>);
 
 impl Toasts {
-    /// Tells that something was done.
+    /// Shows a note that something was done.
     pub(crate) fn info(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Note, Topic::Other, message, None);
     }
 
-    /// Tells of something with a button that does more about it.
+    /// Shows a note with a button for a follow-up.
     pub(crate) fn offer(&mut self, message: impl Into<String>, label: &'static str, command: Command) {
         self.info(message);
         if let Some(toast) = self.0.last_mut() {
@@ -83,8 +83,7 @@ impl Toasts {
         }
     }
 
-    /// Tells of something that a button helps with. The message is shown until it is dismissed, or until
-    /// [`Self::forget`] removes it.
+    /// Shows a note with a button. It stays until it is dismissed, or until [`Self::forget`] removes it.
     pub(crate) fn keep_offering(
         &mut self,
         (tone, topic): (Tone, Topic),
@@ -100,21 +99,21 @@ impl Toasts {
         }
     }
 
-    /// Tells that something the user asked for cannot be done.
+    /// Shows a warning that a request of the user cannot be met.
     pub(crate) fn reject(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
-    /// Tells of something that may be unintended.
+    /// Shows a warning about something that may be unintended.
     pub(crate) fn warn(&mut self, message: impl Into<String>) {
         let message = message.into();
         warn!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
-    /// Tells at length of something that was done only in part; it is shown until it is dismissed.
+    /// Shows a long note on something that was done only in part; it stays until it is dismissed.
     pub fn report(&mut self, message: String) {
         self.add(Tone::Warning, Topic::Other, message, None);
         if let Some(toast) = self.0.last_mut() {
@@ -122,8 +121,8 @@ impl Toasts {
         }
     }
 
-    /// Tells of an error. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended.
-    /// `excerpt` holds the lines of the file that the error is about.
+    /// Shows an error. It stays until it is dismissed, or until [`Self::forget`] removes it. `excerpt` holds the lines
+    /// of the file that the error is about.
     pub fn error(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
         let message = message.into();
         error!("{message}");
@@ -133,7 +132,7 @@ impl Toasts {
     /// Adds a message without a line in the log.
     pub fn add(&mut self, tone: Tone, topic: Topic, text: String, excerpt: Option<String>) {
         let text = without_numbers(&text);
-        // A message that is repeated replaces its older copy.
+        // A repeated message replaces its older copy.
         self.0.retain(|toast| toast.text != text);
         if tone == Tone::Error && topic != Topic::Other {
             self.forget(topic);
@@ -155,7 +154,7 @@ impl Toasts {
         }
     }
 
-    /// Removes the messages about `topic` that would stay: it is mended. False if none was shown.
+    /// Removes the persistent messages about `topic`, whose problem is solved. Returns false if none was shown.
     pub fn forget(&mut self, topic: Topic) -> bool {
         let count = self.0.len();
         let stays = |toast: &Toast| toast.tone == Tone::Error || toast.stays;
@@ -163,7 +162,7 @@ impl Toasts {
         self.0.len() < count
     }
 
-    /// The time until the next message fades or goes. None while none will.
+    /// The time until the next message fades or disappears. None if all stay.
     pub fn wait(&self) -> Option<Duration> {
         let waits = self
             .0
@@ -178,20 +177,20 @@ impl Toasts {
         self.0.iter().map(|toast| toast.text.as_str())
     }
 
-    /// The messages without those whose time is over.
+    /// The messages without expired ones.
     pub fn current(&mut self) -> &[Toast] {
         self.0.retain(|toast| toast.left() != Some(Duration::ZERO));
         &self.0
     }
 
-    /// Takes one of [`Self::current`] away.
+    /// Removes one of [`Self::current`].
     pub(crate) fn dismiss(&mut self, index: usize) {
         self.0.remove(index);
     }
 }
 
 impl Toast {
-    /// The time that is left; None for messages that stay.
+    /// The time left; None for messages that stay.
     fn left(&self) -> Option<Duration> {
         let shown = if self.offer.is_some() { OFFERED } else { SHOWN };
         (self.tone != Tone::Error && !self.stays).then(|| shown.saturating_sub(self.since.elapsed()))
@@ -223,7 +222,7 @@ mod tests {
         assert!(toasts.wait().is_some_and(|wait| wait <= SHOWN - FADING));
         toasts.forget(Topic::SceneFile);
         assert_eq!(toasts.texts().collect::<Vec<_>>(), ["done"]);
-        // The message is long over, but not removed yet.
+        // The message has expired long ago, but is not removed yet.
         if let Some(long_ago) = Instant::now().checked_sub(2 * SHOWN) {
             toasts.0[0].since = long_ago;
             assert_eq!(toasts.wait(), Some(FADE_STEP));

@@ -1,6 +1,6 @@
-//! Asks about files outside the scene's folder that a scene names. They are read only from folders that the user has
-//! allowed, which are remembered in a file beside the preferences. A scene that needs others is shown without them, and
-//! the user is asked.
+//! Asks about files outside the scene's folder that a scene names. Files are read only from folders that the user has
+//! allowed, which are remembered beside the preferences. A scene with other files is shown without them, and the user
+//! is asked.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -20,28 +20,28 @@ use crate::scene::read::mesh_search::ASSETS_VARIABLE;
 use crate::scene::{OpenScene, SceneAccess, SceneFile, SceneState, SceneStatus, Trust, ask_for};
 
 const FILE: &str = "trusted-folders.json";
-/// The folders that were allowed first are forgotten beyond this number.
+/// The number of remembered folders, above which the oldest are dropped.
 const MOST_FOLDERS: usize = 1000;
-/// The most files that are named in the message about what was read.
+/// The most files that the message about loaded files names.
 const MOST_NAMED: usize = 3;
 
-/// The file of the folders, and the question to the user.
+/// The file of the allowed folders, and the question to the user.
 #[derive(Resource, Debug, Default)]
 pub struct TrustedFolders {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
-    /// The question; None if nothing is to be asked.
+    /// The open question, if there is one.
     pub question: Option<Question>,
-    /// A scene that could not be read before its files were allowed. To be opened, unless that would lose edits.
+    /// A scene that could not be read before its files were allowed. It is to be opened, unless that would lose edits.
     pub opens: Option<PathBuf>,
     /// The refused files that the user has been asked about.
     asked: Vec<PathBuf>,
-    /// The folders that the open scene may read since it was last read.
+    /// The folders that were allowed for the open scene since it was last read.
     news: Vec<PathBuf>,
 }
 
 impl TrustedFolders {
-    /// The message about the files that the open scene has read now because they were allowed; None if there are none.
+    /// A message about the files that the open scene has loaded because they were allowed; None if there are none.
     pub(crate) fn take_news(&mut self) -> Option<String> {
         let mut names: Vec<String> = std::mem::take(&mut self.news)
             .iter()
@@ -58,8 +58,8 @@ impl TrustedFolders {
         })
     }
 
-    /// Opens the file, with what scenes may read at first: the remembered folders and the program's own. `folder` is
-    /// that of the preferences.
+    /// Opens the file, and returns the folders that scenes may read at first: remembered ones and the program's own.
+    /// `folder` is that of the preferences.
     pub fn open(folder: Option<&Path>) -> (Self, Trust) {
         let trusted = Self {
             path: folder.map(|folder| folder.join(FILE)),
@@ -70,7 +70,7 @@ impl TrustedFolders {
         (trusted, Trust::Folders(remembered.into_iter().chain(own).collect()))
     }
 
-    /// Other windows may have written to the file in the meantime.
+    /// Adds folders to the file, which other windows may have changed in the meantime.
     fn remember(&self, folders: &[PathBuf]) -> std::io::Result<()> {
         let Some(path) = self.path.as_ref().filter(|_| !folders.is_empty()) else {
             return Ok(());
@@ -85,7 +85,7 @@ impl TrustedFolders {
     }
 }
 
-/// A file that cannot be understood allows nothing.
+/// The folders in the file. A file that cannot be parsed allows none.
 fn remembered(path: &Path) -> Vec<PathBuf> {
     let bytes = read(path, LARGEST_NOTE).unwrap_or_default();
     let all: Vec<PathBuf> = serde_json::from_slice(&bytes).unwrap_or_default();
@@ -103,8 +103,8 @@ pub fn asset_folders() -> Vec<PathBuf> {
     named.chain(homes.filter_map(own_assets)).collect()
 }
 
-/// The folder of meshes and pictures beside the program's scenes, if `home` is where these are. A link is not followed:
-/// the program may have been started in a folder of strangers, who would choose what it may read.
+/// The folder of meshes and pictures beside the program's scenes, if they are in `home`. A link is not followed: the
+/// program may have been started in a folder of strangers, who would choose what it may read.
 fn own_assets(home: &Path) -> Option<PathBuf> {
     let assets = home.join("assets");
     (home.join("scenes/cornell-box.xml").is_file() && !assets.is_symlink()).then_some(assets)
@@ -139,7 +139,7 @@ pub fn follow_access(access: Res<SceneAccess>, status: Res<SceneStatus>, mut tru
     trusted.asked = refused;
 }
 
-/// Asks about the files that a scene names which could not be imported without them.
+/// Asks about the files that an import needs.
 pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<PathBuf>) {
     if let Some(mut trusted) = world.get_resource_mut::<TrustedFolders>() {
         let question = Question::about(files);
@@ -150,8 +150,8 @@ pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<Path
     }
 }
 
-/// Allows the folders from now on, remembers them, and reads the files, or imports again what names them. Edits of the
-/// open scene stay.
+/// Allows the folders from now on, remembers them, and loads the files, or repeats the import that names them. Edits of
+/// the open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
     if let Some(path) = &question.import {
         allow_answered(world, question, path);
@@ -179,8 +179,8 @@ pub fn allow(world: &mut World, question: &Question) {
         world.resource_mut::<TrustedFolders>().opens = opens;
         return;
     }
-    // Includes and search folders count when the scene itself is read, and so does the place where a file was found. A
-    // recovered scene is in no file: reading its former file would lose it.
+    // Includes, search folders and the places of files are resolved when the scene itself is read. A recovered scene is
+    // in no file: reading its former file would lose it.
     let is_followed = world.resource::<SceneFile>().is_followed();
     let is_awaited = loads && other.is_some();
     if let Some(path) = own.filter(|_| is_followed && !is_awaited) {
@@ -195,9 +195,9 @@ pub fn allow(world: &mut World, question: &Question) {
     }
 }
 
-/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to
-/// one of them. So the link is allowed as well: the folder that the file is named in where that is a way into the
-/// folders of the answer, else the file itself.
+/// Allows the folders of the answer to a question about this scene. A link from outside of all allowed folders is not
+/// followed. So the link is allowed as well: the folder that the scene names if it leads into the folders of the
+/// answer, else the file itself.
 fn allow_answered(world: &mut World, question: &Question, scene: &Path) {
     allow_folders(world, &question.folders);
     let access = world.resource::<Trust>().access(scene);
@@ -213,7 +213,7 @@ fn allow_answered(world: &mut World, question: &Question, scene: &Path) {
     allow_folders(world, &links);
 }
 
-/// Lets scenes read a file that the user has chosen, with its neighbours if it may name some of them.
+/// Lets scenes read a file that the user has chosen, and its neighbours if it may name some.
 pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
     let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
         return;
@@ -258,7 +258,7 @@ fn open_scene(world: &World) -> PathBuf {
     status.and_then(|status| status.path.clone()).unwrap_or_default()
 }
 
-/// Whether files of this kind name others, which lie beside them.
+/// Whether files of this kind name other files beside them.
 fn has_neighbours(file: &Path) -> bool {
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     ["obj", "xml", "gltf", "glb"].iter().any(|known| extension == *known)

@@ -1,4 +1,4 @@
-//! The tutorial in the window: five steps, each of which notices that it was done.
+//! The tutorial in the window: five steps, each of which notices its completion.
 
 use bevy::prelude::Resource;
 
@@ -9,7 +9,7 @@ use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, FileCommand
 pub struct Lesson {
     /// The heading.
     pub title: &'static str,
-    /// What to do, as sentences.
+    /// The instruction, as sentences.
     pub text: &'static str,
 }
 
@@ -53,7 +53,7 @@ pub struct Tutorial {
 }
 
 impl Tutorial {
-    /// Shows a step, or leaves the tutorial. The first step begins it anew.
+    /// Shows a step, or leaves the tutorial. The first step restarts it.
     pub fn go_to(&mut self, step: Option<usize>) {
         match step {
             Some(0) | None => *self = Self::default(),
@@ -62,7 +62,7 @@ impl Tutorial {
         self.step = step.filter(|step| *step < LESSONS.len());
     }
 
-    /// Notes a command that was done. `is_saved`: the scene is as its file has it.
+    /// Notes a completed command. `is_saved`: the scene equals its file.
     pub fn note(&mut self, command: &Command, is_saved: bool) {
         let Some(step) = self.step else { return };
         if matches!(command, Command::View(ViewCommand::MoveView(_))) {

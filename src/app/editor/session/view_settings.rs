@@ -20,18 +20,18 @@ use crate::render::visibility::sight::CutPlane;
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]
 pub struct ViewSettings {
-    /// The settings of how the film becomes a picture.
+    /// The display settings, which turn the film into a picture.
     pub display: DisplaySettings,
     /// Whether the picture is denoised while it is rendered.
     pub denoising: bool,
-    /// The boxes of the acceleration structures over the picture.
+    /// The overlay of the boxes of the acceleration structures.
     pub overlay: BvhOverlay,
     /// The speed and centre of the view's movements.
     pub navigation: Navigation,
-    /// The settings of what a drag of the gizmo does.
+    /// The mode, axes, pivot and snapping of the gizmo.
     pub gizmo: GizmoSettings,
-    /// The step of lengths since a tool that builds was taken in this scene, so that the grid stays as it is while the
-    /// scene grows. None before that.
+    /// The step of lengths fixed when a building tool was first chosen in this scene, so that the grid stays as it is
+    /// while the scene grows. None before that.
     pub building_step: Option<f32>,
     /// The pixels of the film that are traced.
     pub resolution: Resolution,
@@ -39,9 +39,9 @@ pub struct ViewSettings {
     pub enlarging: Enlarging,
     /// The stored views.
     pub bookmarks: StoredViews,
-    /// The tool, which decides what the next click in the picture does.
+    /// The tool for the next click in the picture.
     pub tool: Tool,
-    /// Whether frames show where titles and actions should be.
+    /// Whether the frames for titles and actions are shown.
     pub safe_frame: bool,
     /// Whether the dimensions of the selection are shown in the picture.
     pub dimensions: bool,
@@ -49,35 +49,35 @@ pub struct ViewSettings {
     pub rulers: Vec<Ruler>,
     /// The grid on the ground and the axes of the world.
     pub grid: GridSettings,
-    /// What the view leaves out.
+    /// The filters of the view: cut plane and hidden walls.
     pub seeing: Seeing,
-    /// The shapes that are shown alone. If it is empty, all are shown.
+    /// The isolated shapes. If it is empty, all are shown.
     pub isolated: Vec<Entity>,
     /// The frames of the timeline.
     pub timeline: Timeline,
-    /// Whether the frames are played, and since when.
+    /// The playback of the timeline.
     pub playback: Playback,
-    /// Whether the timeline is shown. None: if the scene has keys.
+    /// Whether the timeline is shown. None: shown if the scene has keys.
     pub timeline_shown: Option<bool>,
     /// Whether the panels are shown; otherwise the viewport fills the window.
     pub panels_shown: bool,
 }
 
 impl ViewSettings {
-    /// The step of lengths in world units: what was chosen, what suited the scene when building began, or what suits it
-    /// now.
+    /// The step of lengths in world units: the chosen one, or the one fixed when building began, or the one that suits
+    /// the scene now.
     pub fn length_step(&self) -> f32 {
         let steps = &self.gizmo.steps;
         let kept = self.building_step.filter(|_| steps.length.is_none());
         kept.unwrap_or_else(|| steps.length_in(self.navigation.scene_size))
     }
 
-    /// Whether walls between the camera and a room are left out.
+    /// Whether walls between the camera and a room are hidden.
     pub(crate) fn hides_walls(&self) -> bool {
         self.seeing.walls != Walls::Shown
     }
 
-    /// What the renderer leaves out.
+    /// The filters of the view for the renderer.
     pub(crate) fn sight(&self) -> SightControl {
         let cut = self.seeing.cut.map(|cut| {
             let side = if cut.above { 1.0 } else { -1.0 };

@@ -1,5 +1,5 @@
-//! The file beside the preferences that has the views of each scene under the numbers 1 to 9, the view that it was left
-//! with, and how its lightmaps are baked.
+//! The file beside the preferences with the views of each scene under the numbers 1 to 9, its last view, and the
+//! settings of its bakes.
 //!
 //! They are not part of the scene's file, because looking at a scene and baking it are no edits.
 
@@ -20,22 +20,22 @@ struct SceneViews {
     /// The absolute path of the scene, without links.
     scene: PathBuf,
     views: StoredViews,
-    /// The view that the scene was left with; None for that of its camera.
+    /// The last view of the scene; None for that of its camera.
     #[serde(default)]
     last: Option<StoredView>,
-    /// The frames of the timeline; None for the usual ones.
+    /// The frames of the timeline; None for the default.
     #[serde(default)]
     timeline: Option<Timeline>,
-    /// How its lightmaps are baked, and where to; None for the usual way.
+    /// The settings and the folder of its bakes; None for the default.
     #[serde(default, deserialize_with = "or_default", skip_serializing_if = "Option::is_none")]
     bake: Option<BakePlan>,
 }
 
 const FILE: &str = "views.json";
-/// The number of scenes whose views are remembered; those that were not open for longest are dropped.
+/// The number of scenes whose views are remembered; the ones opened least recently are dropped.
 const MOST_SCENES: usize = 100;
 
-/// The file in which the views are kept.
+/// The file of the views.
 #[derive(Resource, Debug, Default)]
 pub struct ViewsFile {
     /// The path of the file. None: nothing is remembered.
@@ -44,22 +44,22 @@ pub struct ViewsFile {
     pub(super) scene: Option<PathBuf>,
     /// The views of that scene, as in the file.
     pub(super) written: StoredViews,
-    /// The view that the scene was left with, as in the file.
+    /// The last view of the scene, as in the file.
     pub(super) last_written: Option<StoredView>,
-    /// The view of that scene now; None for that of its camera.
+    /// The present view of that scene; None for that of its camera.
     pub(super) last: Option<StoredView>,
     /// The frames of the timeline of that scene, as in the file.
     pub(super) timeline: Timeline,
-    /// How the lightmaps of that scene are baked.
+    /// The settings of bakes of that scene.
     pub(super) bake: BakePlan,
     /// The same, as in the file.
     pub(super) bake_written: BakePlan,
-    /// Whether scenes may begin with the view that they were left with, and with how they were baked.
+    /// Whether scenes may begin with their last view and their settings of bakes.
     pub(super) returns: bool,
-    /// Whether the stored view stays in the file: the scene did not begin with it, and the user has not moved the view
-    /// since.
+    /// Whether the stored last view stays in the file: the scene did not begin with it, and the user has not moved the
+    /// view since.
     pub(super) keeps_last: bool,
-    /// The next scene begins with a camera that was asked for.
+    /// Whether the next scene begins with a requested camera.
     pub(super) begins_at_camera: bool,
 }
 
@@ -72,8 +72,7 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with how they were baked, and with the view that they were left with, except the first one if
-    /// the user asked for a camera.
+    /// Lets scenes begin with their settings of bakes and their last view, except that a requested camera comes first.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,
@@ -97,7 +96,7 @@ impl ViewsFile {
         self.written
     }
 
-    /// Leaves the scene: its view and how it is baked are written.
+    /// Writes the last view and the settings of bakes when the scene is left.
     pub(super) fn leave(&mut self) -> std::io::Result<()> {
         let outcome = match self.last == self.last_written && self.bake == self.bake_written {
             true => Ok(()),
@@ -110,7 +109,7 @@ impl ViewsFile {
         outcome
     }
 
-    /// Stores the views of the open scene. Other windows may have written to the file in the meantime.
+    /// Stores the views of the open scene, in a file that other windows may have changed in the meantime.
     pub(super) fn store(&mut self, views: StoredViews) -> std::io::Result<()> {
         (self.written, self.last_written) = (views, self.last);
         self.bake_written.clone_from(&self.bake);
@@ -146,8 +145,7 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
         .unwrap_or_else(|_| path.to_owned())
 }
 
-/// Reads the entries that can be understood. The others are lost when the next view is stored, and they hold nothing
-/// but views.
+/// Reads the valid entries. Others are lost when the next view is stored, and they hold nothing but views.
 fn read(path: &Path) -> Vec<SceneViews> {
     let text = files::read_text(path, LARGEST_NOTE).unwrap_or_default();
     let all: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap_or_default();

@@ -8,17 +8,17 @@ use bevy::window::{Monitor, MonitorSelection, PrimaryWindow, WindowMode};
 use super::preferences;
 use crate::app::editor::command::preferences::WindowPlace;
 
-/// The pixels of a window's upper edge that have to be on a screen, so that it can be taken by its title.
+/// The pixels of a window's upper edge that have to be on a screen, so that its title can be dragged.
 const REACHABLE: i32 = 64;
 
-/// The place that the window had when it was last closed; None at the first start, and without a user.
+/// The place of the window when it was last closed; None at the first start, and without a user.
 pub fn remembered(attended: bool) -> Option<WindowPlace> {
     let folder = preferences::folder(attended).filter(|_| attended)?;
     preferences::window_place(&folder)
 }
 
 impl WindowPlace {
-    /// The present place of a window; None in full screen and the like, where the system decides on it.
+    /// The present place of a window; None in full screen and the like, where the system decides it.
     pub(super) fn of(window: &Window) -> Option<Self> {
         let position = match window.position {
             WindowPosition::At(position) => Some(position.to_array()),
@@ -29,7 +29,7 @@ impl WindowPlace {
     }
 }
 
-/// Brings the window back to a screen if the one that it was on is gone. Done once, when the screens are known.
+/// Moves the window to a screen if its last one is gone. Done once, when the screens are known.
 pub fn keep_on_screen(
     monitors: Query<&Monitor>,
     mut windows: Query<&mut Window, With<PrimaryWindow>>,
@@ -62,8 +62,8 @@ fn is_reachable(corner: IVec2, width: i32, screen: IRect) -> bool {
     right.saturating_sub(left) >= REACHABLE && is_high_enough
 }
 
-/// Reads the window's place from the preferences in this folder; None if they cannot be read, which is told when they
-/// are opened.
+/// Reads the window's place from the preferences in this folder; None if they cannot be read, which is reported when
+/// they are opened.
 pub(super) fn read(folder: &Path, file: &str) -> Option<WindowPlace> {
     let text = crate::files::read_text(&folder.join(file), crate::files::LARGEST_NOTE).ok()?;
     let value: serde_json::Value = serde_json::from_str(&text).ok()?;

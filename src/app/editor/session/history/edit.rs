@@ -1,4 +1,4 @@
-//! An edit under way, which becomes a step of the history.
+//! An edit in progress, which becomes a step of the history.
 
 use std::collections::HashMap;
 
@@ -12,9 +12,9 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::toasts::Toasts;
 use crate::scene::{Keys, ObjectChange, ObjectState, ToWorld, integrator_keys_after, keys_after, pose, shown_time};
 
-/// An edit under way: remembers what each entity was before it was first touched.
+/// An edit in progress: records the state of each entity before its first change.
 pub struct Edit<'w> {
-    /// The world. What is not recorded must only be read.
+    /// The world. Unrecorded parts of it must only be read.
     pub world: &'w mut World,
     /// The kind of the step that this becomes.
     pub kind: StepKind,
@@ -41,7 +41,7 @@ impl<'w> Edit<'w> {
         }
     }
 
-    /// Remembers the entity as it is; to be called before anything of it is changed.
+    /// Records the entity's state; to be called before any change of it.
     pub(crate) fn touch(&mut self, entity: Entity) {
         if !self.places.contains_key(&entity) {
             let state = ObjectState::of(self.world, entity);
@@ -54,7 +54,7 @@ impl<'w> Edit<'w> {
         self.before.push((entity, before));
     }
 
-    /// Checks poses. An error if one of them could not be written to a file.
+    /// Checks the poses of touched entities. An error if a file could not hold one of them.
     pub(crate) fn check_poses(&self) -> Result<(), CommandError> {
         let mut poses = self
             .before
@@ -66,12 +66,12 @@ impl<'w> Edit<'w> {
         }
     }
 
-    /// The entities that were touched, with what they were before.
+    /// The touched entities with their states before the edit.
     pub(crate) fn touched(&self) -> impl Iterator<Item = (Entity, &ObjectState)> {
         self.before.iter().map(|(entity, before)| (*entity, before))
     }
 
-    /// Writes a component if it differs; an entity that is not in the scene stays out of it.
+    /// Sets a component if it differs; an entity that is not in the scene stays out of it.
     pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
         if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {
             self.touch(entity);
@@ -95,21 +95,21 @@ impl<'w> Edit<'w> {
         entity
     }
 
-    /// Notes entities that were spawned by others.
+    /// Records entities that were spawned elsewhere.
     pub(crate) fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
         for entity in entities {
             self.note(entity, ObjectState::default());
         }
     }
 
-    /// Takes an entity out of the scene.
+    /// Removes an entity from the scene.
     pub(crate) fn delete(&mut self, entity: Entity) {
         self.touch(entity);
         ObjectState::default().write(self.world, entity);
     }
 
-    /// Makes keys of values that were changed and have tracks, and gives everything with tracks the values of these:
-    /// they may have been changed.
+    /// Sets keys for changed values that have tracks, and then sets all animated values from their tracks, which may
+    /// have changed.
     pub(crate) fn follow_keys(&mut self) {
         if SettingsState::of(self.world).integrator != self.settings.integrator
             && let Some(keys) = integrator_keys_after(self.world)
@@ -145,7 +145,7 @@ impl<'w> Edit<'w> {
         }
     }
 
-    /// Puts everything back.
+    /// Restores all recorded states.
     pub(crate) fn abandon(self) {
         for (entity, before) in self.before.iter().rev() {
             before.write(self.world, *entity);

@@ -1,4 +1,4 @@
-//! One step of the history: what it changed, before and after.
+//! One step of the history: the changed states, before and after.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::scene::{
     AccelMethod, ActiveSensor, FreeView, IntegratorKeys, IntegratorSettings, LengthUnit, ObjectChange, SamplerSettings,
 };
 
-/// The settings that a scene has as a whole.
+/// The settings of a scene as a whole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SettingsState {
     pub integrator: IntegratorSettings,
@@ -36,7 +36,7 @@ impl SettingsState {
         self.integrator_keys.0.bytes()
     }
 
-    /// Writes the components that differ from `from`; what others changed in the meantime stays.
+    /// Writes the components that differ from `from`; changes by others in the meantime stay.
     pub(super) fn write(&self, world: &mut World, from: &Self) {
         if from.integrator != self.integrator {
             world.insert_resource(self.integrator);
@@ -56,7 +56,7 @@ impl SettingsState {
     }
 }
 
-/// The standpoint from which the scene is looked at.
+/// The camera and view in which the scene is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Standpoint {
     pub camera: ActiveSensor,
@@ -78,10 +78,10 @@ pub(super) struct Change {
     pub change: ObjectChange,
 }
 
-/// The kind of a step, as far as another edit depends on it.
+/// The kind of a step, for edits that depend on the step before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StepKind {
-    /// It made copies, which the next copies may continue.
+    /// It made copies, which the next duplication may continue.
     Copy,
     /// It moved, turned or scaled things.
     Move,
@@ -105,14 +105,14 @@ pub struct Entry {
     /// The key for merging: steps of one interaction with equal keys are one entry.
     pub(super) merge: Option<(u64, MergeKey)>,
     pub(super) kind: StepKind,
-    /// The time of the scene in seconds that was shown: what is recorded is of this time.
+    /// The displayed time of the scene in seconds, at which the states were recorded.
     pub(super) time: f64,
     pub(super) number: u64,
     /// An estimate of its memory.
     pub(super) bytes: usize,
 }
 
-/// The kind of an edit and its entities: two of a kind in one drag are one step.
+/// The kind of an edit and its entities: two equal ones in one drag are one step.
 pub type MergeKey = (&'static str, Vec<Entity>);
 
 impl Entry {

@@ -1,4 +1,4 @@
-//! The file as it was at states of the history: a save of edits that are undone takes up the text from before them.
+//! The file at states of the history: saving after an undo reuses the text from before the undone edits.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,30 +10,32 @@ use crate::document::Document;
 use crate::scene::AuthoredScene;
 use crate::scene::write::{GivenId, PastFile, Saved, TakenId};
 
-/// Older files are forgotten above this number.
+/// The number of kept files, above which the oldest are dropped.
 const MOST: usize = 100;
-/// Older files are also forgotten above this length of their texts in bytes: of each, much more is kept than its text.
+/// The total length of their texts in bytes, above which the oldest are dropped. The memory of a file is a multiple of
+/// its text.
 const LONGEST: usize = 8 << 20;
 
-/// The file at other states than the one that it has, the oldest save first.
+/// The file at states other than its present one, the oldest save first.
 #[derive(Debug, Default)]
 pub(super) struct PastFiles {
     all: Vec<AtState>,
-    /// What the last save wrote. If the file is another one now, others have changed it, and what it was is of no use.
+    /// The file as the last save wrote it. If the present file differs, others have changed it, and its past is of no
+    /// use.
     now: Option<Arc<Document>>,
 }
 
 #[derive(Debug)]
 struct AtState {
-    /// The last edit that it had, as [`History::position`] says it.
+    /// The last edit in the file, as [`History::position`] numbers it.
     at: Option<u64>,
     file: Arc<PastFile>,
-    /// The ids that things got when the file was saved after this state.
+    /// The ids that a save after this state gave to entities.
     given: Vec<GivenId>,
 }
 
 impl PastFiles {
-    /// Keeps the newest that the bounds have room for, of states that can be reached.
+    /// Keeps the newest files within the bounds, of states that undo and redo can reach.
     fn forget(&mut self, is_reached: impl Fn(Option<u64>) -> bool) {
         let mut kept: Vec<AtState> = Vec::new();
         for state in self.all.drain(..) {
@@ -55,7 +57,7 @@ impl PastFiles {
 }
 
 impl History {
-    /// The number of steps before a state, if undo or redo have led to it or past it.
+    /// The number of steps before a state, if it is among the states that undo and redo can reach.
     fn steps_before(&self, at: Option<u64>) -> Option<usize> {
         match at {
             None => (!self.has_forgotten).then_some(0),
@@ -66,8 +68,7 @@ impl History {
         }
     }
 
-    /// Notes what the file was before a save that has succeeded, and what it is. To be called before
-    /// [`Self::end_save`].
+    /// Stores the file before and after a successful save. To be called before [`Self::end_save`].
     pub(crate) fn note_file(&mut self, saved: Saved, now: Option<Arc<Document>>) {
         let Self { done, undone, .. } = self;
         let is_known = |at: u64| done.iter().chain(undone.iter()).any(|entry| entry.number == at);
@@ -91,9 +92,9 @@ impl History {
     }
 }
 
-/// The file at the state before the present one that is the nearest to it. None if none is nearer than the file as it
-/// is. Things lose the ids that saves after it gave them, until the save has failed ([`end_save`]). To be called when a
-/// save to `path` begins, after changes by others were taken in.
+/// The past file whose state is nearest before the present one. None if the present file is nearer. Entities lose the
+/// ids that later saves gave them, until the save has failed ([`end_save`]). To be called when a save to `path` begins,
+/// after changes by others were taken in.
 pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFile>> {
     let origin = world.get_resource::<AuthoredScene>()?.origin.clone()?;
     let mut history = world.get_resource_mut::<History>()?;
@@ -120,8 +121,7 @@ pub(crate) fn nearest_file(world: &mut World, path: &Path) -> Option<Arc<PastFil
     Some(file)
 }
 
-/// Notes how a save has ended, as [`History::end_save`]. After a failure things have the ids again that they had
-/// before.
+/// Notes the result of a save, as [`History::end_save`]. A failure restores the ids from before.
 pub(crate) fn end_save(world: &mut World, is_saved: bool) {
     let mut history = world.resource_mut::<History>();
     history.end_save(is_saved);

@@ -1,5 +1,5 @@
-//! The edits of the scene that can be undone and redone. An entry holds the components that an edit changed, before and
-//! after, and no others; the number of entries and their memory are bounded.
+//! The edits of the scene that can be undone and redone. An entry holds only the components that an edit changed,
+//! before and after; the number of entries and their memory are bounded.
 //!
 //! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay
 //! valid.
@@ -23,17 +23,17 @@ use crate::scene::names::free_name_for;
 use crate::scene::write::TakenId;
 use crate::scene::{Authored, DocumentOrder, ObjectState, Placements, SceneId, Side, show_moment, shown_time};
 
-/// Older entries are forgotten above this number of steps.
+/// The number of steps above which the oldest are dropped.
 pub(crate) const MOST_ENTRIES: usize = 1000;
-/// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
+/// The estimated memory above which the oldest steps are dropped. The newest step stays, however large it is.
 pub(crate) const MOST_BYTES: usize = 64 << 20;
 
-/// The state of the history that a file has.
+/// The state of the history that the file holds.
 #[derive(Clone, Copy, Debug, Default)]
 struct SavedState {
-    /// The last entry done; None: before all of them.
+    /// The last entry before it; None: before all of them.
     at: Option<u64>,
-    /// It cannot be reached any more.
+    /// Whether undo and redo cannot reach it any more.
     is_lost: bool,
 }
 
@@ -50,20 +50,20 @@ pub struct History {
     undone: Vec<Entry>,
     next_number: u64,
     saved: SavedState,
-    /// The state that is being saved.
+    /// The state of the save in progress.
     being_saved: Option<SavedState>,
-    /// The oldest entries are gone.
+    /// Whether oldest entries were dropped.
     has_forgotten: bool,
-    /// Entities that were named by entries that are gone.
+    /// Entities that dropped entries named.
     named_once: Vec<Entity>,
-    /// What the file was at other states.
+    /// The file at other states.
     files: PastFiles,
-    /// The ids that were taken from things for the save that is under way.
+    /// The ids that were taken from entities for the save in progress.
     taken_ids: Vec<TakenId>,
 }
 
 impl History {
-    /// Clears the history, as after opening a scene.
+    /// Clears the history after a scene was opened.
     pub fn clear(&mut self) {
         let gone = self.done.drain(..).chain(self.undone.drain(..));
         self.named_once.extend(gone.flat_map(Entry::into_entities));
@@ -87,12 +87,12 @@ impl History {
         kinds.find(|kind| *kind != StepKind::Move) == Some(StepKind::Copy)
     }
 
-    /// The number of steps behind and ahead.
+    /// The number of steps that can be undone and redone.
     pub fn len(&self) -> (usize, usize) {
         (self.done.len(), self.undone.len())
     }
 
-    /// Whether everything can be undone back to when the scene was opened.
+    /// Whether everything can be undone back to the opened scene.
     pub fn is_whole(&self) -> bool {
         !self.has_forgotten
     }
@@ -113,7 +113,7 @@ impl History {
         self.done.last().map(|entry| entry.number)
     }
 
-    /// Whether the scene is as the file has it.
+    /// Whether the scene equals its file.
     pub fn is_saved(&self) -> bool {
         self.saved.is_at(self.position())
     }
@@ -124,7 +124,7 @@ impl History {
         self.end_save(true);
     }
 
-    /// Notes that the scene as it is now is being saved.
+    /// Notes that a save of the scene's present state has begun.
     pub(crate) fn begin_save(&mut self) {
         self.being_saved = Some(SavedState {
             at: self.position(),
@@ -136,7 +136,7 @@ impl History {
         }
     }
 
-    /// Notes that the file holds the scene as it was at [`Self::begin_save`], or that it could not be saved.
+    /// Notes that the file holds the state of [`Self::begin_save`], or that the save failed.
     pub(crate) fn end_save(&mut self, is_saved: bool) {
         if let Some(state) = self.being_saved.take().filter(|_| is_saved) {
             self.saved = state;
@@ -148,7 +148,7 @@ impl History {
         self.being_saved.is_some()
     }
 
-    /// Whether the scene as it is now is being saved.
+    /// Whether the save in progress has the scene's present state.
     pub(crate) fn is_being_saved(&self) -> bool {
         self.being_saved.is_some_and(|state| state.is_at(self.position()))
     }
@@ -182,7 +182,7 @@ impl History {
         self.forget();
     }
 
-    /// Keeps the newest steps that the bounds have room for.
+    /// Drops the oldest steps beyond the bounds.
     fn forget(&mut self) {
         let mut bytes = 0;
         let newest = self.done.iter().rev().take(MOST_ENTRIES);
@@ -205,15 +205,14 @@ impl History {
     }
 }
 
-/// The number of entities that no entry names any more from which on they are despawned: finding them takes a pass over
-/// all entries.
+/// The number of unnamed entities from which on they are despawned: finding them takes a pass over all entries.
 const GONE_AT_ONCE: usize = 512;
 
-/// Despawns entities that were deleted, cannot come back by undo or redo, and are not deleted from the file as well: a
-/// reload must know the latter.
+/// Despawns deleted entities that neither undo nor redo can restore. Entities that are still in the file stay: a reload
+/// must know that they were deleted.
 pub(crate) fn despawn_forgotten(world: &mut World) {
     let mut history = world.resource_mut::<History>();
-    // A save that is under way knows entities by their ids.
+    // A save in progress refers to entities by their ids.
     if history.named_once.len() < GONE_AT_ONCE || history.is_saving() {
         return;
     }
@@ -238,8 +237,8 @@ fn stand(world: &mut World, at: Standpoint) {
     world.insert_resource(at.free);
 }
 
-/// Gives ids anew after undo and redo. Saving and reloading give ids that the history does not know of: a thing that
-/// comes back with the id of another one gets a free one, since no file may have an id twice.
+/// Makes ids unique after undo and redo. Saves and reloads give ids that the history does not know: a restored entity
+/// with the id of another gets a free one, since no file may have an id twice.
 fn separate_ids(world: &mut World, changes: &[Change]) {
     let mut restored: HashMap<SceneId, Vec<Entity>> = HashMap::new();
     for change in changes.iter().filter(|change| change.change.is_about_id()) {
@@ -264,7 +263,7 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
     });
     let shared: Vec<(Entity, SceneId)> = shared.collect();
     for (entity, id) in shared {
-        // If several come back with the same id, one of them may keep it.
+        // If several are restored with the same id, one of them may keep it.
         let mut all = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
         if all.iter(world).any(|(other, its)| other != entity && *its == id) {
             let free = free_name_for(world, &id.0);
@@ -275,14 +274,14 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
     }
 }
 
-/// Shows the time at which a step was made, since what it recorded is of that time.
+/// Shows the time of a step, at which its states were recorded.
 fn go_to_time(world: &mut World, time: f64) {
     if time != shown_time(world) {
         show_moment(world, time);
     }
 }
 
-/// An error, in words, if there is nothing to undo.
+/// Undoes a step. An error, in words, if there is none.
 pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
         return Err("There is nothing to undo.".into());
@@ -310,7 +309,7 @@ pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// An error, in words, if there is nothing to do again.
+/// Redoes a step. An error, in words, if there is none.
 pub(crate) fn redo(world: &mut World) -> Result<(), CommandError> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
         return Err("There is nothing to do again.".into());
