@@ -10,14 +10,14 @@ use bevy_egui::egui;
 
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 
-/// A folder to begin with.
+/// A root folder of the browser.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssetPlace {
     /// The name in the list.
     pub name: String,
     /// The absolute path.
     pub folder: PathBuf,
-    /// The user has added it, and may take it away again.
+    /// Whether the user has added it, and may remove it again.
     pub is_own: bool,
 }
 
@@ -28,11 +28,11 @@ pub struct AssetEntry {
     pub path: PathBuf,
     /// The name without the folder.
     pub name: String,
-    /// None for a folder.
+    /// The kind of a file; None for a folder.
     pub kind: Option<AssetKind>,
     /// The length of the file; 0 for a folder.
     pub bytes: u64,
-    /// The last change, where the system tells.
+    /// The time of the last change, if the system knows it.
     pub modified: Option<SystemTime>,
 }
 
@@ -43,18 +43,18 @@ pub struct Listing {
     pub folder: PathBuf,
     /// Its folders and files, in alphabetical order.
     pub entries: Vec<AssetEntry>,
-    /// The reason why the folder cannot be read, or that not all of it is listed.
+    /// The reason why the folder cannot be read or is not listed in full.
     pub problem: Option<String>,
 }
 
-/// The picture of a file, and what is known of its content.
+/// The picture of a file, and facts about its content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AssetPicture {
-    /// None where there is no picture of such a file.
+    /// The texture; None for files without a picture.
     pub texture: Option<egui::TextureId>,
     /// Width and height of the texture in pixels.
     pub size: [usize; 2],
-    /// The size of a picture, the triangles of a mesh, the materials of a file.
+    /// The size of a picture, the triangle count of a mesh, or the materials of a file.
     pub note: String,
     /// The least and the greatest coordinates of a mesh.
     pub bounds: Option<[Vec3; 2]>,
@@ -67,18 +67,18 @@ pub struct AssetPicture {
 /// The data of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct AssetsModel {
-    /// The folders to begin with.
+    /// The root folders of the browser.
     pub places: Arc<Vec<AssetPlace>>,
     /// The content of the folder that the panel asks for; None until it has been read.
     pub listing: Option<Arc<Listing>>,
-    /// Pictures by absolute path, of those that have been in sight.
+    /// Pictures by absolute path, of files that have been visible.
     pub pictures: Arc<HashMap<PathBuf, AssetPicture>>,
     /// The environments that come with the program.
     pub environments: Arc<Vec<PathBuf>>,
 }
 
 impl AssetsModel {
-    /// The use of a file for what is at no particular place.
+    /// The use of a file without a place in the picture.
     pub(crate) fn use_of(&self, path: &Path) -> FileUse {
         FileUse {
             path: path.to_owned(),

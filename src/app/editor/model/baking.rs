@@ -1,4 +1,4 @@
-//! The data of the form for a bake, and of the panel of the one that is under way.
+//! The data of the form for a bake, and of the panel of a running bake.
 
 use std::path::PathBuf;
 
@@ -6,17 +6,17 @@ use crate::app::editor::command::baking::BakeChoices;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::picture::baking::thread::BakeNews;
 
-/// The bake, and how the next one is done.
+/// The shown bake, and the settings of the next one.
 #[derive(Clone, Debug, Default)]
 pub struct BakeModel {
-    /// How the next one is done.
+    /// The settings of the next bake.
     pub choices: BakeChoices,
-    /// The folder for the next one, if it is known.
+    /// The folder of the next bake, if it is known.
     pub folder: Option<PathBuf>,
-    /// The folder of the open scene's file, which the name of another folder counts from. None for the folder that the
+    /// The folder of the open scene's file, to which names of folders are relative. None for the folder that the
     /// program was started in.
     pub scene_folder: Option<PathBuf>,
-    /// The bake under way, or that has ended and is still shown.
+    /// The running bake, or an ended one that is still shown.
     pub shown: Option<ShownBake>,
 }
 
@@ -25,27 +25,27 @@ pub struct BakeModel {
 pub struct ShownBake {
     /// The folder for its files.
     pub folder: PathBuf,
-    /// What is known of it.
+    /// The progress of the bake.
     pub news: BakeNews,
-    /// Whether it was stopped, and writes what there is.
+    /// Whether it was stopped, and writes its result so far.
     pub is_stopped: bool,
-    /// Whether it is under way.
+    /// Whether it runs.
     pub is_busy: bool,
-    /// The lightmap that is to be shown, from 0.
+    /// The shown lightmap, from 0.
     pub page: usize,
-    /// How the picture is compared.
+    /// The comparison of the picture with the lit level.
     pub view: CompareView,
     /// Whether it is of the scene that is open now.
     pub is_of_open_scene: bool,
 }
 
 impl BakeModel {
-    /// Whether a bake waits or is under way.
+    /// Whether a bake waits or runs.
     pub fn is_busy(&self) -> bool {
         self.shown.as_ref().is_some_and(|shown| shown.is_busy)
     }
 
-    /// Whether there is light that is written if the bake is stopped.
+    /// Whether stopping the bake would write some light.
     pub fn can_stop(&self) -> bool {
         self.shown.as_ref().is_some_and(ShownBake::can_stop)
     }

@@ -1,4 +1,4 @@
-//! Finds the differences among several selected things.
+//! Finds the values that differ among several selected things.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -12,7 +12,8 @@ use crate::app::editor::command::media::MediumSide;
 use crate::scene::{Declared, FileValue, Material, Medium};
 
 impl Inspected {
-    /// Marks what differs in the other selected things. `materials`: those of each of the others, by their paths.
+    /// Marks values that differ in the other selected things. `materials`: the materials of each of the others, by
+    /// their paths.
     pub(crate) fn compared(mut self, others: &[Self], materials: &[Vec<(Vec<usize>, &Material)>]) -> Self {
         self.mixed = Mixed::of(&self, others);
         for entry in &mut self.materials {
@@ -27,7 +28,7 @@ impl Inspected {
 }
 
 impl Mixed {
-    /// The differences among these things, the first of which is shown.
+    /// The values that differ among these things, the first of which is shown.
     pub fn of(shown: &Inspected, others: &[Inspected]) -> Self {
         let mut found = BTreeSet::new();
         for other in others {
@@ -59,7 +60,7 @@ impl Mixed {
         Self(Arc::new(found))
     }
 
-    /// Finds what differs among media; the panel shows the first of them.
+    /// The values that differ among media; the panel shows the first of them.
     pub(crate) fn of_media<'m>(shown: &Medium, others: impl Iterator<Item = &'m Medium>) -> Self {
         let mut found = BTreeSet::new();
         let own = Values::of_medium(shown);
@@ -72,7 +73,7 @@ impl Mixed {
         Self(Arc::new(found))
     }
 
-    /// Finds what differs among materials; the panel shows the first of them.
+    /// The values that differ among materials; the panel shows the first of them.
     pub(crate) fn of_materials<'m>(shown: &Material, others: impl Iterator<Item = &'m Material>) -> Self {
         let mut found = BTreeSet::new();
         let own = Values::of(shown.plugin(), shown);
@@ -96,7 +97,7 @@ impl<'v> Values<'v> {
     }
 
     fn of_medium(medium: &'v Medium) -> Self {
-        // Homogeneous and heterogeneous ones are of one kind here.
+        // Homogeneous and heterogeneous media are of one kind here.
         Self::of("medium", medium).and(&medium.phase)
     }
 
@@ -109,7 +110,7 @@ impl<'v> Values<'v> {
         self
     }
 
-    /// Adds what differs to `found`. Plugins of another kind are compared in what both have.
+    /// Adds names of differing values to `found`. Plugins of different kinds are compared in their common parameters.
     fn compare(&self, other: &Self, found: &mut BTreeSet<String>) {
         let (own, its) = (&self.by_name, &other.by_name);
         let is_same_plugin = self.plugin == other.plugin;
@@ -205,8 +206,8 @@ fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found:
     }
 }
 
-/// The rounding of a shape's position by the way to its middle and back, per coordinate. `pose`: world from a space
-/// whose origin is there.
+/// The rounding error of a shape's position after a transform to its middle and back, per coordinate. `pose`: world
+/// from a space whose origin is the middle.
 pub(crate) fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
     // A few units in the last place of numbers that are added.
     const ROUNDING: f32 = 4.0 * f32::EPSILON;

@@ -1,4 +1,4 @@
-//! The ways in which a thing may be moved.
+//! The degrees of freedom of a pose.
 
 /// The parts of a transform that can be edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,6 +7,6 @@ pub enum Freedom {
     Affine,
     /// It can be moved and turned, but not scaled, such as a camera.
     Rigid,
-    /// It can only be turned, such as what is infinitely far away.
+    /// It can only be turned, such as an infinitely distant light.
     Turning,
 }

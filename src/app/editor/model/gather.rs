@@ -1,4 +1,4 @@
-//! Fills the panels' [`Model`] from the world, once per frame. Lists are made anew only when something in them changed.
+//! Fills the panels' [`Model`] from the world, once per frame. Lists are rebuilt only when an entry has changed.
 
 use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
@@ -33,7 +33,7 @@ use crate::scene::{
     Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind, UsesMaterial,
 };
 
-/// The components that name a thing.
+/// The components that give a thing its name.
 #[derive(QueryData)]
 pub struct Naming {
     pub entity: Entity,
@@ -58,7 +58,7 @@ impl NamingItem<'_, '_> {
         }
     }
 
-    /// The first of the materials that this one is inside of.
+    /// The first material that this one is nested in.
     fn outer(&self) -> Option<Entity> {
         let first = self.inside_first.and_then(|outer| outer.iter().next());
         first.or_else(|| self.inside_second.and_then(|outer| outer.iter().next()))
@@ -102,7 +102,7 @@ pub fn medium_kind(medium: &Medium) -> &'static str {
     if has_grid { "volume" } else { "medium" }
 }
 
-/// The library, once.
+/// Loads the library, once.
 pub fn load_presets(mut model: ResMut<EditorModel>) {
     let (presets, complaints) = presets::load();
     for complaint in complaints {
@@ -324,7 +324,7 @@ fn notices(
     );
     let damaged = scene.damaged_pictures.iter();
     notices.extend(damaged.map(|problem| plain(Severity::Error, &problem.message)));
-    // A picture that is not there is a warning, as on the command line: the rest is worth seeing.
+    // A missing picture is a warning, as on the command line: the rest is worth seeing.
     let missing = scene.picture_problems.iter();
     let warnings = missing.chain(&scene.picture_warnings).chain(&scene.mesh_warnings);
     let warnings = warnings.chain(&scene.volume_warnings);

@@ -36,13 +36,13 @@ impl Media<'_, '_> {
         self.media.contains(entity)
     }
 
-    /// What is open about a shape.
+    /// The leak of a shape: the reason why it is not closed.
     pub fn leak(&self, shape: Entity) -> Option<String> {
         self.leaks.of(shape).map(str::to_owned)
     }
 
-    /// The medium itself, or those that the thing refers to, each once. One that has not changed is shared with the
-    /// list of the frame before.
+    /// The inspected medium, or the media that the inspected thing refers to, each once. Unchanged ones are shared with
+    /// the last frame's list.
     pub fn inspected(&self, thing: &Inspected, before: &[InspectedMedium]) -> Vec<InspectedMedium> {
         let mut found: Vec<InspectedMedium> = Vec::new();
         for (side, entity) in places(thing, self.contains(thing.entity)) {
@@ -77,7 +77,7 @@ impl Media<'_, '_> {
         grids
     }
 
-    /// What is in a file; None while it is not loaded.
+    /// The content of a grid file; None while it is not loaded.
     fn content(&self, grid: &GridFile) -> Option<InspectedGrid> {
         let handle = self.volumes.as_ref()?.get(&grid.asset_path())?;
         let map = self.maps.as_ref()?.get(handle)?;
@@ -89,7 +89,7 @@ impl Media<'_, '_> {
         })
     }
 
-    /// Marks what differs in the media that the other selected things have in the same places.
+    /// Marks values that differ in the media on the same sides of the other selected things.
     pub fn compare(&self, mut shown: Inspected, others: &[Inspected]) -> Inspected {
         for entry in &mut shown.media {
             let alike = others.iter().filter_map(|other| {
@@ -103,7 +103,7 @@ impl Media<'_, '_> {
     }
 }
 
-/// World from the unit cube for the box of each volume of a medium. `content` tells what is in a file.
+/// World from the unit cube for the box of each volume of a medium. `content` returns the content of a grid file.
 fn boxes(medium: &Medium, content: impl Fn(&GridFile) -> Option<InspectedGrid>) -> Vec<Affine3A> {
     let mut boxes: Vec<Affine3A> = Vec::new();
     medium.for_each_placed(&mut |place, file| {
@@ -121,7 +121,7 @@ fn boxes(medium: &Medium, content: impl Fn(&GridFile) -> Option<InspectedGrid>) 
     boxes
 }
 
-/// The media of a thing with the places where it refers to them.
+/// The media of a thing with the sides on which it refers to them.
 fn places(thing: &Inspected, is_medium: bool) -> impl Iterator<Item = (Option<MediumSide>, Entity)> {
     let own = is_medium.then_some((None, thing.entity));
     let sides = MediumSide::ALL.map(|side| Some((Some(side), thing.media_at[side as usize]?)));

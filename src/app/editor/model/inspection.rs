@@ -39,7 +39,7 @@ type MediaParts = (
     Option<&'static InMedium>,
 );
 
-/// Things have one of these; an entity that was deleted has none.
+/// Each thing has one of these components; a deleted entity has none.
 type IsThing = Or<(With<Shape>, With<Material>, With<Medium>, With<Emitter>, With<Sensor>)>;
 
 type MaterialParts = (
@@ -52,7 +52,7 @@ type MaterialParts = (
 
 type MaterialItem<'w, 's> = ROQueryItem<'w, 's, MaterialParts>;
 
-/// The depth to which two-sided materials are followed; the format needs one.
+/// The depth to which nested two-sided materials are followed; the format needs one.
 const DEEPEST_NESTING: usize = 4;
 
 pub fn gather_selection(
@@ -65,7 +65,7 @@ pub fn gather_selection(
     settings: Option<Res<ViewSettings>>,
 ) {
     let up = settings.map_or(Vec3::Y, |settings| settings.navigation.up);
-    // A reload may have taken things away.
+    // A reload may have removed selected things.
     if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
         selection.retain(|entity| parts.contains(*entity));
     }
@@ -111,8 +111,7 @@ fn inspect(
         _ if is_material => "material",
         _ => "medium",
     };
-    // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not
-    // shown.
+    // A constant environment has no transform. The transform of packed instances is not shown.
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     Some(Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
@@ -144,8 +143,8 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     })
 }
 
-/// The materials that the panel shows of a thing: itself, if it is a material, or else the one that it uses, and those
-/// nested in it. A material that has not changed is shared with the list of the frame before.
+/// The shown materials of a thing: the thing itself if it is a material, or else the material that it uses, with nested
+/// ones. Unchanged materials are shared with the last frame's list.
 fn inspected_materials(
     thing: &Inspected,
     materials: &Query<MaterialParts>,
@@ -179,7 +178,7 @@ fn inspected_materials(
     found
 }
 
-/// The same materials by their paths, to be compared.
+/// The same materials by their paths, for the comparison.
 fn placed_materials<'q>(thing: &Inspected, materials: &'q Query<MaterialParts>) -> Vec<(Vec<usize>, &'q Material)> {
     let mut found = Vec::new();
     let mut meet = |path, _, (_, material, ..): MaterialItem<'q, '_>| found.push((path, material));

@@ -1,5 +1,4 @@
-//! The things of one kind in the order of the file, as a list in which a thing is found quickly among hundreds of
-//! thousands.
+//! The things of one kind in the order of the file, as a list that finds a thing quickly among hundreds of thousands.
 
 use std::ops::Deref;
 
@@ -8,14 +7,14 @@ use bevy::prelude::Entity;
 
 use super::Item;
 
-/// Moving all that comes after is quicker than a new list, up to this number of places.
+/// The number of edits up to which moving the rest of the list is quicker than a new list.
 const FEW: usize = 8;
 
 /// Items, which are read as a slice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ItemList {
     items: Vec<Item>,
-    /// The entities of the items. A search through them reads a tenth of the memory.
+    /// The entities of the items, for searches that read a tenth of the memory.
     entities: Vec<Entity>,
     /// The number of items that are in a folder or inside another item.
     nested: usize,
@@ -27,26 +26,26 @@ impl ItemList {
         self.nested == 0
     }
 
-    /// The place of the item of an entity.
+    /// The index of an entity's item.
     pub fn place_of(&self, entity: Entity) -> Option<usize> {
         self.entities.iter().position(|own| *own == entity)
     }
 
-    /// The places of the items of these entities, ascending.
+    /// The indices of these entities' items, ascending.
     pub fn places_of(&self, entities: &EntityHashSet) -> Vec<usize> {
         let all = self.entities.iter().enumerate();
         let found = all.filter(|(_, own)| entities.contains(*own));
         found.map(|(place, _)| place).collect()
     }
 
-    /// Puts an item in place of another.
+    /// Replaces an item.
     pub(super) fn replace(&mut self, place: usize, item: Item) {
         self.nested = self.nested - usize::from(is_nested(&self.items[place])) + usize::from(is_nested(&item));
         self.entities[place] = item.entity;
         self.items[place] = item;
     }
 
-    /// Takes out what is at these places, ascending.
+    /// Removes the items at these indices, ascending.
     pub(super) fn remove(&mut self, places: &[usize]) {
         let nested = places.iter().filter(|place| is_nested(&self.items[**place]));
         self.nested -= nested.count();
@@ -54,7 +53,7 @@ impl ItemList {
         remove(&mut self.entities, places);
     }
 
-    /// Puts items in before those at these places of the list as it is, ascending.
+    /// Inserts items before these indices of the present list, ascending.
     pub(super) fn insert(&mut self, items: Vec<(usize, Item)>) {
         self.nested += items.iter().filter(|(_, item)| is_nested(item)).count();
         let entities = items.iter().map(|(place, item)| (*place, item.entity)).collect();

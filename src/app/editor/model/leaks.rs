@@ -12,12 +12,12 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once};
 use crate::geometry::mesh::MeshData;
 use crate::scene::{InteriorMedium, MeshHandle, Shape, ShapeKind, TriangleMesh};
 
-/// The shapes that a medium is inside of, and that are not closed.
+/// The shapes with a medium inside that are not closed.
 #[derive(Resource, Default)]
 pub struct Leaks {
-    /// What is open about each, as a sentence, with its name.
+    /// The leak of each shape as a sentence, with its name.
     found: EntityHashMap<(String, String)>,
-    /// The open edges of meshes, by their addresses.
+    /// The numbers of open edges of meshes, by the meshes' addresses.
     meshes: HashMap<usize, Counted>,
 }
 
@@ -32,7 +32,7 @@ enum OpenEdges {
 }
 
 impl Leaks {
-    /// What is open about a shape; None if it is closed, or has no medium inside.
+    /// The leak of a shape; None if it is closed, or has no medium inside.
     pub fn of(&self, shape: Entity) -> Option<&str> {
         self.found.get(&shape).map(|(_, reason)| reason.as_str())
     }
@@ -83,7 +83,7 @@ pub(crate) struct Filled {
     mesh: Option<&'static MeshHandle>,
 }
 
-/// A change of what [`Filled`] shows.
+/// A change of the components in [`Filled`].
 type IsNew = (
     With<InteriorMedium>,
     Or<(
@@ -94,7 +94,7 @@ type IsNew = (
     )>,
 );
 
-/// Looks at the shapes again where something about them has changed.
+/// Checks shapes again when their components have changed.
 pub(crate) fn find_leaks(
     mut leaks: ResMut<Leaks>,
     filled: Query<Filled, With<InteriorMedium>>,
@@ -129,7 +129,7 @@ pub(crate) fn find_leaks(
     }
 }
 
-/// What is open about a shape of this kind; None if it is closed.
+/// The leak of a shape of this kind; None if it is closed.
 fn of_kind(kind: &ShapeKind) -> Option<&'static str> {
     match kind {
         ShapeKind::Rectangle => Some("A rectangle has no inside."),

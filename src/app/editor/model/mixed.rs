@@ -1,9 +1,9 @@
-//! The differences among several selected things, so that the panel can say that it shows the value of one of them.
+//! The values that differ among several selected things, so that the panel can mark them.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The names of the values that differ: those of parameters in the file, or of fields.
+/// The names of differing values: those of parameters in the file, or of fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mixed(pub(super) Arc<BTreeSet<String>>);
 

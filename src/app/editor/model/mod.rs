@@ -58,17 +58,17 @@ pub struct Item {
     pub entity: Entity,
     /// The text of the row.
     pub name: String,
-    /// The word for the kind of thing that it is.
+    /// The word for its kind.
     pub kind: &'static str,
-    /// Whether it is left out of the picture.
+    /// Whether it is hidden in the picture.
     pub hidden: bool,
     /// Whether it is protected from edits.
     pub locked: bool,
-    /// Whether it may be left out of the picture: shapes and lights may.
+    /// Whether it can be hidden in the picture: shapes and lights can.
     pub can_hide: bool,
-    /// The material that this one is inside of.
+    /// The material that this one is nested in.
     pub inside_of: Option<Entity>,
-    /// The material of a shape.
+    /// The material that a shape uses.
     pub uses: Option<Entity>,
 }
 
@@ -109,7 +109,7 @@ impl Outline {
         ]
     }
 
-    /// The group that lists a thing first, as an index into [`Self::groups`], and its place there.
+    /// The first group that lists a thing, as an index into [`Self::groups`], and the thing's index in it.
     pub fn place_of(&self, entity: Entity) -> Option<(usize, usize)> {
         let mut groups = self.groups().into_iter().enumerate();
         groups.find_map(|(group, (_, items))| Some((group, items.place_of(entity)?)))
@@ -125,7 +125,7 @@ pub struct InspectedMaterial {
     pub name: String,
     /// The present parameters, which are shared from frame to frame until they change.
     pub material: Arc<Material>,
-    /// The part that it has within another material.
+    /// The role that it has within another material.
     pub place: MaterialPlace,
     /// The index of the nested material to take at each level, from the outermost material to this one.
     pub path: Vec<usize>,
@@ -133,14 +133,14 @@ pub struct InspectedMaterial {
     pub mixed: Mixed,
     /// The number of shapes that use it.
     pub users: usize,
-    /// The materials that are nested in it.
+    /// Its nested materials.
     pub inside: Vec<Entity>,
 }
 
-/// The part that a material has within another.
+/// The role of a material within another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialPlace {
-    /// It is in no other.
+    /// It is not nested.
     Whole,
     /// The front of a two-sided material.
     Front,
@@ -150,12 +150,12 @@ pub enum MaterialPlace {
     First,
     /// The second material of a blend.
     Second,
-    /// The nested material of one that takes a single one.
+    /// The only nested material of a material.
     Inside,
 }
 
 impl MaterialPlace {
-    /// Whether a scene file may have this material there: a two-sided one takes nothing that refracts.
+    /// Whether a scene file may have this material in the role: a two-sided one takes no refractive material.
     pub(crate) fn takes(self, material: &Material) -> bool {
         match self {
             Self::Front | Self::Back => can_wrap("twosided", material),
@@ -173,15 +173,16 @@ pub struct InspectedMedium {
     pub name: String,
     /// The present parameters.
     pub medium: Arc<Medium>,
-    /// The place in which the inspected thing refers to it; None if it is the inspected thing itself.
+    /// The side on which the inspected thing refers to it; None if it is the inspected thing itself.
     pub side: Option<MediumSide>,
-    /// The parameters that differ from those of the other selected things' media in the same place.
+    /// The parameters that differ from those of the other selected things' media on the same side.
     pub mixed: Mixed,
     /// The number of things that refer to it.
     pub users: usize,
-    /// World from the unit cube for the box of each volume: what lies outside is empty, or the border of the grid.
+    /// World from the unit cube for the box of each volume, outside of which there is nothing, or the border of the
+    /// grid.
     pub boxes: Vec<Affine3A>,
-    /// What is in the file of each grid: by path, the voxels along each axis, or None while it is not loaded.
+    /// The content of each grid file: by path, the voxels along each axis, or None while it is not loaded.
     pub grids: Vec<(PathBuf, Option<InspectedGrid>)>,
 }
 
@@ -190,11 +191,11 @@ pub struct InspectedMedium {
 pub struct InspectedGrid {
     /// The voxels along each axis.
     pub resolution: UVec3,
-    /// The values of each voxel, 1 or 3.
+    /// The number of values per voxel, 1 or 3.
     pub channels: usize,
-    /// The box that the file names.
+    /// The box that the file gives.
     pub bounds: Option<Aabb>,
-    /// The space of the file from that in which the grid fills the unit cube.
+    /// The transform from the unit cube of the grid to the space of the file.
     pub world_from_local: Affine3A,
 }
 
@@ -207,7 +208,7 @@ pub struct InspectedMesh {
     pub has_materials: bool,
 }
 
-/// The selected entity with everything that can be edited on it.
+/// The active entity with everything that can be edited on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {
     /// The entity.
@@ -216,9 +217,9 @@ pub struct Inspected {
     pub name: String,
     /// The pose; None for things without a place, such as a material.
     pub to_world: Option<Affine3A>,
-    /// The angles of its rotation, if they are known.
+    /// The Euler angles of its rotation, if they are known.
     pub angles: Option<EulerAngles>,
-    /// The angles from which its rotation is shown, in degrees.
+    /// The rotation that counts as zero in the panel, as angles in degrees.
     pub rest: Vec3,
     /// The shape, if it is one.
     pub shape: Option<Shape>,
@@ -226,23 +227,23 @@ pub struct Inspected {
     pub mesh: Option<InspectedMesh>,
     /// The emission, if it is a shape that shines.
     pub area_light: Option<AreaLight>,
-    /// The light, if it is one that is no surface.
+    /// The light, if it is one that is no shape.
     pub emitter: Option<Emitter>,
     /// The camera, if it is one.
     pub sensor: Option<Sensor>,
     /// The film, if it is a camera.
     pub film: Option<Film>,
-    /// The material that a shape names; None where it names none.
+    /// The material that a shape uses; None without one.
     pub uses_material: Option<Entity>,
     /// The media that it refers to, by [`MediumSide`] as a number.
     pub media_at: [Option<Entity>; 3],
-    /// The differences among all selected things, without those of materials.
+    /// The values that differ among all selected things, without those of materials.
     pub mixed: Mixed,
-    /// The material itself, or the shape's, and those nested in it.
+    /// The material itself, or the shape's, with nested ones.
     pub materials: Vec<InspectedMaterial>,
-    /// The medium itself, or those that the thing refers to.
+    /// The medium itself, or the media that the thing refers to.
     pub media: Vec<InspectedMedium>,
-    /// Why its medium cannot be inside of it: what is open about it.
+    /// The reason why its medium cannot be inside of it: the leak of the shape.
     pub leak: Option<String>,
 }
 
@@ -253,7 +254,7 @@ impl Inspected {
         is_surface && has_textures(self.materials.iter().map(|entry| &*entry.material))
     }
 
-    /// Whether it may refer to a medium there.
+    /// Whether it may refer to a medium on this side.
     pub(crate) fn has_side(&self, side: MediumSide) -> bool {
         match side {
             MediumSide::Interior | MediumSide::Exterior => self.shape.as_ref().is_some_and(|shape| !shape.is_frame()),
@@ -284,7 +285,7 @@ impl Inspected {
         }
     }
 
-    /// The pose: world from a space whose origin is where the thing is.
+    /// The pose: world from a space whose origin is the thing's position.
     pub fn pose(&self) -> Option<Affine3A> {
         Some(self.to_world? * Affine3A::from_translation(self.middle()))
     }
@@ -313,7 +314,7 @@ pub struct RenderModel {
     pub resolution_scale: f32,
     /// The pixels of the film that are traced.
     pub resolution: Resolution,
-    /// The look of a picture that has fewer pixels than its place.
+    /// The filter of a picture with fewer pixels than its panel.
     pub enlarging: Enlarging,
     /// The integrator of the scene.
     pub integrator: IntegratorSettings,
@@ -325,19 +326,19 @@ pub struct RenderModel {
     pub time_limit: Option<f32>,
     /// The relative noise to stop at; None is no limit.
     pub noise_target: Option<f32>,
-    /// Whether more samples go where the noise is.
+    /// Whether sampling is adaptive.
     pub adaptive: bool,
     /// The last estimate of the noise.
     pub noise: Option<f32>,
-    /// The part that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
+    /// The region that gets samples, (0, 0) top left, (1, 1) bottom right; None is the whole picture.
     pub region: Option<Rect>,
-    /// Whether the picture is three thirds by different strategies.
+    /// Whether three thirds of the picture are rendered by different strategies.
     pub strategy_split: bool,
     /// Whether the integrator `path` stands for `auto`.
     pub path_is_auto: bool,
-    /// What the integrator `auto` stands for, where it is asked for.
+    /// The choice of the integrator `auto`, if that is set.
     pub auto: Option<AutoStatus>,
-    /// How bright samples may be, once that is known.
+    /// The limit of the brightness of samples, once it is known.
     pub clamped: Option<BrightnessLimit>,
     /// The section for light mixing.
     pub mixing: MixingModel,
@@ -348,11 +349,11 @@ pub struct RenderModel {
 /// The mixing desk.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MixingModel {
-    /// Whether the film keeps the lights apart.
+    /// Whether the film has a layer for each light.
     pub is_on: bool,
     /// The channel of each light.
     pub mix: LightMix,
-    /// The lights that the film keeps apart, as the mix and the panel call them.
+    /// The lights with a layer, and their names in the mix and the panel.
     pub lights: Vec<(Entity, String)>,
 }
 
@@ -363,7 +364,7 @@ pub struct ComparisonModel {
     pub snapshot: Option<u32>,
     /// Whether the snapshot is of a scene that was open before.
     pub is_of_other_scene: bool,
-    /// The way in which both share the viewport.
+    /// The comparison in the viewport.
     pub view: CompareView,
     /// Whether there is a denoised picture to compare with, or will be.
     pub denoising: bool,
@@ -374,24 +375,24 @@ pub struct ComparisonModel {
 /// One message of the diagnostics panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    /// Decides the colour and the word before the text.
+    /// The severity, for the colour and the word before the text.
     pub severity: Severity,
     /// The place, as `file:line:column`, if the problem has one.
     pub place: Option<String>,
     /// The message.
     pub text: String,
-    /// What the user can do about it.
+    /// Advice for the user.
     pub help: Option<String>,
-    /// The line it is about, with marks under the place.
+    /// The line of the file, with marks under the place.
     pub excerpt: Option<String>,
 }
 
 /// A file of the scene that is missing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingItem {
-    /// What it is.
+    /// Its kind.
     pub kind: FileKind,
-    /// The absolute path that the scene has.
+    /// The absolute path in the scene.
     pub path: PathBuf,
 }
 
@@ -406,19 +407,19 @@ pub struct StatusModel {
     pub scene: Option<PathBuf>,
     /// Whether there are edits that no file has.
     pub unsaved: bool,
-    /// Whether all of these are being saved.
+    /// Whether a save with all of these edits is running.
     pub being_saved: bool,
-    /// The scene file could not be read; the last good one is shown.
+    /// Whether the scene file could not be read; its last valid state is shown.
     pub load_failed: bool,
-    /// Whether the denoised picture is shown, or one is on its way.
+    /// The state of the denoiser.
     pub denoiser: DenoiserState,
-    /// Whether some of what is shown is carried over from an earlier picture.
+    /// Whether parts of the picture are carried over from an earlier one.
     pub is_carried_over: bool,
-    /// The image that is saved when the full film is there.
+    /// The image that is saved when the full film is rendered.
     pub awaited_image: Option<AwaitedImage>,
     /// Whether the full film is traced until the next change.
     pub is_full: bool,
-    /// The noise of the present picture at numbers of samples per pixel.
+    /// The noise of the present picture over its samples per pixel.
     pub noise_trend: NoiseTrend,
     /// Whether the figures for developers are shown.
     pub developer_figures: bool,
@@ -429,17 +430,17 @@ pub struct StatusModel {
 /// The data of all panels.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// The rows of the outliner.
+    /// The things of the outliner.
     pub outline: Arc<Outline>,
-    /// The selection, in the order of choosing.
+    /// The selection, in the order of selecting.
     pub selection: Selection,
-    /// The active one of the selection.
+    /// The active thing of the selection.
     pub inspected: Option<Inspected>,
     /// The box around the selection in the world; None without one.
     pub extent: Option<Aabb>,
     /// The steps.
     pub history: Arc<HistoryModel>,
-    /// The pictures and rendered balls that are shown beside names.
+    /// The thumbnails and rendered balls that are shown beside names.
     pub textures: PanelTextures,
     /// The library of materials, the program's own before the user's.
     pub presets: Arc<Vec<Preset>>,

@@ -1,4 +1,4 @@
-//! Keeps the list of all things up to date: only the lines of things that have changed are replaced.
+//! Keeps the list of all things up to date: only the rows of changed things are replaced.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::scene::{
     SecondNestedIn, Sensor, Shape, UsesMaterial,
 };
 
-/// The whole list is made anew if more things than this have changed.
+/// The number of changed things above which the whole list is rebuilt.
 const MOST_EDITED: usize = 16_384;
 
 #[derive(SystemParam)]
@@ -88,10 +88,10 @@ pub(crate) struct Things<'w, 's> {
     orders: Query<'w, 's, &'static DocumentOrder>,
 }
 
-/// An item with its place in the order of the file.
+/// An item with its position in the order of the file.
 type Placed = (u32, Item);
 
-/// The item of a shape in the list of lights, where its kind says more than its material.
+/// The item of an emissive shape in the list of lights, without its material, so that the row shows its kind.
 fn shining(naming: &NamingItem) -> Placed {
     let (order, item) = naming.item("area");
     (order, Item { uses: None, ..item })
@@ -130,7 +130,7 @@ impl Things<'_, '_> {
         }
     }
 
-    /// Replaces the lines of the things that have changed; the result is [`Self::all`].
+    /// Replaces the rows of changed things; the result equals [`Self::all`].
     fn update(&self, outline: &mut Outline, changed: &EntityHashSet) {
         let shape = |entity| self.shapes.get(entity).ok();
         let lit = |entity| shape(entity).filter(|(_, _, emits)| *emits);
@@ -155,7 +155,7 @@ impl Things<'_, '_> {
         });
     }
 
-    /// The place of a thing that is listed.
+    /// The sort key of a listed thing.
     fn key(&self, entity: Entity) -> (u32, Entity) {
         (self.orders.get(entity).map_or(u32::MAX, |order| order.0), entity)
     }
@@ -163,7 +163,7 @@ impl Things<'_, '_> {
     fn replace(&self, list: &mut ItemList, changed: &EntityHashSet, now: impl Fn(Entity) -> Option<Placed>) {
         let listed = list.places_of(changed);
         let mut new: Vec<Placed> = changed.iter().filter_map(|&entity| now(entity)).collect();
-        // Most edits leave things where they are.
+        // Most edits leave things at their positions.
         let stays = |place: &usize| {
             let here = self.key(list[*place].entity);
             let is_after = |before: &Item| changed.contains(&before.entity) || self.key(before.entity) < here;
@@ -190,15 +190,15 @@ impl Things<'_, '_> {
     }
 }
 
-/// The items in the order of the file; those that were made here come last.
+/// The items in the order of the file; those created in the editor come last.
 fn sorted(items: impl Iterator<Item = Placed>) -> ItemList {
     let mut items: Vec<Placed> = items.collect();
     items.sort_by_key(|(order, item)| (*order, item.entity));
     items.into_iter().map(|(_, item)| item).collect()
 }
 
-/// Brings the list up to date. While a scene is being opened it is empty: a part of the scene cannot be edited, and the
-/// list would be made anew in every frame.
+/// Updates the list. While a scene is being opened it is empty: a part of the scene cannot be edited, and the list
+/// would be rebuilt in every frame.
 pub(crate) fn gather_outline(
     mut model: ResMut<EditorModel>,
     mut news: OutlineNews,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-/// The textures that panels show, found by what they depict.
+/// The textures of panels, by their content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PanelTextures {
     /// Thumbnails of pictures by absolute path.
@@ -15,7 +15,7 @@ pub struct PanelTextures {
     pub balls: HashMap<Ball, egui::TextureId>,
 }
 
-/// The thing that a rendered ball shows.
+/// The material of a rendered ball.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ball {
     /// A material of the scene.

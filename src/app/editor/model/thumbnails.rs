@@ -1,4 +1,4 @@
-//! Makes the small pictures of pictures that panels show.
+//! Makes the thumbnails of picture files for panels.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::texture::Image;
 const EDGE: u32 = 96;
 
 struct Made {
-    /// A weak one keeps the address, so that no other picture can be taken for it, and not the pixels.
+    /// A weak pointer keeps the address, so that no other picture can be taken for it, but not the pixels.
     of: Weak<Image>,
     texture: egui::TextureHandle,
     size: [u32; 2],
@@ -26,7 +26,7 @@ struct Made {
 #[derive(Resource, Default)]
 pub(crate) struct Thumbnails(HashMap<PathBuf, Made>);
 
-/// Makes the thumbnails that the inspected thing needs, and drops those that are no longer shown.
+/// Makes the thumbnails of the inspected thing, and drops those that are no longer shown.
 pub(crate) fn update_thumbnails(
     mut thumbnails: ResMut<Thumbnails>,
     mut model: ResMut<EditorModel>,
@@ -102,7 +102,7 @@ fn emitter_pictures(emitter: &Emitter, found: &mut Vec<PathBuf>) {
     emitter.for_each_picture(&mut |path| found.push(path.clone()));
 }
 
-/// The picture with its longer edge at most `edge` pixels, each the mean of a few of its own.
+/// The picture with its longer edge at most `edge` pixels, each the mean of a few pixels of the picture.
 pub(crate) fn shrunk(image: &Image, edge: u32, encoder: &Encoder) -> egui::ColorImage {
     /// Samples per pixel along each edge: enough that lines do not vanish, few enough for pictures of any size.
     const SAMPLES: u32 = 3;

@@ -1,4 +1,4 @@
-//! Fills the model of the timeline: the time that is shown, and the keys.
+//! Fills the model of the timeline: the present time, and the keys.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::Track;
 use crate::scene::{FirstNested, KeyPath, Keys, SecondNested, UsesMaterial, shown_time};
 
-/// A key of the selection, with all values that have it.
+/// A key of the selection, with all values that have a key at its time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tick {
     /// The values with a key at this time.
@@ -47,7 +47,7 @@ impl Ord for TickTime {
 pub struct TimelineModel {
     /// The frames.
     pub frames: Timeline,
-    /// The time that is shown, in seconds.
+    /// The displayed time, in seconds.
     pub time: f64,
     /// Whether the frames are played.
     pub is_playing: bool,
@@ -60,18 +60,18 @@ pub struct TimelineModel {
 }
 
 impl TimelineModel {
-    /// Whether the timeline is shown, if the user has said this of it.
+    /// Whether the timeline is shown, given the user's choice.
     pub fn is_shown(&self, wanted: Option<bool>) -> bool {
         wanted.unwrap_or(!self.all.is_empty())
     }
 }
 
-/// What the keys in the model were gathered from.
+/// The state that the keys in the model were gathered from.
 #[derive(Debug, Default, PartialEq)]
 pub struct Gathered {
-    /// The things that move, and when their keys changed.
+    /// The animated things, and when their keys changed.
     moving: Vec<(Entity, ChangeTick)>,
-    /// The things whose keys are shown as those of the selection.
+    /// The things whose keys count as those of the selection.
     shown: Vec<Entity>,
 }
 
@@ -118,7 +118,7 @@ pub fn gather_timeline(world: &mut World, mut gathered: Local<Gathered>) {
     share(&mut model.tracks, tracks);
 }
 
-/// The selection, its materials and those in them.
+/// The selection, its materials and their nested ones.
 fn shown_things(world: &World) -> Vec<Entity> {
     let mut shown = world.resource::<Selection>().entities().to_vec();
     let mut known: EntityHashSet = shown.iter().copied().collect();
