@@ -1,5 +1,4 @@
-//! The form for a bake over the window, the panel of the bake that is under way, and the question before the window is
-//! closed meanwhile.
+//! The form for a bake, the panel of a running bake, and the question before the window is closed during one.
 
 use std::sync::Arc;
 
@@ -16,20 +15,20 @@ use crate::app::editor::session::layout::Layout;
 /// The width of the form, in points.
 const WIDTH: f32 = 400.0;
 
-/// The form, and what the panel keeps.
+/// The form, and the state of the panel.
 #[derive(Default)]
 pub struct BakeWidgets {
     form: BakeForm,
-    /// Whether there was a bake to show in the last frame; None before the first one.
+    /// Whether a bake was shown in the last frame; None before the first one.
     was_there: Option<bool>,
-    /// The panel that was in front before the panel of the bake came.
+    /// The panel that was in front before the panel of the bake opened.
     covered: Option<Panel>,
     /// The texture of the lightmap, with the image that it was made of.
     picture: Option<(TextureHandle, Arc<egui::ColorImage>)>,
 }
 
 impl BakeWidgets {
-    /// Shows the form; false when it is to be closed.
+    /// Shows the form; returns false when it is to be closed.
     pub fn sheet(&mut self, context: &egui::Context, model: &BakeModel, commands: &mut Vec<Command>) -> bool {
         let modal = dialog::form(context, Modal::new(Id::new("bake form")), |ui| {
             ui.set_width(WIDTH);
@@ -42,7 +41,7 @@ impl BakeWidgets {
         !modal.should_close()
     }
 
-    /// Shows the panel of the bake when one begins, and closes it when the bake is shown no more.
+    /// Opens the panel of the bake when a bake begins, and closes it when the bake is closed.
     pub fn follow(&mut self, layout: &mut Layout, model: &BakeModel) {
         let is_there = model.shown.is_some();
         let was_there = self.was_there.replace(is_there);
@@ -52,7 +51,7 @@ impl BakeWidgets {
             let after = layout.fronts();
             self.covered = before.into_iter().find(|panel| !after.contains(panel));
         } else if !is_there && was_there != Some(false) {
-            // In the first frame the panel may be there from the last run.
+            // In the first frame the panel may be open from the last run.
             let covered = self.covered.take().filter(|_| layout.fronts().contains(&Panel::Bake));
             layout.close(Panel::Bake);
             if let Some(covered) = covered {
@@ -61,7 +60,7 @@ impl BakeWidgets {
         }
     }
 
-    /// Shows the bake that is under way, or that has ended.
+    /// Shows the running bake, or the ended one.
     pub fn panel(&mut self, ui: &mut Ui, model: &BakeModel, commands: &mut Vec<Command>) {
         let Some(shown) = &model.shown else {
             self.picture = None;
@@ -73,7 +72,7 @@ impl BakeWidgets {
         progress(ui, shown, picture, commands);
     }
 
-    /// Gives the texture the pixels of the image unless it has them.
+    /// Updates the pixels of the texture if the image has changed.
     fn update_picture(&mut self, context: &egui::Context, image: Option<&Arc<egui::ColorImage>>) {
         let Some(image) = image else {
             self.picture = None;
@@ -93,7 +92,7 @@ impl BakeWidgets {
     }
 }
 
-/// The question what to do with a bake that is under way. Closing the window waits until it is answered.
+/// The question what to do with a running bake. Closing the window waits until it is answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BakeQuestion {
     /// Nothing is asked.
@@ -101,9 +100,9 @@ pub enum BakeQuestion {
     None,
     /// It is asked.
     Asking,
-    /// The window closes when the bake has written what there is.
+    /// The window closes when the bake has written its result so far.
     Waiting,
-    /// The window closes when the bake is given up.
+    /// The window closes when the bake is discarded.
     Leaving,
 }
 
@@ -113,14 +112,13 @@ impl BakeQuestion {
         self == Self::Asking
     }
 
-    /// Holds back the command to quit while a bake is under way, and gives it when the bake has ended that was waited
-    /// for. To be called before everything else that holds back the command to quit, such as the question about
-    /// unsaved edits, which holds back what this adds.
+    /// Holds back the command to quit during a bake, and issues it when the awaited bake has ended. To be called before
+    /// all other guards of the command to quit, such as the question about unsaved edits, which may hold it back again.
     pub fn hold(&mut self, commands: &mut Vec<Command>, model: &BakeModel) {
         if !model.is_busy() {
             let quits = match std::mem::take(self) {
                 Self::None | Self::Asking => false,
-                // A bake that failed is no longer shown, and leaves the window open.
+                // A failed bake is no longer shown, and leaves the window open.
                 Self::Waiting => model.shown.is_some(),
                 Self::Leaving => true,
             };
@@ -135,7 +133,7 @@ impl BakeQuestion {
         }
     }
 
-    /// Shows the question. To be called after [`Self::hold`] and after what else holds back the command to quit.
+    /// Shows the question. To be called after [`Self::hold`] and after the other guards of the command to quit.
     pub fn show(&mut self, context: &egui::Context, model: &BakeModel, commands: &mut Vec<Command>) {
         if !self.is_asking() {
             return;
@@ -196,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_panel_comes_with_a_bake_and_goes_with_it() {
-        // It was there when the program ended.
+        // The panel was open when the program ended.
         let mut layout = Layout::default();
         layout.show(Panel::Bake);
         let mut widgets = BakeWidgets::default();
@@ -209,7 +207,7 @@ mod tests {
         }
         widgets.follow(&mut layout, &BakeModel::default());
         assert!(!layout.has(Panel::Bake) && layout.fronts().contains(&Panel::History));
-        // The user looks at another panel meanwhile, and closes this one.
+        // The user switches to another panel meanwhile, and closes this one.
         widgets.follow(&mut layout, &bake(true));
         layout.show(Panel::Inspector);
         layout.close(Panel::Bake);
@@ -250,7 +248,7 @@ mod tests {
             [Command::from(FileCommand::Quit)]
         );
         assert_eq!(after(&mut question, Vec::new(), &bake(false)), []);
-        // A bake that failed leaves it open.
+        // A failed bake leaves it open.
         question = BakeQuestion::Waiting;
         assert_eq!(after(&mut question, Vec::new(), &BakeModel::default()), []);
         assert_eq!(question, BakeQuestion::None);
@@ -341,7 +339,7 @@ mod tests {
         let (said, _) = frame(&context, &mut question, &model, button(&output, "Stop"));
         assert_eq!(said, [Command::Bake(BakeCommand::Stop)]);
         assert_eq!(question, BakeQuestion::Waiting);
-        // Nothing would be written into a folder whose level has more.
+        // A folder with a better level would not be overwritten.
         if let Some(shown) = &mut model.shown {
             shown.news.stays = Some(Content { samples: 64, probes: 2 });
         }

@@ -1,11 +1,11 @@
-//! What covers the window until it is closed: questions, forms and lists. Keys that were pressed before one could be
-//! read are not for it, and each key is for the uppermost alone.
+//! Covers over the window: questions, forms and lists. Keys that were pressed before a cover could be read do not act
+//! on it, and each key acts on the uppermost alone.
 
 use bevy_egui::egui::{Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
 
-/// What has come of a cover in a frame.
+/// The result of a cover in a frame.
 pub struct Cover<R> {
-    /// What the content has returned.
+    /// The value that the content has returned.
     pub inner: R,
     closes: bool,
 }
@@ -17,7 +17,7 @@ impl<R> Cover<R> {
     }
 }
 
-/// Asks a question. Esc closes it; a click beside it does not, because that may be meant for what it covers.
+/// Asks a question. Esc closes it; a click beside it does not, because it may be meant for the widgets below.
 pub fn question<R>(
     context: &Context,
     id: &str,
@@ -38,12 +38,12 @@ pub fn form<R>(context: &Context, modal: Modal, content: impl FnOnce(&mut Ui) ->
     show(context, modal, Kind::Form, content)
 }
 
-/// Shows a form that a click beside it does not close, because what was typed would be lost.
+/// Shows a form that a click beside it does not close, because typed text would be lost.
 pub fn lasting_form<R>(context: &Context, id: &str, content: impl FnOnce(&mut Ui) -> R) -> Cover<R> {
     show(context, Modal::new(Id::new(id)), Kind::LastingForm, content)
 }
 
-/// Whether Enter gives the usual answer to a question. It is for the button that has the keyboard if there is one.
+/// Whether Enter gives the usual answer to a question. A focused button takes Enter instead.
 pub fn is_entered(ui: &Ui) -> bool {
     ui.memory(|memory| memory.focused()).is_none()
         && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
@@ -65,28 +65,27 @@ enum Kind {
     LastingForm,
 }
 
-/// The time that a question takes to appear, seconds. On a slow machine it is hardly to be seen in its first frame.
+/// The time for which a question fades in, in seconds. On a slow machine it is hardly visible in its first frame.
 const FADE_IN: f64 = 0.2;
 
-/// How far a cover is on its way to be used.
+/// The readiness of a cover for input.
 #[derive(Clone, Copy, Debug, Default)]
 struct Progress {
     /// The last pass that showed it.
     pass: u64,
-    /// Whether it has been drawn. The first time it is only measured.
+    /// Whether it has been drawn. In its first pass it is only measured.
     is_drawn: bool,
-    /// The time of that, seconds.
+    /// The time of its first drawing, in seconds.
     drawn_at: f64,
-    /// Whether no key was held at some time after it could be seen.
+    /// Whether no key was held at some time after it was visible.
     were_keys_up: bool,
 }
 
-/// Whether keys are held, as the window says it.
+/// Whether keys are held, according to the window.
 #[derive(Clone, Copy)]
 struct KeysHeld(bool);
 
-/// Notes whether a key is held. egui does not learn of keys that are let go while another window is in front, or after
-/// Shift.
+/// Notes whether a key is held. egui misses keys that are released while another window is in front, or after Shift.
 pub fn note_keys(context: &Context, are_held: bool) {
     context.data_mut(|data| data.insert_temp(Id::NULL, KeysHeld(are_held)));
 }
@@ -103,7 +102,7 @@ fn show<R>(context: &Context, modal: Modal, kind: Kind, content: impl FnOnce(&mu
     let id = layer.id.with("progress");
     let pass = context.cumulative_pass_nr();
     let before: Option<Progress> = context.data(|data| data.get_temp(id));
-    // One that was not there in the last pass begins anew.
+    // A cover that was not shown in the last pass starts again.
     let before = before.filter(|before| before.pass + 1 >= pass);
     let mut progress = before.unwrap_or_default();
     let is_covered = before.is_some() && is_another_above(context, layer);
@@ -120,7 +119,7 @@ fn show<R>(context: &Context, modal: Modal, kind: Kind, content: impl FnOnce(&mu
     let leaves = || context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
     let closes = modal.response.should_close() || is_beside || !is_popup_open && leaves();
     if is_covered {
-        // They are for the other one.
+        // The withheld events are for the other cover.
         context.input_mut(|input| input.events.extend(withheld));
     }
     progress.pass = pass;
@@ -142,7 +141,7 @@ fn show<R>(context: &Context, modal: Modal, kind: Kind, content: impl FnOnce(&mu
 }
 
 impl Progress {
-    /// Whether an event is for the cover. A form that the user has opened takes what is typed at once.
+    /// Whether an event acts on the cover. A form that the user has opened takes typed keys at once.
     fn takes(&self, kind: Kind, event: &Event) -> bool {
         let is_answer = matches!(
             event,
@@ -151,7 +150,7 @@ impl Progress {
                 ..
             }
         );
-        // A key that is held since before it was open comes again and again.
+        // A key held since before the cover opened repeats.
         let is_repeated = matches!(event, Event::Key { repeat: true, .. });
         match kind {
             Kind::Question => !is_typed(event) || self.were_keys_up && !is_repeated,
@@ -165,7 +164,7 @@ fn is_another_above(context: &Context, layer: LayerId) -> bool {
     context.memory(|memory| memory.top_modal_layer().is_some() && !memory.is_above_modal_layer(layer))
 }
 
-/// Takes events away, and returns them.
+/// Removes events, and returns them.
 fn withhold(context: &Context, is_withheld: impl Fn(&Event) -> bool) -> Vec<Event> {
     context.input_mut(|input| {
         let events = std::mem::take(&mut input.events);
@@ -175,7 +174,7 @@ fn withhold(context: &Context, is_withheld: impl Fn(&Event) -> bool) -> Vec<Even
     })
 }
 
-/// Whether the event is of a key that goes down, or of what a key does.
+/// Whether the event is a key press, or an effect of one.
 pub(super) fn is_typed(event: &Event) -> bool {
     use Event::{Copy, Cut, Key, Paste, Text};
     matches!(event, Copy | Cut | Key { pressed: true, .. } | Paste(_) | Text(_))
@@ -188,7 +187,7 @@ mod tests {
 
     use super::*;
 
-    /// A question behind another, each with what it was answered: by Enter or by Esc.
+    /// A question behind another, each with its answer: by Enter or by Esc.
     #[derive(Default)]
     struct Shown {
         is_open: [bool; 2],
@@ -237,7 +236,7 @@ mod tests {
         for answer in [Key::Enter, Key::Escape] {
             let mut harness = questions();
             harness.state_mut().is_open[0] = true;
-            // It opens in the frame of the key, which is held, and comes again.
+            // It opens in the frame of the key, which is held and repeats.
             frame(&mut harness, &[key(answer, true)]);
             for _ in 0..4 {
                 frame(&mut harness, &[key(answer, true)]);

@@ -22,32 +22,32 @@ use crate::scene::FileKind;
 #[derive(Resource, Default)]
 pub struct Dialogs {
     open: Option<(FileDialogKind, FileDialog)>,
-    /// The folder in which a picture was last saved, and the scene that it is of.
+    /// The folder in which a picture was last saved, and its scene.
     image_folder: Option<(Option<PathBuf>, PathBuf)>,
     /// The format in which a picture was last saved.
     image_ending: Option<&'static str>,
     /// The folder from which a picture was last taken.
     picture_folder: Option<PathBuf>,
-    /// The folder from which something was last imported.
+    /// The folder of the last import.
     import_folder: Option<PathBuf>,
     /// The folder to which a scene was last exported.
     export_folder: Option<PathBuf>,
     /// The folder in which a missing file was last found.
     found_folder: Option<PathBuf>,
-    /// The folder in which a folder was last chosen.
+    /// The parent of the folder that was last chosen.
     around_folder: Option<PathBuf>,
 }
 
-/// What a dialog begins with.
+/// The inputs of a dialog's defaults.
 #[derive(Clone, Copy)]
 pub struct DialogModel<'a> {
     /// The file of the open scene.
     pub scene: Option<&'a Path>,
     /// The tone map of saved pictures.
     pub tone_map: ToneMap,
-    /// Whether pictures are denoised: those of radiance are then saved as sampled as well.
+    /// Whether pictures are denoised: radiance is then saved as sampled as well.
     pub denoises: bool,
-    /// The files that were open, the last first.
+    /// The recent files, the last first.
     pub recent: &'a [PathBuf],
 }
 
@@ -109,7 +109,7 @@ impl Dialogs {
         (self.open, requests.dialog, requests.sought) = (None, None, None);
     }
 
-    /// The folder that a dialog begins in.
+    /// The folder in which a dialog begins.
     fn start(&self, wanted: FileDialogKind, model: DialogModel) -> PathBuf {
         let last_of_scene = || {
             let (scene, folder) = self.image_folder.as_ref()?;
@@ -133,8 +133,8 @@ impl Dialogs {
     }
 }
 
-/// The folder to save in if the open scene is a sample, or has no file: that of the last file of one's own, or else the
-/// documents. None for other scenes, which have a folder.
+/// The folder for saves if the open scene is a sample, or has no file: the folder of the last file of the user's own,
+/// or else the documents. None for other scenes, which have a folder.
 fn own_folder(model: DialogModel) -> Option<PathBuf> {
     if model
         .scene
@@ -148,13 +148,13 @@ fn own_folder(model: DialogModel) -> Option<PathBuf> {
     last.or_else(|| documents(home.as_deref()?).or(home))
 }
 
-/// The folder for documents in a home folder: the one that the desktop has noted (`user-dirs.dirs` of freedesktop.org),
+/// The folder for documents in a home folder: the one in the desktop's settings (`user-dirs.dirs` of freedesktop.org),
 /// whose name depends on the language, or else `Documents`. None if neither is there.
 fn documents(home: &Path) -> Option<PathBuf> {
     let notes = read_text(&home.join(".config/user-dirs.dirs"), LARGEST_NOTE).unwrap_or_default();
     let noted = notes.lines().find_map(|line| {
         let name = line.trim().strip_prefix("XDG_DOCUMENTS_DIR=")?.trim_matches('"');
-        // Without `$HOME` it is absolute. The home folder itself stands for no folder.
+        // Without `$HOME` the name is absolute. The home folder itself means that there is none.
         let folder = home.join(
             name.strip_prefix("$HOME")
                 .map_or(name, |inside| inside.trim_start_matches('/')),
@@ -174,8 +174,7 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The folders that one can go to at once, each once: those of the scene, of samples and assets, one's own, and those
-/// of recent files.
+/// The shortcuts to folders, each once: of the scene, of samples and assets, of the user, and of recent files.
 fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
     let named = |name: &str, folder: PathBuf| (name.to_owned(), absolute(&folder), false);
     let called = |folder: PathBuf, is_recent: bool| {
@@ -202,7 +201,7 @@ fn places(scene: Option<&Path>, recent: &[PathBuf]) -> Vec<Place> {
         .chain(recent);
     let mut places: Vec<Place> = Vec::new();
     for (name, folder, is_recent) in all {
-        // Recent folders may be on a network that is slow or gone, and there may be many.
+        // Recent folders may be many, and on a network that is slow or gone, so that they are not checked.
         if (is_recent || folder.is_dir()) && !places.iter().any(|place| place.folder == folder) {
             let place = Place {
                 name,
@@ -253,7 +252,7 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
     })
 }
 
-/// What can be imported: meshes, scenes and environments.
+/// The extensions of files that can be imported: meshes, scenes and environments.
 const IMPORTS: &[&str] = &[
     "obj",
     "ply",
@@ -275,8 +274,7 @@ const IMAGES: &[(&str, &str)] = &[
     ("PFM, linear", "pfm"),
 ];
 
-/// The dialog, in the folder `start`. `ending`: that of the file of a picture; `sought`: the missing file that is to be
-/// found.
+/// The dialog, in the folder `start`. `ending`: the extension of a picture; `sought`: the missing file to find.
 fn opened(
     kind: FileDialogKind,
     model: DialogModel,

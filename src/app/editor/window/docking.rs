@@ -1,4 +1,4 @@
-//! The panels in their places: tabs that can be dragged, and what each of them shows.
+//! The dock of the panels: tabs that can be dragged, and the content of each.
 
 use bevy_egui::egui::{self, Color32, Id, Margin, RichText, Ui, WidgetText};
 use egui_dock::{DockArea, Style, TabStyle, TabViewer};
@@ -15,7 +15,7 @@ use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::viewport;
 use crate::document::Severity;
 
-/// The data that the panels show, and the commands that they give.
+/// The data of the panels, and the commands that they give.
 pub struct Panels<'a> {
     model: &'a Model,
     viewport: &'a ViewportModel<'a>,
@@ -23,9 +23,9 @@ pub struct Panels<'a> {
     state: &'a mut ViewportState,
     widgets: &'a mut Widgets,
     commands: &'a mut Vec<Command>,
-    /// The panels in front of their groups: only they have a button to close them.
+    /// The panels in front of their groups: only they have a close button.
     fronts: Vec<Panel>,
-    /// The panels whose titles are shortened, because those of their group have no room beside each other.
+    /// The panels whose titles are shortened, because the titles of their group do not fit.
     crowded: Vec<Panel>,
     /// The colour of the title of the messages while there are errors.
     error_color: Color32,
@@ -81,11 +81,11 @@ pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
         .show_inside(ui, &mut panels);
 }
 
-/// The points that a tab has around its title, and those of the button to close the one in front.
+/// The points around the title in a tab, and of the close button in the front tab.
 const AROUND_TITLE: f32 = 16.0;
 const CLOSE_BUTTON: f32 = 24.0;
 
-/// The panels behind others in groups whose titles are wider together than the group.
+/// The panels behind others in groups that are narrower than their titles.
 fn crowded(ui: &Ui, layout: &Layout, panels: &Panels) -> Vec<Panel> {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let width = |panel: &Panel| {
@@ -105,7 +105,7 @@ fn crowded(ui: &Ui, layout: &Layout, panels: &Panels) -> Vec<Panel> {
     crowded
 }
 
-/// The viewport has no title, unless other panels stand behind it.
+/// Hides the viewport's title bar, unless other panels are in its group.
 fn hide_lonely_bar(layout: &mut Layout) {
     for (_, leaf) in layout.0.iter_leaves_mut() {
         leaf.tab_bar_hidden = leaf.tabs == [Panel::Viewport];

@@ -31,9 +31,9 @@ pub fn take_dropped_files(mut events: MessageReader<FileDragAndDrop>, mut files:
 }
 
 impl DroppedFiles {
-    /// The commands of a drop. A first scene is opened if none is open, and of a single one it is asked otherwise
-    /// whether it is to be opened; everything else is added to the scene. `untouched` says that no file is open and
-    /// nothing was done.
+    /// The commands of a drop. A first scene is opened if none is open, and otherwise a single scene raises the
+    /// question whether to open it; all other files are added to the scene. `untouched`: no file is open, and nothing
+    /// was edited.
     pub fn commands(&mut self, untouched: bool) -> Vec<Command> {
         let is_scene = |path: &PathBuf| {
             let extension = path.extension().unwrap_or_default();
@@ -62,7 +62,7 @@ impl DroppedFiles {
     }
 }
 
-/// Says over the picture what letting go will do.
+/// Shows over the picture what a drop will do.
 pub fn hint(context: &egui::Context, place: Rect) {
     let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::new("dropped files"));
     let painter = context.layer_painter(layer).with_clip_rect(place);

@@ -1,5 +1,5 @@
-//! Keys of the window while a field or a list has the keyboard. What the field does not need is for the window, but
-//! first the field is left, so that what was typed counts before the scene is saved, undone or closed.
+//! Keys of the window while a field or a list has the keyboard. Keys that the field does not need act on the window,
+//! but first the field loses the focus, so that its value counts before the scene is saved, undone or closed.
 
 use bevy_egui::egui::{Context, Event, Key, Popup};
 
@@ -7,19 +7,19 @@ use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::input::actions::ACTIONS;
 use crate::app::editor::input::press::Press;
 
-/// What has the keyboard in place of the picture.
+/// The owner of the keyboard, if not the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keyboard {
     /// A field for texts or numbers.
     Text,
     /// A list or a menu that is open.
     Popup,
-    /// A button, a slider or the like.
+    /// A button, a slider or a similar widget.
     Widget,
 }
 
 impl Keyboard {
-    /// What has the keyboard at the end of a frame. `picture`: whether it is the picture.
+    /// The owner of the keyboard at the end of a frame. `picture`: whether it is the picture.
     pub fn of(context: &Context, picture: bool) -> Option<Self> {
         let is_elsewhere = !picture && context.memory(|memory| memory.focused()).is_some();
         match () {
@@ -30,7 +30,7 @@ impl Keyboard {
         }
     }
 
-    /// Whether it has a use of its own for the key.
+    /// Whether it uses the key itself.
     fn needs(self, press: &Press) -> bool {
         let (key, held) = (press.key, press.modifiers);
         let moves = matches!(
@@ -67,29 +67,29 @@ fn is_function_key(key: Key) -> bool {
     (Key::F1..=Key::F35).contains(&key)
 }
 
-/// Keys that wait until the field is left, and has said what was typed.
+/// Keys that wait until the field has lost the focus and reported its value.
 #[derive(Debug, Default)]
 pub struct FieldKeys {
     waiting: Vec<Press>,
     step: Step,
-    /// Whether a field was left because the window is to close.
+    /// Whether a field has lost the focus because the window is to close.
     has_left: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Step {
-    /// Nothing is being left.
+    /// No field is losing the focus.
     #[default]
     None,
-    /// The field is left at the end of this frame, so that it gets the letters of this frame.
+    /// The field loses the focus at the end of this frame, so that it gets the letters of this frame.
     Leaves,
-    /// It says in this frame what was typed.
+    /// The field reports its value in this frame.
     Says,
 }
 
 impl FieldKeys {
-    /// The keys that are for the window in this frame, of those that went down. `keyboard` is what had the keyboard at
-    /// the end of the last frame. To be called before the fields are shown.
+    /// The key presses that act on the window in this frame. `keyboard` is the owner of the keyboard at the end of the
+    /// last frame. To be called before the fields are shown.
     pub fn take(
         &mut self,
         context: &Context,
@@ -109,7 +109,7 @@ impl FieldKeys {
                 if let Some(first) = first {
                     self.waiting.extend_from_slice(&presses[first..]);
                     self.step = Step::Leaves;
-                    // Fields have uses for some of them that no user expects, such as Ctrl+H.
+                    // Fields use some of them in a manner that no user expects, such as Ctrl+H.
                     forget(context, &self.waiting);
                 }
                 Vec::new()
@@ -126,13 +126,13 @@ impl FieldKeys {
         }
     }
 
-    /// Drops the keys that wait, because a question covers the window.
+    /// Drops the waiting keys, because a question covers the window.
     pub fn drop_waiting(&mut self) {
         self.waiting.clear();
     }
 
-    /// Leaves the field that has the keyboard. True once what was typed has been said: then the window may close. It is
-    /// left only once until then, because some fields take the keyboard in every frame.
+    /// Takes the focus from the field. Returns true once its value is reported: then the window may close. The focus is
+    /// taken only once until then, because some fields request it in every frame.
     pub fn is_left(&mut self, keyboard: Option<Keyboard>) -> bool {
         if self.step == Step::None && keyboard == Some(Keyboard::Text) && !self.has_left {
             self.step = Step::Leaves;
@@ -141,7 +141,7 @@ impl FieldKeys {
         !self.has_left
     }
 
-    /// To be called after everything is shown.
+    /// Ends the frame, after all widgets are shown.
     pub fn end_frame(&mut self, context: &Context) {
         self.step = match self.step {
             Step::None => return,
@@ -158,7 +158,7 @@ impl FieldKeys {
     }
 }
 
-/// Leaves the field before a press of the mouse elsewhere is acted on, which may show other things in its place.
+/// Takes the focus from the field before a press elsewhere acts, which may replace the field.
 fn leave_pressed_beside(context: &Context) {
     let Some(focused) = context.memory(|memory| memory.focused()) else {
         return;
@@ -176,7 +176,7 @@ fn leave_pressed_beside(context: &Context) {
     }
 }
 
-/// Takes the events of these keys away.
+/// Removes the events of these keys.
 fn forget(context: &Context, presses: &[Press]) {
     let is_one = |event: &Event| match event {
         Event::Key { key, pressed: true, .. } => presses.iter().any(|press| press.key == *key),
@@ -195,7 +195,7 @@ mod tests {
     use crate::app::editor::command::key_bindings::NO_BINDINGS;
     use crate::app::editor::input::number_field::{Meaning, number};
 
-    /// A number as in a panel, what had the keyboard, and what came of keys and texts in which order.
+    /// A number as in a panel, the owner of the keyboard, and the effects of keys and texts in order.
     struct Shown {
         value: f32,
         keys: FieldKeys,
@@ -330,7 +330,7 @@ mod tests {
             assert_eq!(harness.state().said, [""; 0], "{pressed:?}");
             assert_eq!(harness.state().keyboard, Some(Keyboard::Text), "{pressed:?}");
         }
-        // Without a field the same keys are for the window.
+        // Without a field the same keys act on the window.
         let mut harness = panel();
         frame(&mut harness, Modifiers::NONE, &key(Key::Delete, Modifiers::NONE));
         assert_eq!(harness.state().said, ["Delete"]);
@@ -364,7 +364,7 @@ mod tests {
         assert!(harness.state_mut().keys.is_left(keyboard));
     }
 
-    /// The palette does that, for instance.
+    /// The palette is such a field, for instance.
     #[test]
     fn a_window_closes_although_a_field_takes_the_keyboard_in_every_frame() {
         #[derive(Default)]
@@ -387,7 +387,7 @@ mod tests {
             .build_ui_state(show, Window::default());
         harness.run_steps(3);
         assert_eq!(harness.state().keyboard, Some(Keyboard::Text));
-        // The first time the question that follows may have been cancelled.
+        // In the first turn the question that follows may have been cancelled.
         for _ in 0..2 {
             harness.state_mut().closes = true;
             harness.run_steps(6);

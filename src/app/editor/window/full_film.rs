@@ -1,4 +1,4 @@
-//! The question before a large film is traced in full, and the progress of a full film that is waited for to be saved.
+//! The question before a large film is traced in full, and the progress of a full film that will be saved.
 
 use bevy_egui::egui::{self, Align2, Area, Frame, Id, ProgressBar, Rect};
 
@@ -49,7 +49,7 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(320.0);
                 let size = status.status.full_size;
-                // The filter does not report its progress.
+                // The denoiser does not report its progress.
                 let is_filtered = image.is_denoised && status.status.rests() && status.status.size == size;
                 let does = if is_filtered { "Denoising" } else { "Rendering all" };
                 ui.label(format!(

@@ -1,5 +1,5 @@
-//! The guards that hold back commands which would lose something, above all the command to quit, until a question is
-//! answered or work has ended.
+//! The guards that hold back commands which would lose edits or results, above all the command to quit, until a
+//! question is answered or work has ended.
 
 use bevy_egui::egui;
 
@@ -15,7 +15,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::words::times::last_saved;
 
-/// The guards, in their order: a command that one hands on may be held back by the next.
+/// The guards, in their order: a command that one passes on may be held back by the next.
 #[derive(Default)]
 pub struct Guards {
     bake: BakeQuestion,
@@ -30,8 +30,8 @@ impl Guards {
         self.bake.is_asking() || self.edits.is_asking() || self.picture.is_asking()
     }
 
-    /// Holds back commands of this frame, shows the questions, and adds the commands that are free again. `ended`: how
-    /// the last image that was waited for has ended.
+    /// Holds back commands of this frame, shows the questions, and adds the released commands. `ended`: the result of
+    /// the last awaited image.
     pub fn apply(
         &mut self,
         context: &egui::Context,
@@ -59,7 +59,7 @@ impl Guards {
             saves_handled: requests.saves_handled,
         };
         if self.edits.show(context, unsaved, commands) {
-            // How to save them is no question any more.
+            // The question how to save them is obsolete.
             requests.save_question = None;
         }
         self.picture.hold(commands, kept.is_offered);

@@ -1,4 +1,4 @@
-//! Quitting waits for an image that gets its full film, so that it is not lost.
+//! Quitting waits for an image that gets its full film, so that the image is not lost.
 
 use crate::app::editor::command::{Command, FileCommand};
 use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
@@ -11,9 +11,9 @@ pub struct LateQuit {
 }
 
 impl LateQuit {
-    /// Holds back the command to quit while an image is awaited, until it is saved. A second command gives the image
-    /// up. An image that is not saved leaves the window open. `ended` is how the last image ended. To be called
-    /// before the question about unsaved edits, which holds back what this adds.
+    /// Holds back the command to quit while an image is awaited, until it is saved. A second command cancels the image.
+    /// An image that is not saved leaves the window open. `ended` is the result of the last image. To be called before
+    /// the question about unsaved edits, which may hold the command back again.
     pub fn hold(
         &mut self,
         commands: &mut Vec<Command>,

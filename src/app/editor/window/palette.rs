@@ -1,4 +1,4 @@
-//! The command palette: a few letters find an action, a scene file or a thing in the scene. Used without the mouse.
+//! The command palette: a few letters find an action, a scene file or a thing in the scene. Used with the keyboard.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use crate::app::editor::command::{Command, FileCommand, SelectionCommand};
 use crate::app::editor::input::actions::{ACTIONS, Action, ActionContext, Group, Shortcut};
 use crate::app::editor::model::{Item, Model};
 
-/// The query, and the chosen line.
+/// The query, and the selected row.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Palette {
     query: String,
     chosen: usize,
 }
 
-/// A line of the list.
+/// A row of the list.
 #[derive(Clone, Copy)]
 pub enum Hit<'a> {
     /// An action of the table.
@@ -50,7 +50,7 @@ impl Hit<'_> {
         }
     }
 
-    /// The command. None: there is nothing to apply it to.
+    /// The command of the hit. None if it has nothing to apply to.
     fn command(&self, context: &ActionContext) -> Option<Command> {
         match self {
             Self::Action(action) => (action.command)(context),
@@ -62,7 +62,7 @@ impl Hit<'_> {
     /// The quality of the match; None if it does not match.
     fn score(&self, query: &str, bound: &KeyBindings) -> Option<i32> {
         match self {
-            // Actions before files and things that are called the same.
+            // Actions before files and things of the same name.
             Self::Action(action) => {
                 let keys = action.keys_in(bound).iter().map(Shortcut::text);
                 let keys = keys.collect::<Vec<_>>().join(" ");
@@ -76,7 +76,7 @@ impl Hit<'_> {
     }
 }
 
-/// The label of an action; "Add" is left out in the menu with that title.
+/// The label of an action; without "Add" in the menu of that title.
 fn title(action: &Action) -> String {
     match action.group {
         Group::Add if action.name.starts_with("add-") => {
@@ -129,7 +129,7 @@ fn score_word(word: &str, text: &str) -> Option<i32> {
     Some(score)
 }
 
-/// The hits, best first; without a query everything that is in the menus.
+/// The hits, best first; without a query all entries of the menus.
 pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf], bound: &KeyBindings) -> Vec<Hit<'a>> {
     let actions = ACTIONS.iter().map(Hit::Action);
     if query.trim().is_empty() {
@@ -156,7 +156,7 @@ const WIDTH: f32 = 520.0;
 const LINES: usize = 12;
 
 impl Palette {
-    /// Shows the palette; false when it is to be closed.
+    /// Shows the palette; returns false when it is to be closed.
     pub fn show(
         &mut self,
         context: &egui::Context,
@@ -168,7 +168,7 @@ impl Palette {
         let id = Id::new("palette");
         let area = Modal::default_area(id).anchor(Align2::CENTER_TOP, egui::vec2(0.0, 60.0));
         let modal = dialog::form(context, Modal::new(id).area(area), |ui| {
-            // The list's keys, before the text field sees them.
+            // The keys of the list are consumed before the text field gets them.
             let pressed = |key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
             let (up, down, accepted) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter) > 0);
             ui.set_width(WIDTH.min(ui.ctx().content_rect().width() - 40.0));
@@ -198,7 +198,7 @@ impl Palette {
     }
 }
 
-/// The line that was clicked.
+/// Shows the list; returns the clicked row.
 fn list<'a>(ui: &mut Ui, hits: &[Hit<'a>], chosen: usize, moved: bool, actions: &ActionContext) -> Option<Hit<'a>> {
     if hits.is_empty() {
         ui.weak("Nothing is called so.");

@@ -1,4 +1,4 @@
-//! The question what to do with a picture that is not finished. Closing the window waits until it is answered.
+//! The question what to do with an unfinished picture. Closing the window waits until it is answered.
 
 use bevy_egui::egui;
 
@@ -19,7 +19,7 @@ impl PictureQuestion {
     }
 
     /// Holds back the command to quit, if the picture can be kept and is worth it. To be called after the question
-    /// about unsaved edits, which hands the command on.
+    /// about unsaved edits, which passes the command on.
     pub fn hold(&mut self, commands: &mut Vec<Command>, is_worth_it: bool) {
         if is_worth_it && commands.contains(&Command::from(FileCommand::Quit)) {
             commands.retain(|command| *command != Command::from(FileCommand::Quit));
@@ -27,7 +27,7 @@ impl PictureQuestion {
         }
     }
 
-    /// Shows the question. `seconds`: how long the picture was rendered. To be called after [`Self::hold`].
+    /// Shows the question. `seconds` is the picture's time of rendering. To be called after [`Self::hold`].
     pub fn show(&mut self, context: &egui::Context, seconds: f64, commands: &mut Vec<Command>) {
         if !self.is_asking {
             return;

@@ -14,9 +14,9 @@ use crate::app::editor::input;
 use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::state::ViewportState;
 
-/// Adds egui and what the window shows.
+/// Adds egui and the window's panels.
 pub(crate) struct WindowPlugin {
-    /// Whether the pointer is steered as for a user.
+    /// Whether the program may move and hide the pointer, as for a user.
     pub is_live: bool,
 }
 
@@ -53,8 +53,8 @@ impl Plugin for WindowPlugin {
     }
 }
 
-/// egui is drawn by a camera; it sees nothing else. egui smooths its edges itself: multisampling would only cost, on a
-/// software driver most of a frame's time.
+/// The camera that egui is drawn by, and nothing else. egui smooths its edges itself: multisampling would only cost, on
+/// a software driver most of a frame's time.
 fn spawn_camera(mut commands: Commands) {
     commands.spawn((Camera2d, Msaa::Off));
 }

@@ -1,6 +1,6 @@
-//! Pictures of materials, of the scene and of the library. Those of the library come with the program; the user's own
-//! are kept between runs. All others are rendered one after the other on a thread of the lowest priority, shown as they
-//! improve, and begun anew when their material changes.
+//! Pictures of materials, of the scene and of the library. Those of the library are shipped with the program; the
+//! user's own are cached between runs. All others are rendered one after the other on a thread of the lowest priority,
+//! shown as they improve, and restarted when their material changes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::picture_cache::PictureCache;
 use crate::engine::{PackedScene, WakeUp};
 
-/// The quality for the inspected material, those inside it and those of the library; below for those in the list.
+/// The quality for the inspected material, nested ones and those of the library; below for those in the list.
 const BEST: Quality = Quality {
     edge: 160,
     samples: 128,
@@ -41,7 +41,7 @@ struct Picture {
     look: BallMaterial,
     texture: egui::TextureHandle,
     quality: Quality,
-    /// It came with the program.
+    /// Whether it is shipped with the program.
     is_shipped: bool,
 }
 
@@ -50,7 +50,7 @@ pub struct Previews {
     pictures: HashMap<Ball, Picture>,
     presets: Looks,
     work: Option<Work>,
-    /// The material whose thread ended too early: another attempt would fail as well.
+    /// The material whose thread ended early: another attempt would fail as well.
     given_up: Option<BallMaterial>,
     /// The library while it is being read.
     library: Option<Task<Library>>,
@@ -58,10 +58,10 @@ pub struct Previews {
     are_done: bool,
 }
 
-/// The looks of the materials of the library, in its order, and under which keys their pictures are kept.
+/// The library's materials, in its order, with the keys of their cached pictures.
 type Looks = Vec<(BallMaterial, Arc<str>)>;
 
-/// The looks, and the pictures that came with the program, by key.
+/// The materials, and the shipped pictures, by key.
 type Library = (Looks, HashMap<&'static str, egui::ColorImage>);
 
 fn read_library(presets: &[Preset]) -> Library {
@@ -96,7 +96,7 @@ pub fn update_previews(
         if let Some(picture) = previews.pictures.get_mut(ball)
             && picture.look == *look
         {
-            // The next comparison is then one of two pointers.
+            // The next comparison then compares two pointers.
             picture.look = look.clone();
         }
     }
@@ -112,7 +112,7 @@ pub fn update_previews(
     Ok(())
 }
 
-/// A picture that is visible.
+/// A visible picture.
 struct Wanted {
     ball: Ball,
     look: BallMaterial,
@@ -168,13 +168,13 @@ impl Quality {
 }
 
 impl Previews {
-    /// Whether nothing is being rendered or waits to be.
+    /// Whether no picture is being rendered or waits.
     pub fn are_done(&self) -> bool {
         self.are_done
     }
 
-    /// Packs the library's materials, once, and takes the pictures that came with the program. That is done on another
-    /// thread: it takes longer than a frame may.
+    /// Packs the library's materials, once, and loads the shipped pictures, on another thread: it takes longer than a
+    /// frame.
     fn load_library(&mut self, model: &Model, context: &egui::Context, wake_up: &WakeUp) {
         if self.presets.len() == model.presets.len() {
             return;
@@ -206,8 +206,7 @@ impl Previews {
         }
     }
 
-    /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was
-    /// rendered from, with their textures.
+    /// Drops pictures of materials that are no longer in the scene: each keeps its tables alive, with their textures.
     fn let_go(&mut self, packed: &PackedScene, wanted: &[Wanted]) {
         self.pictures.retain(|ball, _| match ball {
             Ball::Material(entity) => packed.material_of_entity.contains_key(entity),
@@ -226,8 +225,8 @@ impl Previews {
         pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
     }
 
-    /// The next picture to render. Rough ones of all come before a fine one of any. While the user works, only what is
-    /// inspected is rendered: the picture of the scene comes first.
+    /// The next picture to render. Rough ones of all come before a fine one of any. While the user works, only pictures
+    /// of the inspected material are rendered: the picture of the scene comes first.
     fn next<'w>(&self, wanted: &'w [Wanted], rests: bool) -> Option<(&'w Wanted, Quality)> {
         let rough = |wanted: &Wanted| Quality {
             samples: ROUGH,
@@ -243,7 +242,7 @@ impl Previews {
         })
     }
 
-    /// Takes finished passes; true if no more will come.
+    /// Takes finished passes; returns true if no more will come.
     fn take_passes(&mut self, context: &egui::Context) -> bool {
         let Some(work) = &self.work else {
             return false;
@@ -262,7 +261,7 @@ impl Previews {
             };
             let options = egui::TextureOptions::LINEAR;
             match self.pictures.get_mut(&work.ball) {
-                // A picture that is begun anew to become better takes over when it is.
+                // A picture that is rendered again for better quality replaces the old one when it is better.
                 Some(picture) if picture.look == work.look && picture.quality.reaches(quality) => {}
                 Some(picture) => {
                     picture.texture.set(image, options);
@@ -328,7 +327,7 @@ mod tests {
         let (next, _) = previews.next(&wanted, true).expect("one is missing");
         assert_eq!(next.ball, Ball::Preset(3));
         assert_eq!(previews.shown().len(), model.presets.len() - 1);
-        // They are not forgotten when many others are shown, because they would have to be rendered then.
+        // Shipped pictures stay when many others are shown, because they would have to be rendered then.
         previews.let_go(&PackedScene::default(), &[]);
         assert_eq!(previews.shown().len(), model.presets.len() - 1);
     }

@@ -17,7 +17,7 @@ use crate::render::tonemap::Display;
 /// The quality of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quality {
-    /// The edge in pixels: sharp at twice the size that it has in points.
+    /// The edge in pixels: sharp at twice its size in points.
     pub edge: u32,
     /// The samples of a pixel.
     pub samples: u32,
@@ -26,17 +26,17 @@ pub(super) struct Quality {
 /// The samples that all pictures get before any gets more.
 pub(super) const ROUGH: u32 = 4;
 
-/// A picture under way.
+/// A picture that is being rendered.
 pub(super) struct Work {
     pub ball: Ball,
     pub look: BallMaterial,
-    /// The quality that it will have in the end.
+    /// Its final quality.
     pub quality: Quality,
     cancel: Arc<AtomicBool>,
     pub passes: Receiver<Pass>,
 }
 
-/// A picture that is better than the one before.
+/// The picture after another pass.
 pub(super) struct Pass {
     pub samples: u32,
     pub image: egui::ColorImage,
@@ -48,7 +48,7 @@ impl Drop for Work {
     }
 }
 
-/// `kept`: where the picture is kept between runs, and its name there.
+/// Starts the rendering. `kept`: the cache of pictures, and the key in it.
 pub(super) fn start(
     ball: Ball,
     look: BallMaterial,
@@ -60,7 +60,7 @@ pub(super) fn start(
     let (sender, passes) = unbounded();
     let (flag, shown) = (cancel.clone(), look.clone());
     let work = move || {
-        // A first picture must appear soon, so that its thread yields only to the window.
+        // A first picture must appear soon, so that its thread yields to the window only.
         if quality.samples <= ROUGH {
             yield_to_window();
         } else {
@@ -70,7 +70,7 @@ pub(super) fn start(
             Some((key, cache)) => render_or_take(&shown, quality, (key, cache), &flag, &sender, &wake_up),
             None => drop(render(&shown, quality, &flag, &sender, &wake_up)),
         }
-        // The channel is closed before the window looks again.
+        // The channel is closed before the window polls it again.
         drop(sender);
         wake(&wake_up);
     };
@@ -89,7 +89,7 @@ pub(super) fn start(
     }
 }
 
-/// Takes the picture of an earlier run, or renders one and keeps it when it is finished.
+/// Takes the picture from the cache, or renders and caches it.
 fn render_or_take(
     look: &BallMaterial,
     quality: Quality,
@@ -113,8 +113,8 @@ fn render_or_take(
     }
 }
 
-/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no
-/// longer needed. Returns the last.
+/// Renders in passes, each doubling the samples, until there are enough or the picture is no longer needed. Returns the
+/// last.
 fn render(
     look: &BallMaterial,
     quality: Quality,

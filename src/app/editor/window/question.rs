@@ -1,7 +1,7 @@
-//! Questions as data: a heading, answers with what each does, and one row of buttons.
+//! Questions as data: a heading, answers with their consequences, and one row of buttons.
 //!
-//! All questions look alike. An answer that loses something stands at the left, apart from the others; the usual answer
-//! stands at the right, in the colour of the primary button.
+//! All questions look alike. A destructive answer stands at the left, apart from the others; the usual answer stands at
+//! the right, in the colour of the primary button.
 
 use std::borrow::Cow;
 
@@ -15,7 +15,7 @@ use crate::app::editor::panels::look;
 enum Role {
     /// The usual answer: the rightmost button, in the accent colour.
     Primary,
-    /// An answer that loses something: at the left, in the colour of errors.
+    /// A destructive answer: at the left, in the colour of errors.
     Danger,
     /// Another answer, left of the primary one.
     Other,
@@ -23,7 +23,7 @@ enum Role {
     Cancel,
 }
 
-/// An answer to a question, and the value that stands for it.
+/// An answer to a question, and the value that it returns.
 pub struct Answer<A> {
     label: String,
     name: Option<&'static str>,
@@ -52,7 +52,7 @@ impl<A> Answer<A> {
         Self::new(Role::Primary, label, value)
     }
 
-    /// An answer that loses something.
+    /// A destructive answer.
     pub fn danger(label: impl Into<String>, value: A) -> Self {
         Self::new(Role::Danger, label, value)
     }
@@ -67,25 +67,25 @@ impl<A> Answer<A> {
         Self::new(Role::Cancel, label, value).help("Esc")
     }
 
-    /// What the answer does, as the rest of a sentence behind its name.
+    /// Sets the consequence of the answer, as the rest of a sentence after its name.
     pub fn does(mut self, consequence: impl Into<Cow<'static, str>>) -> Self {
         self.consequence = Some(consequence.into());
         self
     }
 
-    /// The name before the consequence, where it is not the label without its dots.
+    /// Sets the name before the consequence, if it is not the label without its dots.
     pub fn named(mut self, name: &'static str) -> Self {
         self.name = Some(name);
         self
     }
 
-    /// The text that is shown while the pointer is over the button.
+    /// Sets the tool tip of the button.
     pub fn help(mut self, help: &'static str) -> Self {
         self.help = Some(help);
         self
     }
 
-    /// Enter gives this answer, unless a button has the keyboard.
+    /// Makes Enter give this answer, unless a button has the keyboard.
     pub fn on_enter(mut self) -> Self {
         self.is_entered = true;
         self

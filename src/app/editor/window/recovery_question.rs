@@ -1,4 +1,4 @@
-//! The question what to do with edits that were written aside, and the list of all of them.
+//! The question about an autosave, and the list of all autosaves.
 
 use bevy_egui::egui::{self, Button, Id, Modal, RichText, ScrollArea, Ui};
 
@@ -11,7 +11,7 @@ use crate::app::editor::session::recovery_words::{
     about_file, count_of, scene_of, short_names, time_and_age, time_of, times_of, with_age,
 };
 
-/// Asks what to do with the edits; `offer` is None once that is answered. True if the user put it off.
+/// Asks what to do with an autosave; `offer` becomes None once it is answered. Returns true if the user postponed it.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) -> bool {
     let Some(asked) = offer else {
         return false;
@@ -55,10 +55,10 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
     is_put_off
 }
 
-/// What a user who has put the question off is told.
+/// The message after the question was postponed.
 pub(crate) const PUT_OFF: &str = "The copy of the edits stays: File > Recover has it.";
 
-/// The list of all copies; false when it is to be closed.
+/// Lists all autosaves; returns false when the list is to be closed.
 pub fn list(context: &egui::Context, left: &[Offer], commands: &mut Vec<Command>) -> bool {
     let before = commands.len();
     let modal = dialog::form(context, Modal::new(Id::new("recovery list")), |ui| {
@@ -106,10 +106,10 @@ fn ask_button(ui: &mut Ui, button: Button, offer: &Offer, commands: &mut Vec<Com
     }
 }
 
-/// The most copies that the start page lists.
+/// The most autosaves that the start page lists.
 const MOST_SHOWN: usize = 4;
 
-/// What the start page says of the copies; nothing if there are none.
+/// The section of the start page about autosaves; nothing if there are none.
 pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Command>) {
     if left.is_empty() {
         return;

@@ -1,5 +1,5 @@
 //! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of
-//! either side; and whether to save one of which there are other edits to recover.
+//! either side; and whether to save over a scene with an autosave.
 
 use bevy_egui::egui;
 
@@ -15,7 +15,7 @@ pub fn show(context: &egui::Context, requests: &mut Requests, commands: &mut Vec
         return;
     };
     if question.is_naming {
-        // The dialog is closed, with a name or without.
+        // The dialog is closed, with a name chosen or not.
         if requests.dialog.is_none() {
             requests.save_question = None;
         }
@@ -79,7 +79,7 @@ fn about_change(can_merge: bool) -> Question<Choice> {
     }
 }
 
-/// The edits of the window may be newer than the copy.
+/// The question about an autosave, which may be older than the window's edits.
 fn about_copy(copy: Offer) -> Question<Choice> {
     Question {
         id: "newer copy",

@@ -1,4 +1,4 @@
-//! The question what is to be done with a whole scene that was dropped on the picture.
+//! The question whether to add or open a scene that was dropped on the picture.
 
 use bevy_egui::egui;
 

@@ -26,7 +26,7 @@ use crate::app::editor::panels::series::series;
 /// The width of the preferences and of the missing files, in points.
 const WIDTH: f32 = 480.0;
 
-/// The data of the sheets beside the model.
+/// The data of the sheets besides the model.
 #[derive(Clone, Copy)]
 pub struct SheetModel<'a> {
     pub actions: ActionContext<'a>,
@@ -104,7 +104,7 @@ pub fn show(
     }
 }
 
-/// Shows a form, whose content returns true when it is done with; false when it is to be closed.
+/// Shows a form, whose content returns true when it is finished; returns false when it is to be closed.
 fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl FnOnce(&mut Ui) -> bool) -> bool {
     let modal = dialog::form(context, Modal::new(Id::new(title)), |ui| {
         ui.set_width(320.0);
@@ -117,7 +117,8 @@ fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl
     !modal.should_close()
 }
 
-/// Shows the preferences or the list of keys, with tabs to switch between both; false when they are to be closed.
+/// Shows the preferences or the list of keys, with tabs to switch between both; returns false when they are to be
+/// closed.
 fn pages(
     context: &egui::Context,
     shown: SheetModel,

@@ -9,7 +9,7 @@ use crate::app::editor::input::actions::bindings::FLIGHT;
 use crate::app::editor::input::actions::{self, ACTIONS, Action, Group, Shortcut};
 use crate::app::editor::input::drags::drags;
 
-/// Controls that are no actions: held keys, and the mouse.
+/// Controls that are no actions: held keys, and mouse drags.
 const CONTROLS: [(&str, &str); 12] = [
     ("Shift, Ctrl", "while flying: fast, slow"),
     ("Wheel", "Towards the pointer"),
@@ -29,7 +29,7 @@ const CONTROLS: [(&str, &str); 12] = [
 const COLUMN_WIDTH: f32 = 268.0;
 /// The height of a line, in points.
 const LINE: f32 = 17.0;
-/// The lines that a heading takes together with the gap after its group.
+/// The rows of a heading and of the gap after its group.
 const AROUND: usize = 2;
 /// The size of the letters, in points.
 const KEY_SIZE: f32 = 11.5;
@@ -60,7 +60,7 @@ fn groups(preset: NavigationPreset, bound: &KeyBindings) -> Column {
     groups
 }
 
-/// The groups in so many columns at most, which are as short as can be.
+/// The groups in at most so many columns, which are as short as possible.
 fn columns(groups: &Column, most: usize) -> Vec<Column> {
     let tallest = groups.iter().map(height).max().unwrap_or(0);
     let all: usize = groups.iter().map(height).sum();
@@ -75,7 +75,7 @@ fn height(group: &(&str, Lines)) -> usize {
     group.1.len() + AROUND
 }
 
-/// Each group in the first column that has room for it.
+/// Puts each group into the first column with room for it.
 fn filled(groups: &Column, tallest: usize) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
     for group in groups {
@@ -88,7 +88,7 @@ fn filled(groups: &Column, tallest: usize) -> Vec<Column> {
     columns
 }
 
-/// The keys of an action. Those of the numeric keypad are left out if there are others.
+/// The keys of an action, without those of the numeric keypad if there are others.
 fn keys(action: &Action, bound: &KeyBindings) -> String {
     let all: Vec<String> = action.keys_in(bound).iter().map(Shortcut::text).collect();
     let is_plain = |text: &&String| !text.contains("Numpad");
@@ -100,7 +100,7 @@ fn keys(action: &Action, bound: &KeyBindings) -> String {
     }
 }
 
-/// The lines about flying and about typed amounts, whose keys can be chosen.
+/// The rows about flying and typed amounts, whose keys can be changed.
 fn flying(bound: &KeyBindings) -> Lines {
     let [[left, right], [up, down], [ahead, back]] =
         FLIGHT.map(|ways| ways.map(|way| way.keys(bound).first().map(Shortcut::text).unwrap_or_default()));
@@ -123,7 +123,7 @@ fn clipboard() -> Lines {
         .into()
 }
 
-/// Shows the overview; false when it is to be closed.
+/// Shows the overview; returns false when it is to be closed.
 pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyBindings) -> bool {
     let closing = actions::find("shortcuts").map_or(&[][..], |action| action.keys_in(bound));
     let is_pressed_again = |input: &mut InputState| {
@@ -135,7 +135,7 @@ pub fn shortcuts(context: &egui::Context, preset: NavigationPreset, bound: &KeyB
                 command: key.command,
                 ..Modifiers::NONE
             };
-            // Not every keyboard needs Shift for the question mark.
+            // Some keyboards have the question mark without Shift.
             let is_bare = key.key == Key::Questionmark && input.consume_key(Modifiers::NONE, key.key);
             is_bare || input.consume_key(modifiers, key.key)
         })

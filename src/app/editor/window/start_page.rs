@@ -1,4 +1,4 @@
-//! The start page: sample scenes with pictures, the files that were open last, and the tutorial.
+//! The start page: sample scenes with pictures, recent files, and the tutorial.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ const GAP: f32 = 8.0;
 const RECENT_WIDTH: f32 = 260.0;
 const MOST_RECENT: usize = 8;
 
-/// Shows the page; false when it is to be closed. `presses`: the keys that went down in this frame.
+/// Shows the page; returns false when it is to be closed. `presses`: the key presses of this frame.
 pub fn show(
     context: &egui::Context,
     preferences: &Preferences,
@@ -61,7 +61,7 @@ pub fn show(
             ui.vertical(|ui| {
                 ui.set_width(RECENT_WIDTH - GAP);
                 recovery_question::on_start_page(ui, left, commands);
-                // Work that would be lost comes first.
+                // Unsaved work comes first.
                 let first = match preferences.recent_files.is_empty() {
                     _ if !left.is_empty() => None,
                     true => Some("tutorial"),
@@ -95,7 +95,7 @@ pub fn show(
     !(modal.inner || opens || modal.should_close())
 }
 
-/// A text that begins where the pictures do, which are in buttons.
+/// A text aligned with the pictures, which are inset in buttons.
 fn title_of_picture(ui: &mut Ui, text: RichText) {
     ui.horizontal(|ui| {
         let padding = ui.spacing().button_padding.x;
@@ -142,7 +142,7 @@ fn picture(context: &egui::Context, sample: &Sample) -> Option<TextureHandle> {
     Some(texture)
 }
 
-/// The choice of what drags in the picture do.
+/// The choice of the navigation preset.
 fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let label = ui.label("Navigate as in");
@@ -163,7 +163,7 @@ fn mouse(ui: &mut Ui, chosen: NavigationPreset, commands: &mut Vec<Command>) {
     ui.add_space(GAP);
 }
 
-/// The ways to begin, by buttons and by their keys; true if one was chosen. `first`: what most users want.
+/// Shows the buttons to start with, which have keys; returns true if one was chosen. `first`: the button of most users.
 fn begin(
     ui: &mut Ui,
     context: &ActionContext,

@@ -1,6 +1,6 @@
 //! The look of the panels: quiet and without a hue, so that the picture is judged against a neutral grey. Texts have a
-//! contrast of at least 4.5 to 1 against what they stand on (WCAG 2.2, level AA), and are at least 11 points high;
-//! tests hold both.
+//! contrast of at least 4.5 to 1 against their background (WCAG 2.2, level AA), and are at least 11 points high; tests
+//! hold both.
 
 use bevy::prelude::*;
 use bevy::window::{PrimaryWindow, WindowTheme};
@@ -13,7 +13,7 @@ use crate::app::editor::command::preferences::{Preferences, ThemeChoice, UI_SCAL
 
 /// The size of the smallest texts, in points.
 const SMALL: f32 = 11.0;
-/// How much the dark letters of the light theme are thickened: egui's font is a light one.
+/// The factor by which the dark letters of the light theme are thickened: egui's font is a light one.
 const DARK_LETTERS: f32 = 0.65;
 
 pub fn set_styles(mut contexts: EguiContexts) -> Result {
@@ -24,7 +24,7 @@ pub fn set_styles(mut contexts: EguiContexts) -> Result {
     Ok(())
 }
 
-/// Turns egui's style of a theme into ours.
+/// Changes egui's style of a theme to the editor's.
 fn set_style(style: &mut Style, theme: Theme) {
     style.spacing.item_spacing = egui::vec2(6.0, 4.0);
     style.spacing.slider_width = 96.0;
@@ -64,19 +64,19 @@ fn set_style(style: &mut Style, theme: Theme) {
     }
 }
 
-/// The greys of a field. They hardly differ from a light panel, so that fields have an edge.
+/// The greys of a field, which hardly differ from a light panel, so that fields have an edge.
 fn field(widget: &mut WidgetVisuals, fill: u8, edge: u8) {
     widget.weak_bg_fill = Color32::from_gray(fill);
     widget.bg_fill = Color32::from_gray(fill);
     widget.bg_stroke = Stroke::new(1.0, Color32::from_gray(edge));
 }
 
-/// Keeps the scale of the preferences and that of egui, which has keys of its own for it, in step.
+/// Synchronizes the scale of the preferences with that of egui, which has keys of its own for it.
 #[derive(Default)]
 pub enum Scale {
     #[default]
     Unknown,
-    /// The scale was given to egui, which applies it at the beginning of the next frame.
+    /// The scale was set in egui, which applies it at the beginning of the next frame.
     Told(f32),
     Taken(f32),
 }

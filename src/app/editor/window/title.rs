@@ -7,7 +7,7 @@ use crate::app::editor::model::EditorModel;
 
 const PROGRAM: &str = "Sunroom";
 
-/// The title, such as `room.xml* - Sunroom`. A scene without a file is called so once it has edits.
+/// The title, such as `room.xml* - Sunroom`. A scene without a file is named so once it has edits.
 pub fn title(file: Option<&str>, unsaved: bool) -> String {
     let mark = if unsaved { "*" } else { "" };
     match (file, unsaved) {

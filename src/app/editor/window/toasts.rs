@@ -1,4 +1,4 @@
-//! Messages over the picture that go by themselves, and errors that stay until they are dismissed or mended.
+//! Messages over the picture that disappear by themselves, and errors that stay until they are dismissed or solved.
 
 use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
 
@@ -10,17 +10,17 @@ use crate::app::editor::session::toasts::{Toast, Toasts, Tone};
 use crate::app::editor::viewport::axes_widget;
 
 const WIDTH: f32 = 380.0;
-/// The room in points from the edges of the picture, and from the axes in its corner.
+/// The gap in points to the edges of the picture, and to the axes in its corner.
 const GAP: f32 = 10.0;
 
-/// What messages have to leave free.
+/// The rectangles that messages must not cover.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
     /// The panel with the picture.
     pub panel: Rect,
     /// The bar over a paused picture.
     pub bar: Option<Rect>,
-    /// Whether a question is asked, which messages are not to cover.
+    /// Whether a question is open, which messages must not cover.
     pub has_question: bool,
 }
 
@@ -67,7 +67,7 @@ pub fn show(
     }
 }
 
-/// Shows a message; true if it is dismissed.
+/// Shows a message; returns true if it is dismissed.
 fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool {
     ui.set_opacity(toast.opacity());
     let visuals = ui.visuals();

@@ -8,10 +8,10 @@ use super::question::{Answer, Question};
 use crate::app::editor::command::file_access::Question as AccessQuestion;
 use crate::app::editor::command::{Command, ShellCommand};
 
-/// The most files, and the most folders, that are listed; of the others only the number is told.
+/// The most files, and the most folders, that are listed; of the others only the number is shown.
 const MOST_LISTED: usize = 6;
 
-/// Asks; `question` is None once it is answered.
+/// Asks the question, and sets `question` to None once it is answered.
 pub fn question(context: &egui::Context, question: &mut Option<AccessQuestion>, commands: &mut Vec<Command>) {
     let Some(asked) = question else {
         return;

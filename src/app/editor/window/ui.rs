@@ -60,7 +60,7 @@ pub struct Scene<'w> {
     tutorial: Res<'w, Tutorial>,
 }
 
-/// Messages to the user, and commands by the user.
+/// Messages to the user, and commands of the user.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Said<'w> {
     queue: ResMut<'w, CommandQueue>,
@@ -68,7 +68,7 @@ pub struct Said<'w> {
     toasts: ResMut<'w, Toasts>,
 }
 
-/// The state that belongs to the window more than to the scene.
+/// The state of the window rather than of the scene.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Shell<'w, 's> {
     layout: ResMut<'w, Layout>,
@@ -85,20 +85,20 @@ pub struct Shell<'w, 's> {
     ended_image: Option<Res<'w, EndedImage>>,
 }
 
-/// The keys, and who has them.
+/// The keys, and the owner of the keyboard.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Typing<'w, 's> {
     events: MessageReader<'w, 's, KeyboardInput>,
     held: Res<'w, ButtonInput<KeyCode>>,
     fields: Local<'s, FieldKeys>,
-    /// What had the keyboard at the end of the last frame, other than the picture.
+    /// The owner of the keyboard at the end of the last frame, if not the picture.
     keyboard: Local<'s, Option<Keyboard>>,
-    /// The widget that had the keyboard when it was last looked at.
+    /// The widget that last had the keyboard.
     focus: Local<'s, Option<egui::Id>>,
 }
 
 impl Typing<'_, '_> {
-    /// Whether a key is down, other than one that locks.
+    /// Whether a key is down, other than a lock key.
     fn is_key_held(&self) -> bool {
         let locks = [KeyCode::CapsLock, KeyCode::NumLock, KeyCode::ScrollLock];
         self.held.get_pressed().any(|key| !locks.contains(key))
@@ -127,13 +127,13 @@ pub fn show_window(
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
     let (state, widgets, commands, model) = (&mut *state, &mut *widgets, &mut Vec::new(), &model.0);
     let (requests, settings, seen) = (&mut *said.requests, &*scene.settings, &*scene.seen);
-    // The panels list what is in sight again if they are shown.
+    // The panels list visible entries again when they are shown.
     widgets.outliner.materials_in_sight.clear();
     widgets.shelf.in_sight.clear();
     widgets.assets.in_sight.clear();
     widgets.assets.is_shown = false;
     let layout = &mut *shell.layout;
-    // A question or a sheet that closes in this frame still had its keys.
+    // A question or a sheet that closes in this frame still owned its keys.
     let has_question = requests.save_question.is_some()
         || requests.full_film_question.is_some()
         || requests.scene_question.is_some()
@@ -141,12 +141,12 @@ pub fn show_window(
         || shell.trusted.question.is_some()
         || shell.guards.is_asking();
     let is_free = requests.dialog.is_none() && requests.sheet.is_none() && !has_question;
-    // A field that is left and a list that closes in this frame still had its keys.
+    // A field that loses the focus or a list that closes in this frame still owned its keys.
     let bound = &shell.preferences.keys;
     let presses = match is_free {
         true => {
             let mut presses = typing.fields.take(&context, pressed.clone(), *typing.keyboard, bound);
-            // Esc does one thing at a time: what the status line says.
+            // Esc does only one action at a time: the one named in the status line.
             let is_escape = |press: &Press| press.key == egui::Key::Escape;
             if presses.iter().any(is_escape) && number_field::take_back(&context) {
                 presses.retain(|press| !is_escape(press));
@@ -268,7 +268,7 @@ pub fn show_window(
     let hidden = match requests.sheet {
         // The answer may solve the errors.
         _ if shell.trusted.question.is_some() => Some(Tone::Error),
-        // It would cover the page and tell of a scene that the user has not asked for.
+        // A note would cover the page and concern a scene that the user has not asked for.
         Some(Sheet::Start) => Some(Tone::Note),
         _ => None,
     };
@@ -365,7 +365,7 @@ fn use_clipboard(
     }
 }
 
-/// A press of the mouse, a key without a text field, and another field are the beginning of something new.
+/// Counts interactions: a press of the mouse, a key outside of text fields, and a change of the field begin a new one.
 fn count_interactions(
     context: &egui::Context,
     presses: &[Press],

@@ -13,7 +13,7 @@ use crate::scene::write::OnChange;
 #[derive(Debug, Default)]
 pub struct UnsavedQuestion {
     waiting: Option<Waiting>,
-    /// Whether it was held back in this very frame.
+    /// Whether it was held back in this frame.
     is_new: bool,
 }
 
@@ -42,7 +42,7 @@ pub struct UnsavedState<'a> {
     pub name: &'a str,
     /// The scene's file.
     pub path: Option<&'a Path>,
-    /// When the scene was saved last, as a sentence.
+    /// The time of the last save, as a sentence.
     pub saved: Option<&'a str>,
     /// Whether there are edits that no file has.
     pub edits: bool,
@@ -66,7 +66,7 @@ impl UnsavedQuestion {
         let Some(place) = commands.iter().position(|command| command.traits().loses_edits) else {
             return;
         };
-        // Edits of this very frame count as well.
+        // Edits of this frame count as well.
         let is_edit = |command: &Command| matches!(command, Command::Edit(_));
         if edits || commands[..place].iter().any(is_edit) {
             let command = commands.swap_remove(place);
@@ -79,8 +79,8 @@ impl UnsavedQuestion {
         }
     }
 
-    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`]. True if the
-    /// user has chosen to lose the edits.
+    /// Shows the question, and passes the command on once it is answered. To be called after [`Self::hold`]. Returns
+    /// true if the user has chosen to lose the edits.
     pub fn show(&mut self, context: &egui::Context, unsaved: UnsavedState, commands: &mut Vec<Command>) -> bool {
         let Some(waiting) = &mut self.waiting else {
             return false;
@@ -128,8 +128,8 @@ impl UnsavedQuestion {
     }
 }
 
-/// The command that saves the scene before this one is done. Who recovers a copy of the very scene knows that there is
-/// one, and is not asked about it again.
+/// The command that saves the scene before this one. A user who recovers an autosave of the same scene knows of it, and
+/// is not asked again.
 fn save_before(command: &Command, scene: Option<&Path>) -> Command {
     if let (Command::Shell(ShellCommand::Recover(copy)), Some(scene)) = (command, scene)
         && is_copy_of(copy, scene)

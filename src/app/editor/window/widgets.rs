@@ -24,7 +24,7 @@ pub(crate) struct Widgets {
     pub inspector: InspectorState,
     pub palette: Palette,
     pub timeline: TimelineState,
-    /// The list where keys are chosen.
+    /// The list in which keys are changed.
     pub keys: KeyList,
     /// The form for a series of copies.
     pub series: SeriesForm,

@@ -1,5 +1,5 @@
-//! Finds out what a file looks like and holds. Files are read as the scene's own are, within the memory budget, and
-//! nothing outside of their folder is read.
+//! Makes the picture and the summary of a file. Files are read as the scene's own are, within the memory budget, and no
+//! files outside of their folder are read.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -48,7 +48,7 @@ const LONGEST: u64 = 256 << 20;
 const MESH_SAMPLES: u32 = 16;
 const BALL_SAMPLES: u32 = 64;
 
-/// What a file looks like, and what is known of it.
+/// The picture of a file, and facts about its content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Content {
     /// None for kinds of files that have no picture.
@@ -58,8 +58,8 @@ pub(super) struct Content {
     pub is_material: bool,
 }
 
-/// Reads a file, or takes what is known of it from an earlier run. Links may lead to where `trusted` permits. The error
-/// says why the file cannot be used.
+/// Reads a file, or takes its content from the cache. Links may lead to folders that `trusted` permits. The error says
+/// why the file cannot be used.
 pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Access) -> Result<Content, String> {
     let changed = entry.modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
     let key = format!("file {} {} {changed:?}", entry.path.display(), entry.bytes);
@@ -100,8 +100,8 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Acc
     Ok(content)
 }
 
-/// Does work on one thread that gives way to all others. Readers and hierarchies would share it with the threads of the
-/// whole program otherwise.
+/// Runs work on one thread of low priority. Otherwise file readers and hierarchies would use the threads of the whole
+/// program.
 fn beside_everything(work: impl FnOnce() -> Result<Content, String> + Send) -> Result<Content, String> {
     let pool = ThreadPoolBuilder::new()
         .num_threads(1)
@@ -164,7 +164,7 @@ fn mesh(path: &Path, access: &Access) -> Result<Content, String> {
     })
 }
 
-/// The meshes of a glTF file in grey, and their number: of its materials nothing is read.
+/// The meshes of a glTF file in grey, and their number; its materials are not read.
 fn gltf(path: &Path, access: &Access) -> Result<Content, String> {
     let meshes = placed_meshes(path, access, LONGEST)?;
     let bounds = bounds_of(&meshes);
@@ -205,7 +205,7 @@ fn shapes_text(count: usize) -> String {
 
 /// Meshes in grey, seen from the front, a little from the right and above. None for meshes without a size.
 fn clay(meshes: Vec<Placed>, bounds: &Aabb) -> Option<ColorImage> {
-    /// Degrees, and the share of the picture that the sphere around the mesh fills.
+    /// The field of view in degrees, and the share of the picture that the mesh's bounding sphere fills.
     const FIELD: f32 = 30.0;
     const FILLED: f32 = 0.85;
     let radius = 0.5 * bounds.extent().length();
@@ -283,8 +283,8 @@ fn encoded(radiance: &[Rgb]) -> ColorImage {
     ColorImage::from_rgba_unmultiplied([EDGE as usize; 2], &rgba)
 }
 
-/// A file that holds nothing but materials looks like a ball of the first; scenes have no picture, but a number of
-/// shapes.
+/// The picture of an XML file: a ball of the first material if it holds only materials; a scene has no picture, but a
+/// number of shapes.
 fn xml(path: &Path, access: Access) -> Result<Content, String> {
     let preset = match presets::content_of(path, access).map_err(|error| error.to_string())? {
         FileContent::Materials(preset) => *preset,
@@ -435,7 +435,7 @@ mod tests {
         let content = |entry: &AssetEntry, trusted: &Access| content_of(entry, &PictureCache::default(), trusted);
         assert!(content(&link, &nowhere()).is_err_and(|error| error.contains("it is a link to")));
         assert!(content(&target, &nowhere()).is_ok());
-        // The user's own folders may be linked to.
+        // Links to the user's own folders are allowed.
         let own = Access::within([outside.path().to_owned()]);
         assert_eq!(content(&link, &own), content(&target, &nowhere()));
     }

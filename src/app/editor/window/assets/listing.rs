@@ -7,10 +7,10 @@ use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::model::assets::{AssetEntry, Listing};
 use crate::app::editor::words::files::without_numbers;
 
-/// The most entries that are listed; a folder may hold any number.
+/// The most entries that are listed, since a folder may hold any number.
 const MOST: usize = 4000;
 
-/// The content of a folder, without what is hidden.
+/// The content of a folder, without hidden entries.
 pub(super) fn list(folder: &Path) -> Listing {
     let mut listing = Listing {
         folder: folder.to_owned(),
@@ -37,7 +37,7 @@ fn entry(found: &DirEntry) -> Option<AssetEntry> {
         .into_string()
         .ok()
         .filter(|name| !name.starts_with('.'))?;
-    // Links count as what they lead to.
+    // Links count as their targets.
     let about = fs::metadata(&path).ok()?;
     let kind = AssetKind::of(&path);
     let is_of_use = about.is_dir() || (about.is_file() && kind.is_some());

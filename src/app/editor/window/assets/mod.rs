@@ -28,10 +28,10 @@ use file_picture::{Content, content_of};
 
 /// The time after which a folder is read again.
 const AGE: Duration = Duration::from_secs(2);
-/// The pictures that are kept although they are no longer in sight.
+/// The number of pictures that are kept although they are no longer visible.
 const MOST: usize = 256;
 
-/// The work for the panel, and what has come of it.
+/// The work for the panel, and its results.
 #[derive(Resource, Default)]
 pub(crate) struct AssetWork {
     /// The folder that is being read.
@@ -41,7 +41,7 @@ pub(crate) struct AssetWork {
     made: HashMap<PathBuf, Made>,
 }
 
-/// What is known of a file of this length and time.
+/// The result for a file of this length and time.
 struct Made {
     of: AssetEntry,
     picture: AssetPicture,
@@ -49,7 +49,7 @@ struct Made {
     _texture: Option<egui::TextureHandle>,
 }
 
-/// Does the next piece of work, and tells the panel what is known.
+/// Starts the next work, and hands the results to the panel.
 pub(crate) fn update_assets(
     mut work: ResMut<AssetWork>,
     mut model: ResMut<EditorModel>,
@@ -122,9 +122,8 @@ impl AssetWork {
         self.made.get(&entry.path).is_some_and(|made| made.of == *entry)
     }
 
-    /// Takes the listing that was asked for, and asks for one of the folder where there is none or an old one. True if
-    /// files of another folder that could not be read are forgotten: the reason may have passed when one comes
-    /// back.
+    /// Takes the requested listing, and requests one of the folder if there is none or an old one. Returns true if the
+    /// errors of another folder's files are dropped: their reason may have passed on return.
     fn list(&mut self, folder: &PathBuf, wake_up: &WakeUp) -> bool {
         let mut forgets = false;
         // A folder that is slow to read must not keep others waiting.
@@ -154,7 +153,7 @@ impl AssetWork {
         forgets
     }
 
-    /// Takes what was found out of a file; true if there was something.
+    /// Takes the content of a file from its thread; returns true if there was any.
     fn take_content(&mut self, context: &egui::Context) -> bool {
         let Some((entry, content)) = &self.content else {
             return false;
@@ -218,7 +217,7 @@ fn look_into(
     Some((entry, receiver))
 }
 
-/// Does something on a thread of the lowest priority.
+/// Runs an act on a thread of the lowest priority.
 fn on_thread<T: Send + 'static>(
     name: &str,
     wake_up: WakeUp,

@@ -1,4 +1,4 @@
-//! The folders that the browser of assets begins with.
+//! The root folders of the browser of assets.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::app::editor::command::samples::{program_folder, program_folders};
 use crate::app::editor::model::assets::AssetPlace;
 use crate::app::editor::session::trust::asset_folders;
 
-/// The most folders of scenes that were open.
+/// The most folders of recent scenes.
 const MOST_RECENT: usize = 5;
 
 /// The user's own folders, that of the scene, those that come with the program, those of `$SUNROOM_ASSETS`, those of

@@ -1,4 +1,4 @@
-//! What a file with a grid of voxels looks like: white smoke before a dark wall, seen along z with y upwards.
+//! The picture of a file with a grid of voxels: white smoke before a dark wall, seen along z with y upwards.
 
 use std::path::Path;
 
@@ -14,9 +14,9 @@ use crate::scene::assets::volume_map::load_volume;
 
 /// The longer side of the picture in pixels.
 const EDGE: f32 = 128.0;
-/// The most voxels that are looked at along a line of sight.
+/// The most voxels that are read along a line of sight.
 const MOST_BEHIND: u32 = 96;
-/// The mean optical depth of the pixels behind which there is anything.
+/// The mean optical depth of the pixels with any density.
 const MEAN_DEPTH: f32 = 1.2;
 /// The brightness of the wall.
 const WALL: f32 = 0.02;
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn dense_places_are_bright_and_y_points_upwards() {
-        // Two columns of two voxels, of which only the right upper one holds anything.
+        // Two columns of two voxels, of which only the right upper one has density.
         let voxels = Voxels::F32(vec![0.0, 0.0, 0.0, 1.0]);
         let grid = VolumeGrid::new(UVec3::new(2, 2, 1), 1, voxels).expect("four voxels");
         let image = smoke(&grid);

@@ -13,7 +13,7 @@ use crate::app::editor::panels::look;
 use crate::app::editor::words::files::{extension, size_text, without_numbers};
 
 impl FileDialog {
-    /// The name and the format, or what is listed; the buttons.
+    /// Shows the name and the format, or the filter of the list, and the buttons.
     pub(super) fn foot(&mut self, ui: &mut Ui) -> Option<Outcome> {
         let mut outcome = None;
         let mut accepts = false;
@@ -125,7 +125,7 @@ impl FileDialog {
         }
     }
 
-    /// The question whether to replace a file.
+    /// Asks whether to replace a file.
     pub(super) fn replace_row(&mut self, ui: &mut Ui, file: &Path) -> Option<Outcome> {
         let mut outcome = None;
         ui.horizontal(|ui| {
@@ -149,7 +149,7 @@ impl FileDialog {
     }
 }
 
-/// The question before files are replaced, with what would be lost.
+/// The question before files are replaced, with the files that would be lost.
 fn replaced_text(lost: &[(String, Option<&Entry>)]) -> String {
     let about = |known: &Entry| {
         let size = size_text(known.bytes);

@@ -1,4 +1,4 @@
-//! What a folder holds, as the file dialog lists it.
+//! The content of a folder in the file dialog.
 
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
@@ -39,12 +39,12 @@ pub struct Order {
     pub is_reversed: bool,
 }
 
-/// The rule by which entries are shown or left out.
+/// The filter of entries.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Filter {
-    /// The extensions of files, in small letters; those of all files if it is empty.
+    /// The extensions of shown files, in lower case; all files if it is empty.
     pub extensions: Vec<&'static str>,
-    /// A part of the name.
+    /// A part of the names of shown entries.
     pub part: String,
     /// Whether only folders are shown.
     pub only_folders: bool,
@@ -52,16 +52,16 @@ pub struct Filter {
     pub shows_hidden: bool,
 }
 
-/// The entries of a folder, unordered; what is wrong with the folder, or that not all of it is there.
+/// The entries of a folder, unordered; and the problem with the folder, or that its list is incomplete.
 pub type Listed = (Vec<Entry>, Option<String>);
 
-/// The most entries that are read; a folder may hold any number.
+/// The most entries that are read, since a folder may hold any number.
 const MOST: usize = 20_000;
 
-/// Begins to read a folder on a thread: one on a network may take long, and the window is not to wait for it.
+/// Begins to read a folder on a thread: a network folder may take long, and the window must not wait for it.
 pub fn begin(folder: PathBuf) -> Receiver<Listed> {
     let (sender, receiver) = bounded(1);
-    // The receiver is gone if another folder is wanted by then.
+    // The receiver is gone if another folder has been requested by then.
     let work = move || drop(sender.send(read(&folder)));
     if let Err(error) = std::thread::Builder::new().name("listing".to_owned()).spawn(work) {
         error!("A thread for the file dialog could not be started: {error}");
@@ -84,7 +84,7 @@ fn read(folder: &Path) -> Listed {
     (entries, problem)
 }
 
-/// The entry of a path, following links; None without a name. What a broken link leads to has no size.
+/// The entry of a path, following links; None without a name. A broken link has no size.
 fn entry_of(path: &Path) -> Option<Entry> {
     let name = path.file_name()?.to_string_lossy().into_owned();
     let Ok(data) = std::fs::metadata(path) else {
@@ -102,7 +102,7 @@ fn entry_of(path: &Path) -> Option<Entry> {
     })
 }
 
-/// The places of the entries that a filter lets through, in an order.
+/// The indices of the entries that pass a filter, in an order.
 pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
     let part = filter.part.to_lowercase();
     let passes = |entry: &Entry| {
@@ -122,7 +122,7 @@ pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
             Column::Size => entry.bytes,
             Column::Changed => entry.changed,
         };
-        // Large and new files come first: they are what one looks for.
+        // Large and new files come first: they are the ones users look for.
         (Reverse(by_column), natural(&entry.name), entry.name.clone())
     });
     if order.is_reversed {
@@ -132,7 +132,7 @@ pub fn shown(entries: &[Entry], filter: &Filter, order: Order) -> Vec<usize> {
     places
 }
 
-/// A name by which `wall 9` comes before `wall 10`, and capitals do not matter.
+/// A sort key by which `wall 9` comes before `wall 10`, and case does not matter.
 fn natural(name: &str) -> Vec<(u64, String)> {
     let mut parts = vec![(0u64, String::new())];
     let mut in_digits = false;
@@ -151,7 +151,7 @@ fn natural(name: &str) -> Vec<(u64, String)> {
     parts
 }
 
-/// The time of the last change: the time of day, before today with the date.
+/// The time of the last change as text: the time of day, before today with the date.
 pub fn changed_text(entry: &Entry) -> String {
     match entry.changed {
         0 => String::new(),

@@ -1,5 +1,5 @@
-//! The dialog that chooses a file: places at the left, the files of a folder with their sizes and dates, a path and a
-//! search.
+//! The dialog that chooses a file: shortcuts to folders at the left, the files of a folder with their sizes and dates,
+//! a path and a search.
 
 mod foot;
 pub mod listing;
@@ -21,28 +21,27 @@ use crate::app::editor::words::files::home_for_tilde;
 use listing::{Entry, Filter, Listed, Order};
 use names::{is_of, is_path, with_end, without_dots};
 
-/// What the dialog is for.
+/// The purpose of the dialog.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Purpose {
-    /// A file that is there. Only files of these extensions are listed at first.
+    /// Open an existing file. Only files of these extensions are listed at first.
     Open(&'static [&'static str]),
-    /// A file to write, in one of these formats: what it is called, and its extension. The text is the name that is
-    /// proposed.
+    /// Write a file in one of these formats, given by name and extension. The text is the proposed name.
     Save(&'static [(&'static str, &'static str)], String),
-    /// A folder that is there: the one that is shown, or the one that is chosen in it.
+    /// Choose an existing folder: the shown one, or the one selected in it.
     Folder,
 }
 
-/// A folder that one can go to at once.
+/// A shortcut to a folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     pub name: String,
     pub folder: PathBuf,
-    /// It has been used before, and is listed apart from the others.
+    /// Whether it is a recent folder, which is listed apart from the others.
     pub is_recent: bool,
 }
 
-/// What has become of the dialog in a frame.
+/// The state of the dialog after a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Open,
@@ -58,37 +57,37 @@ pub struct FileDialog {
     places: Vec<Place>,
     folder: PathBuf,
     entries: Vec<Entry>,
-    /// What comes of the folder while it is being read.
+    /// The receiver of the folder's entries while it is being read.
     reading: Option<Receiver<Listed>>,
     problem: Option<String>,
     filter: Filter,
     order: Order,
-    /// The places of the entries that are shown, and the filter and the order that they are for.
+    /// The indices of the shown entries, and the filter and the order that they are for.
     shown: Vec<usize>,
     shown_for: Option<(Filter, Order)>,
-    /// The name of the entry that is chosen.
+    /// The name of the selected entry.
     chosen: Option<String>,
     /// The text of the path while it is edited.
     path: Option<String>,
     /// The name of the file to write.
     name: String,
-    /// The second file that is written with the one that is chosen, if any.
+    /// The second file that is written with the chosen one, if any.
     second: fn(&Path) -> Option<PathBuf>,
-    /// The file that is written, while it is asked whether to replace what is there already.
+    /// The file to write, while the user is asked whether to replace it.
     replaces: Option<PathBuf>,
     /// The name of a folder to make, while it is typed.
     new_folder: Option<String>,
     has_begun: bool,
-    /// The list shows the chosen entry in the next frame.
+    /// Whether the list scrolls to the selected entry in the next frame.
     shows_chosen: bool,
-    /// Enter was pressed in the search before the folder had been read.
+    /// Whether Enter was pressed in the search before the folder was read.
     is_entered_early: bool,
 }
 
-/// The largest size of the dialog, and that of the column of places, in points.
+/// The largest size of the dialog, and that of the column of shortcuts, in points.
 const SIZE: egui::Vec2 = egui::vec2(820.0, 480.0);
 const PLACES: f32 = 150.0;
-/// So long a frame waits for a folder: most are read by then, and the list does not flicker.
+/// The time that a frame waits for a folder: most are read by then, and the list does not flicker.
 const SOON: Duration = Duration::from_millis(50);
 /// The fields for the path, for the name of the file to write, and for the search.
 const PATH: &str = "path of the folder";
@@ -134,7 +133,7 @@ impl FileDialog {
         dialog
     }
 
-    /// The dialog for what writes a second file as well: it is asked about both before one of them is replaced.
+    /// The dialog for a save that writes a second file: the user is asked about both before either is replaced.
     pub fn with_second(self, second: fn(&Path) -> Option<PathBuf>) -> Self {
         Self { second, ..self }
     }
@@ -143,8 +142,7 @@ impl FileDialog {
         matches!(self.purpose, Purpose::Save(..))
     }
 
-    /// Shows a folder, as soon as it has been read. One that cannot be read is an empty one, with what is wrong with
-    /// it.
+    /// Shows a folder once it has been read. An unreadable folder is shown empty, with its problem.
     fn go_to(&mut self, folder: &Path) {
         self.folder = without_dots(folder);
         (self.entries, self.problem) = (Vec::new(), None);
@@ -156,7 +154,7 @@ impl FileDialog {
         self.take_listing(SOON);
     }
 
-    /// Takes what has come of the folder, waiting so long for it at most.
+    /// Takes the entries of the folder, after waiting for them this long at most.
     fn take_listing(&mut self, wait: Duration) {
         let Some(reading) = &self.reading else { return };
         (self.entries, self.problem) = match reading.recv_timeout(wait) {
@@ -168,7 +166,7 @@ impl FileDialog {
         self.choose_first_found();
     }
 
-    /// Chooses the first entry that is found, which is what Enter opens.
+    /// Selects the first entry found, which Enter opens.
     fn choose_first_found(&mut self) {
         if self.filter.part.is_empty() {
             return;
@@ -178,7 +176,8 @@ impl FileDialog {
         self.chosen = first.map(|place| self.entries[*place].name.clone());
     }
 
-    /// Goes to a folder. A path to a file is that file. A path to nothing stays to be mended, and so does the list.
+    /// Goes to a folder, or accepts a file. A path that does not exist stays in its field to be corrected, and so does
+    /// the list.
     fn go_or_accept(&mut self, path: &Path, context: &egui::Context) -> Option<Outcome> {
         if !path.exists() {
             self.problem = Some(format!("There is no {}", path.display()));
@@ -226,7 +225,7 @@ impl FileDialog {
                 ui.vertical(|ui| picked = self.table(ui, height));
             });
             ui.add_space(4.0);
-            // Enter is for what was being typed before this frame.
+            // Enter acts on the field that was active before this frame.
             let has_field = self.path.is_some() || self.new_folder.is_some() || self.replaces.is_some();
             let outcome = match self.replaces.clone() {
                 Some(file) => self.replace_row(ui, &file),
@@ -249,7 +248,7 @@ impl FileDialog {
         }
     }
 
-    /// The way up, the path, and the search; the folder to go to, or the file.
+    /// Shows the button up, the path, and the search; returns the folder to go to, or the file.
     fn path_row(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut went = None;
         ui.horizontal(|ui| {
@@ -283,7 +282,7 @@ impl FileDialog {
                 search.request_focus();
             }
             if search.changed() {
-                // The field shows what was typed in the next frame.
+                // The field shows the typed text in the next frame.
                 ui.ctx().request_repaint();
                 if is_path(&self.filter.part) {
                     self.take_path(ui.ctx());
@@ -295,7 +294,7 @@ impl FileDialog {
         went
     }
 
-    /// Goes on with a path that was begun in the search: it is the file to write, else a place to go to.
+    /// Moves a path typed into the search to its field: the name of the file to write, or else the path.
     fn take_path(&mut self, context: &egui::Context) {
         let typed = std::mem::take(&mut self.filter.part);
         let end = CCursor::new(typed.chars().count());
@@ -304,7 +303,7 @@ impl FileDialog {
             true => self.name = typed,
             false => self.path = Some(typed),
         }
-        // The field may be shown after the search in this frame: what was typed is not for it a second time.
+        // The field may be shown after the search in this frame, and must not get the typed text again.
         context.input_mut(|input| {
             let is_typed = |event: &Event| matches!(event, Event::Text(_) | Event::Paste(_));
             input.events.retain(|event| !is_typed(event));
@@ -313,7 +312,7 @@ impl FileDialog {
         select(context, field, CCursorRange::one(end));
     }
 
-    /// Chooses and orders anew what is shown, where that has changed.
+    /// Filters and sorts the entries again if something has changed.
     fn update_shown(&mut self) {
         let is_for = |(filter, order): &(Filter, Order)| *filter == self.filter && *order == self.order;
         if !self.shown_for.as_ref().is_some_and(is_for) {
@@ -331,7 +330,7 @@ impl FileDialog {
         self.shows_chosen = true;
     }
 
-    /// The folders that one can go to at once; the one that was clicked.
+    /// Shows the shortcuts; returns the clicked one.
     fn place_list(&self, ui: &mut Ui, height: f32) -> Option<PathBuf> {
         let mut went = None;
         ui.vertical(|ui| {
@@ -361,7 +360,7 @@ impl FileDialog {
         went
     }
 
-    /// The files; the name of one that was clicked twice.
+    /// Shows the files; returns the name of a double-clicked one.
     fn table(&mut self, ui: &mut Ui, height: f32) -> Option<String> {
         if self.reading.is_some() {
             ui.weak("The folder is being read.");
@@ -392,7 +391,7 @@ impl FileDialog {
         clicked.twice.then_some(name)
     }
 
-    /// Why the list is empty, and what can be done.
+    /// The reason why the list is empty, with advice.
     fn nothing_here(&self) -> &'static str {
         match (self.entries.is_empty(), self.saves()) {
             _ if !self.filter.part.is_empty() => "Nothing here is called so.",
@@ -403,8 +402,8 @@ impl FileDialog {
         }
     }
 
-    /// The keys of the list; what Enter accepts. Enter is for the focused button or field where there is one, other
-    /// than the field that names the file.
+    /// Handles the keys of the list; returns the entry that Enter accepts. A focused button or field takes Enter
+    /// itself, other than the field with the file's name.
     fn keys(&mut self, ui: &Ui, focused: Option<Id>) -> Option<String> {
         if egui::Popup::is_any_open(ui.ctx()) {
             return None;
@@ -447,13 +446,13 @@ impl FileDialog {
         wanted.filter(|_| is_entered)
     }
 
-    /// The folder that is chosen in the list, else the one that is shown.
+    /// The folder selected in the list, else the shown one.
     fn chosen_folder(&self) -> PathBuf {
         let chosen = self.chosen.as_ref().map(|name| self.folder.join(name));
         chosen.unwrap_or_else(|| self.folder.clone())
     }
 
-    /// Goes into a folder of that name, or answers with the file.
+    /// Goes to the folder of that name, or accepts the file.
     fn accept(&mut self, name: &str) -> Option<Outcome> {
         let path = without_dots(&self.folder.join(home_for_tilde(name.trim())));
         if path.is_dir() {
@@ -475,7 +474,7 @@ impl FileDialog {
         Some(Outcome::Picked(path))
     }
 
-    /// The files that are there already and that writing this one replaces.
+    /// The existing files that writing this one replaces.
     fn lost_with(&self, path: &Path) -> Vec<PathBuf> {
         let written = std::iter::once(path.to_path_buf()).chain((self.second)(path));
         written.filter(|path| path.exists()).collect()
@@ -489,7 +488,7 @@ fn select(context: &egui::Context, field: Id, letters: CCursorRange) {
     state.store(context, field);
 }
 
-/// Whether Enter was pressed. Nothing else gets it then.
+/// Consumes a press of Enter; returns whether there was one.
 fn is_entered(ui: &Ui) -> bool {
     ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }

@@ -1,4 +1,4 @@
-//! Names and paths of files as they are typed: which texts are paths, and which endings they get.
+//! Names and paths of files as they are typed: detection of paths, and extensions.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -10,7 +10,7 @@ pub(super) fn is_path(text: &str) -> bool {
     is_drive || text.contains(std::path::is_separator)
 }
 
-/// A path without `.` and `..`. Links are not followed, so that one comes back to where one came from.
+/// A path without `.` and `..`. Links are not followed, so that `..` leads back to the folder one came from.
 pub(super) fn without_dots(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -25,12 +25,12 @@ pub(super) fn without_dots(path: &Path) -> PathBuf {
     plain
 }
 
-/// Whether the name of a file ends as those of one of the formats.
+/// Whether the file has the extension of one of the formats.
 pub(super) fn is_of(formats: &[(&str, &str)], path: &Path) -> bool {
     formats.iter().any(|(_, known)| *known == extension(path))
 }
 
-/// The path with `.` and an extension after all that it has.
+/// The path with `.` and an extension appended.
 pub(super) fn with_end(path: PathBuf, extension: &str) -> PathBuf {
     let mut name = path.into_os_string();
     name.push(format!(".{extension}"));

@@ -8,7 +8,7 @@ use crate::app::editor::words::files::size_text;
 /// The entry that was clicked.
 pub(super) struct Clicked {
     pub place: usize,
-    /// It was clicked twice.
+    /// Whether it was a double click.
     pub twice: bool,
 }
 
@@ -19,7 +19,7 @@ const ROW: f32 = 22.0;
 /// The width of the mark that tells folders from files.
 const MARK: f32 = 22.0;
 
-/// Shows the entries at these places; `scrolls`: until the chosen one is in sight.
+/// Shows the entries at these indices; `scrolls`: to the selected one.
 pub(super) fn show(
     ui: &mut Ui,
     height: f32,

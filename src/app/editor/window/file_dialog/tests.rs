@@ -65,7 +65,7 @@ fn a_second_file_is_asked_about_as_well() {
 
 type Shown = Harness<'static, (FileDialog, Option<Outcome>)>;
 
-/// A dialog that has been shown, and how it has ended.
+/// A dialog that has been shown, and its outcome.
 fn shown(purpose: Purpose, folder: &Path) -> Shown {
     let dialog = FileDialog::new("", purpose, folder.to_path_buf(), Vec::new());
     let show = |ui: &mut Ui, (dialog, end): &mut (FileDialog, Option<Outcome>)| {
@@ -193,7 +193,7 @@ fn a_path_in_the_search_is_a_path() {
         (harness.state().0.folder.as_path(), &harness.state().1),
         (folder.path(), &None)
     );
-    // Where a file is written it is the name.
+    // In a dialog that saves it is the name.
     let mut harness = saving("new.png", other.path());
     let mut fields = harness.get_all_by_role(egui::accesskit::Role::TextInput);
     fields.nth(1).expect("the search").click();
@@ -219,7 +219,7 @@ fn a_path_to_nothing_is_kept_with_the_list() {
     assert!(harness.query_by_label("room.xml").is_some());
     let (dialog, end) = harness.state();
     assert_eq!((dialog.path.as_ref(), end), (Some(&wrong), &None));
-    // The path still has the keyboard.
+    // The path field still has the keyboard.
     for _ in 0.."wrong.xml".len() {
         press(&mut harness, Key::Backspace);
     }
