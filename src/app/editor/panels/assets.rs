@@ -18,7 +18,7 @@ use crate::scene::assets::gltf_scene::is_called_gltf;
 /// The state that the panel keeps between frames.
 #[derive(Clone, Debug, Default)]
 pub struct AssetsState {
-    /// The folder that is shown; None until the window has found one.
+    /// The shown folder; None until the window has found one.
     pub folder: Option<PathBuf>,
     filter: String,
     kind: Option<AssetKind>,
@@ -95,7 +95,7 @@ pub fn assets(ui: &mut Ui, model: &Model, state: &mut AssetsState, commands: &mu
     });
 }
 
-/// Tells a drag what the file holds, which may become known on the way.
+/// Updates a drag with the content of its file, which may become known during the drag.
 fn keep_informed(ui: &Ui, known: &AssetsModel) {
     let Some(dragged) = egui::DragAndDrop::payload::<DraggedFile>(ui.ctx()) else {
         return;
@@ -106,7 +106,7 @@ fn keep_informed(ui: &Ui, known: &AssetsModel) {
     }
 }
 
-/// A file that is dragged, with what is known of it.
+/// A dragged file, with its known content.
 fn dragged(known: &AssetsModel, path: &Path) -> DraggedFile {
     DraggedFile {
         file: known.use_of(path),
@@ -138,13 +138,13 @@ fn width_of_button(ui: &Ui, text: &str) -> f32 {
     text.size().x.ceil() + 2.0 * spacing.button_padding.x + spacing.item_spacing.x
 }
 
-/// The folders to begin with, and the buttons to add one and to take one away.
+/// Shows the root folders, and the buttons to add and remove one.
 fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let place = place_of(known, state.folder.as_deref()).map(|place| &known.places[place]);
         let beside: f32 = [ADD, KEEP, TAKE_OUT].iter().map(|text| width_of_button(ui, text)).sum();
         let width = (ui.available_width() - beside).max(60.0);
-        // A list cuts its text only where its row ends.
+        // A list truncates its text only where its row ends.
         ui.scope(|ui| {
             ui.set_max_width(width);
             egui::ComboBox::from_id_salt("places")
@@ -185,14 +185,14 @@ fn places(ui: &mut Ui, known: &AssetsModel, state: &mut AssetsState, commands: &
     });
 }
 
-/// The index of the innermost place that a folder is in.
+/// The index of the innermost root folder around a folder.
 fn place_of(known: &AssetsModel, folder: Option<&Path>) -> Option<usize> {
     let around = |place: &usize| folder.is_some_and(|folder| folder.starts_with(&known.places[*place].folder));
     let places = (0..known.places.len()).filter(around);
     places.max_by_key(|place| known.places[*place].folder.components().count())
 }
 
-/// The way from the place to the folder; a click on a part goes there.
+/// Shows the path from the root folder to the folder; a click on a part goes there.
 fn breadcrumb(ui: &mut Ui, known: &AssetsModel, folder: &Path, state: &mut AssetsState) {
     let root = place_of(known, Some(folder)).map(|place| known.places[place].folder.as_path());
     let is_below = |part: &&Path| root.is_none_or(|root| part.starts_with(root));
@@ -251,12 +251,12 @@ fn choices(ui: &mut Ui, state: &mut AssetsState) {
         .widget_info(|| list("Order"));
 }
 
-/// What assistive technology is told of a list without a label beside it.
+/// The accessibility info of a list without a label beside it.
 fn list(name: &str) -> egui::WidgetInfo {
     egui::WidgetInfo::labeled(egui::WidgetType::ComboBox, true, name)
 }
 
-/// The entries that the filters leave, in the chosen order. Folders come first, and are always by name.
+/// The entries that pass the filters, in the chosen order. Folders come first, always by name.
 fn shown<'e>(entries: &'e [AssetEntry], state: &AssetsState) -> Vec<&'e AssetEntry> {
     let wanted = state.filter.trim().to_lowercase();
     let is_wanted = |entry: &&AssetEntry| {
@@ -274,7 +274,7 @@ fn shown<'e>(entries: &'e [AssetEntry], state: &AssetsState) -> Vec<&'e AssetEnt
     found
 }
 
-/// Allocates a cell; the second rectangle is that of its picture. None where it is not in sight.
+/// Allocates a cell; the second rectangle is that of its picture. None if it is not visible.
 fn cell(ui: &mut Ui, name: &str) -> (Response, Option<Rect>) {
     let (rect, response) = ui.allocate_exact_size(vec2(EDGE, EDGE + LINES), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, name));
@@ -323,7 +323,7 @@ fn file_cell(
     let used = || Command::from(SceneEdit::UseFile(Box::new(known.use_of(&entry.path))));
     let opened = || Command::from(FileCommand::OpenScene(entry.path.clone()));
     let asked = || Command::Shell(ShellCommand::AskAboutScene(Box::new(known.use_of(&entry.path))));
-    // A file of materials must not take the place of the scene before it is known for what it is.
+    // A file of materials must not be opened as a scene before its content is known.
     let is_known = kind != AssetKind::Scene || picture.is_some();
     let can_open = is_scene || is_called_gltf(&entry.path);
     if response.double_clicked() && is_known {
@@ -426,7 +426,7 @@ fn frame(ui: &Ui, response: &Response, face: Rect) {
     }
 }
 
-/// The name, and what is known of the content.
+/// Shows the name, and the known content.
 fn lines(ui: &Ui, face: Rect, name: &str, note: &str) {
     let font = egui::TextStyle::Small.resolve(ui.style());
     let mut top = face.center_bottom() + vec2(0.0, 2.0);

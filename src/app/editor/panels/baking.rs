@@ -1,4 +1,4 @@
-//! The form for a bake of lightmaps, and the panel of the one that is under way.
+//! The form for a bake of lightmaps, and the panel of a running bake.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -28,13 +28,13 @@ const PICTURE: f32 = 440.0;
 /// The form. It is kept while the window is open.
 #[derive(Clone, Debug, Default)]
 pub struct BakeForm {
-    /// The folder as it is typed.
+    /// The typed folder.
     folder: String,
-    /// The folder that the text was last made of.
+    /// The folder that the text was last set from.
     known: Option<PathBuf>,
 }
 
-/// Shows the form. True when it is done with.
+/// Shows the form. Returns true when it is finished.
 pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut Vec<Command>) -> bool {
     if form.known != model.folder {
         form.folder = model
@@ -77,7 +77,7 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
     bakes || cancels
 }
 
-/// The folder that a typed text stands for; None if it stands for none. `beside` is the folder that it counts from.
+/// The folder that a typed text names; None if it names none. `beside` is the folder that the text is relative to.
 fn meant(text: &str, beside: Option<&Path>) -> Option<PathBuf> {
     let text = text.trim();
     let typed = home_for_tilde(text);
@@ -85,7 +85,7 @@ fn meant(text: &str, beside: Option<&Path>) -> Option<PathBuf> {
     (!text.is_empty()).then(|| std::path::absolute(&path).unwrap_or(path))
 }
 
-/// Shows where a text leads that is no whole path.
+/// Shows the absolute path of a relative text.
 fn whole_path(ui: &mut Ui, text: &str, folder: Option<&Path>) {
     let Some(folder) = folder.filter(|folder| *folder != Path::new(text.trim())) else {
         return;
@@ -179,8 +179,8 @@ fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
     });
 }
 
-/// A switch with a number beside it where it is on, and with a word where it is off. `words` are the unit and that
-/// word. True if the user has changed it.
+/// A switch with a number beside it if it is on, and with a word if it is off. `words` are the unit and that word.
+/// Returns true if edited.
 fn optional<N: egui::emath::Numeric>(
     ui: &mut Ui,
     caption: Caption,
@@ -216,7 +216,7 @@ fn optional<N: egui::emath::Numeric>(
     fields::write_back(changed, value, copy)
 }
 
-/// Says that there is no bake.
+/// Shows that there is no bake.
 pub fn no_bake(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(8.0);
     ui.weak("No bake is under way.");
@@ -226,7 +226,7 @@ pub fn no_bake(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the bake that is under way, or that has ended.
+/// Shows the running bake, or the ended one.
 pub fn progress(ui: &mut Ui, shown: &ShownBake, picture: Option<&TextureHandle>, commands: &mut Vec<Command>) {
     let news = &shown.news;
     if shown.is_busy {

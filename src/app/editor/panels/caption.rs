@@ -2,7 +2,7 @@
 
 use crate::scene::ParameterInfo;
 
-/// The caption of a row, with the explanation that is shown when the pointer rests there.
+/// The caption of a row, with its tool tip.
 #[derive(Clone, Copy, Debug)]
 pub struct Caption<'a> {
     /// The name that the row shows and by which its control is found.
@@ -41,7 +41,7 @@ impl<'a> From<&'a String> for Caption<'a> {
 }
 
 impl<'a> Caption<'a> {
-    /// Returns the same explanation under another name.
+    /// Returns the caption with the same explanation under another name.
     pub(crate) fn titled(self, text: &'a str) -> Self {
         Self { text, ..self }
     }
@@ -55,7 +55,7 @@ impl<'a> Caption<'a> {
         }
     }
 
-    /// The caption of a part of the value, which has no explanation of its own.
+    /// The caption of a component of the value, which has no explanation of its own.
     pub(crate) fn part(self, text: &'a str) -> Self {
         Self {
             text,
@@ -171,7 +171,7 @@ mod tests {
         let is_missing =
             |info: &&&ParameterInfo| info.label.is_empty() || info.about.is_empty() || info.values.is_empty();
         assert_eq!(declared.iter().find(is_missing), None);
-        // There are about as many in the format, so the collection cannot be empty.
+        // The format has about as many, so that the collection cannot be empty.
         assert!(declared.len() > 150, "{}", declared.len());
     }
 

@@ -1,5 +1,5 @@
 //! Rows for colours. Colours are linear Rec. 709 inside and in files; the panel shows them so, or as sRGB in
-//! hexadecimal as drawing programs do, and says which.
+//! hexadecimal as drawing programs do, and names the form.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -46,7 +46,7 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
 }
 
 /// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at
-/// the right that the row of the colour leaves to a menu, and that of the strength takes.
+/// the right that the row of the colour leaves to a menu, and that the row of the strength uses.
 pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
     let caption = caption.into();
     colored(ui, caption, caption.part("Colour"), unit, beyond, value)
@@ -55,12 +55,12 @@ pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, be
 /// [`emission`] with another name of the row of the colour.
 pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
     let mut strength = value.max_element();
-    // A strength of zero has no colour: it is the colour that was edited here, so that it comes back with the strength.
+    // A strength of zero has no colour: the colour that was edited here is kept, so that it returns with the strength.
     let id = ui.make_persistent_id((colour.text, "of nothing"));
     let edited = || ui.data(|data| data.get_temp(id)).unwrap_or(Rgb::ONE);
     let mut hue = if strength > 0.0 { *value / strength } else { edited() };
     let recolored = color(ui, colour, &mut hue);
-    // The row reaches beyond the room of this column without widening it.
+    // The row extends beyond this column without widening it.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (_, place) = ui.allocate_space(size);
     let place = place.with_max_x(place.right() + beyond);
@@ -94,13 +94,13 @@ fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     write_back(changed, color, Rgb::from_array(values))
 }
 
-/// A text field with the colour. The typed text stays as it is until it is a colour, which the field shows otherwise
-/// once it is left, or until Esc gives it up.
+/// A text field with the colour. The typed text stays until it is a colour; the field shows the colour again once it
+/// loses the focus, or after Esc.
 fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     let id = ui.make_persistent_id((name, "hex", owner(ui)));
     let shown = hex_of(*color);
     let is_edited = ui.memory(|memory| memory.has_focus(id));
-    // A colour that was set otherwise takes the place of a text that is none.
+    // A colour that was set elsewhere replaces an invalid text.
     let is_current = |(_, of): &(String, String)| is_edited || *of == shown;
     let kept: Option<(String, String)> = ui.data(|data| data.get_temp(id)).filter(is_current);
     let mut text = kept.map_or_else(|| shown.clone(), |(text, _)| text);
@@ -129,7 +129,7 @@ fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     if response.lost_focus() && !is_colour && !is_given_up {
         number_field::note(ui.ctx(), problem(&text));
     }
-    // A text with the same meaning must not cost the colour its finer digits.
+    // A text with the same value must not cost the colour its finer digits.
     let meant = typed.filter(|typed| hex_of(*typed) != shown);
     let keeps = response.has_focus() || (!is_colour && !is_given_up);
     ui.data_mut(|data| {
@@ -146,7 +146,7 @@ fn problem(text: &str) -> String {
     format!("“{text}” is no colour: #rrggbb and #rgb are some. Esc brings back the last one")
 }
 
-/// Says how the numbers are meant; a click shows all colours the other way.
+/// Shows the notation of colours; a click shows all colours in the other one.
 fn switch(ui: &mut Ui, notation: Notation) {
     let (text, about, other) = match notation {
         Notation::Linear => (

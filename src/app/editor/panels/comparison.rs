@@ -1,4 +1,4 @@
-//! The picture against one that was kept.
+//! The comparison of the picture with a snapshot.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -9,7 +9,7 @@ use crate::app::editor::model::ComparisonModel;
 use crate::app::editor::words::figures::counted;
 use crate::metrics::Errors;
 
-/// Shows buttons to take and show a snapshot, the choice of what is compared, and the figures of the difference.
+/// Shows buttons to take and show a snapshot, the choice of the comparison, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     fields::buttons(ui, |ui| {
         let take = ui.button("Take snapshot");
@@ -33,7 +33,7 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
         }
     });
     fields::note(ui, "Snapshot", kept.as_deref().unwrap_or("none"));
-    // The row is there before the snapshot is, so that nothing below it moves away from the pointer.
+    // The row exists before the snapshot does, so that nothing below it moves away from the pointer.
     let has_other = model.snapshot.is_some() || model.denoising || matches!(model.view, CompareView::Baked(_));
     ui.add_enabled_ui(has_other, |ui| view_rows(ui, model, commands));
     if let (Some(_), Some(measured)) = (model.snapshot, &model.figures) {
@@ -42,10 +42,10 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
     }
 }
 
-/// How the snapshot, or the noisy picture, is shown beside the picture, one click for each way.
+/// Shows the comparisons with the snapshot or the noisy picture, one click for each.
 fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     let mut view = model.view;
-    // The place of the border does not matter to the choice, and stays where it is.
+    // The choice does not depend on the border, which stays where it is.
     let border = model.view.border().unwrap_or(0.5);
     let mut views = vec![(CompareView::Off, "off")];
     let is_baked = matches!(model.view, CompareView::Baked(_));
@@ -56,7 +56,7 @@ fn view_rows(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) 
     if model.denoising {
         views.push((CompareView::Noisy(border), "noisy"));
     }
-    // The panel of the bake begins it.
+    // The panel of the bake starts this comparison.
     if is_baked {
         views.push((model.view, "baked"));
     }

@@ -9,15 +9,15 @@ use crate::app::editor::camera::rounding;
 use crate::math::Aabb;
 use crate::scene::{Shape, ShapeKind, world_bounds};
 
-/// The cosine of the largest angle between an axis of a thing and one of the world that counts as none.
+/// The cosine of the largest angle between an axis of a thing and one of the world that count as parallel.
 const ALONG: f32 = 0.99999;
-/// An extent below this share of the largest counts as none, such as the thickness of a rectangle.
+/// An extent below this share of the largest counts as zero, such as the thickness of a rectangle.
 const FLAT: f32 = 1e-5;
-/// The distance of the middle of a box from the origin of its space that counts as none, as a share of the box.
+/// The largest distance of the middle of a box from the origin of its space that counts as zero, as a share of the box.
 const MIDDLE: f32 = 1e-5;
 
 /// Shows the extents of a box. A new extent scales `to_world` about the middle of the box, so that the box gets that
-/// extent. True if edited. Without a pose, or if it is turned, the numbers are only shown.
+/// extent. Returns true if edited. Without a pose, or if it is turned, the numbers are only shown.
 pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affine3A>, shape: Option<&Shape>) -> bool {
     let extent = bounds.extent();
     let scalable = to_world.filter(|pose| shape.is_some() && axes_of(&pose.matrix3).is_some());
@@ -40,7 +40,7 @@ pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affin
     true
 }
 
-/// The axis of the world that each axis of a matrix is along; None if one of them is along none.
+/// The axis of the world that is parallel to each axis of a matrix; None if one has no such axis.
 fn axes_of(matrix: &Mat3A) -> Option<[usize; 3]> {
     let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| {
         let axis = Vec3::from(axis).normalize_or_zero().abs();
@@ -50,9 +50,8 @@ fn axes_of(matrix: &Mat3A) -> Option<[usize; 3]> {
 }
 
 /// The pose with which a thing has another extent in the world and the same middle; it must lie along the axes of the
-/// world. The scale follows from what was typed and from the extent that the shape has in its own space, if that is
-/// known: that of its bounds in the world has been rounded. All axes of a sphere grow by the factor of the one that was
-/// changed. None where that cannot be.
+/// world. The scale is the typed extent over the shape's extent in its own space, if that is known: its bounds in the
+/// world are rounded. All axes of a sphere grow by the factor of the changed one. None if there is no such pose.
 pub fn scaled(pose: &Affine3A, bounds: &Aabb, extent: Vec3, shape: Option<&Shape>) -> Option<Affine3A> {
     let before = bounds.extent();
     let along = axes_of(&pose.matrix3)?;

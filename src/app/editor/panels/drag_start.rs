@@ -1,9 +1,9 @@
-//! Finds what is dragged. Where several events come in one frame, egui looks at where the pointer is at the end of the
-//! frame, but users mean what they pressed.
+//! Finds the dragged widget. If several events come in one frame, egui takes the widget under the pointer at the end of
+//! the frame, but users mean the one that they pressed.
 
 use bevy_egui::egui::{Response, Ui};
 
-/// Whether a drag begins in this frame that was pressed on this widget. The widget is the dragged one then.
+/// Whether a drag begins in this frame with a press on this widget, which becomes the dragged one.
 pub fn is_drag_of(ui: &Ui, response: &Response) -> bool {
     let context = ui.ctx();
     let (Some(started), Some(pressed)) = (

@@ -1,4 +1,4 @@
-//! Shows the parameters of light: of a shape, or of a light that is no surface.
+//! Shows the parameters of light: of a shape, or of a light that is no shape.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::scene::{
     Texture,
 };
 
-/// The check box makes a shape emit, or not. `is_flat` says that the shape has two sides that can be seen.
+/// Shows the check box that makes a shape emit, and its rows. `is_flat`: the shape has two visible sides.
 pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, textures: &PanelTextures) -> Edit {
     let mut emits = light.is_some();
     let toggled = fields::checkbox(ui, ("Emits light", "area_light"), &mut emits);
@@ -40,7 +40,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, tex
     }
 }
 
-/// The rows of a light that is no surface. Another kind of light is chosen in the first of them.
+/// Shows the rows of a light that is no shape. The first row chooses its kind.
 pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> Edit {
     let plugin = emitter.plugin();
     let mut wanted = plugin;
@@ -50,7 +50,7 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> 
         .collect();
     if fields::choice(ui, TYPE, &mut wanted, &options) {
         *emitter = emitter_turned_into(emitter, wanted);
-        // An environment is nothing without one.
+        // An environment needs a picture.
         let wants_picture = (wanted == "envmap").then_some(("filename", SquarePath::WHOLE));
         return Edit {
             changed: true,

@@ -4,10 +4,10 @@ use bevy_egui::egui::{self, Color32, FontId, RichText, Ui};
 
 /// The size of the letters, in points.
 const SIZE: f32 = 11.5;
-/// The fewest columns that a line is broken into: a narrow panel scrolls.
+/// The least number of columns before a line is broken: a narrower panel scrolls.
 const FEWEST: usize = 16;
 
-/// Shows a line of a file with the marks under it. A line that is too long for the panel goes on below, with each mark
+/// Shows a line of a file with the marks under it. A line that is too long for the panel is broken, with each mark
 /// under its place.
 pub fn excerpt(ui: &mut Ui, lines: &str) {
     let font = FontId::monospace(SIZE);

@@ -1,5 +1,5 @@
-//! The rows panels are made of, in one grid: a column of names, whose texts end before the controls, and a column of
-//! controls, which all end at the panel's right edge.
+//! The rows of panels, in one grid: a column of names, whose texts end before the controls, and a column of controls,
+//! which all end at the panel's right edge.
 //!
 //! Every row edits a copy and writes it back only if the user changed something: showing a value that the control
 //! cannot hold exactly (out of its range, more digits than shown) must not change it.
@@ -22,7 +22,7 @@ use crate::scene::ParameterInfo;
 pub(crate) const NAME_WIDTH: f32 = 88.0;
 /// The width of the sign that marks differences among the selected things.
 const MIXED_WIDTH: f32 = 14.0;
-/// The tag of a part of a panel that knows of differences.
+/// The tag of a part of a panel that marks differing values.
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 58.0;
@@ -39,7 +39,7 @@ pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnc
     .inner
 }
 
-/// The names' column of a row that is under way.
+/// The cell of the name in a row.
 pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Response {
     let caption = caption.into();
     let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
@@ -72,7 +72,7 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
     }
 }
 
-/// Marks in its rows what differs among the selected things. Inside another one only the inner counts.
+/// Marks differing values of the selected things in the rows of `content`. The innermost call applies.
 pub fn compared<R>(ui: &mut Ui, mixed: &Mixed, content: impl FnOnce(&mut Ui) -> R) -> R {
     let info = egui::UiStackInfo::default().with_tag_value(MIXED, mixed.clone());
     ui.scope_builder(egui::UiBuilder::new().ui_stack_info(info), content)
@@ -169,7 +169,7 @@ pub(crate) fn integer_slider<'a>(
     write_back(changed, value, copy)
 }
 
-/// An emitted quantity's strength: a slider over many decades, its number with the unit.
+/// Shows the strength of an emitted quantity: a slider over many decades, and the number with its unit.
 pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
     let (caption, mut copy) = (caption.into(), *value);
     const STRENGTHS: RangeInclusive<f32> = 0.0..=1000.0;
@@ -232,7 +232,7 @@ pub(crate) fn quantity<'a>(
     write_back(changed, value, copy)
 }
 
-/// A whole number to drag or type, in `range`. True if the user has changed it.
+/// A whole number to drag or type, in `range`. Returns true if edited.
 pub fn integer<'a, N: egui::emath::Numeric>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -261,7 +261,7 @@ pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3
 
 /// The style of one of several numbers of a row.
 pub struct NumberStyle<'s> {
-    /// Tells it from its neighbours in names.
+    /// The letter that tells it from its neighbours.
     pub letter: &'s str,
     /// The change per point of a drag.
     pub speed: f32,
@@ -287,7 +287,7 @@ pub fn numbers<'a, const N: usize>(
     .inner
 }
 
-/// The numbers without a name before them, `width` points wide together.
+/// Shows the numbers without a name before them, `width` points wide together.
 pub(crate) fn number_cells<const N: usize>(
     ui: &mut Ui,
     name: &str,
@@ -325,7 +325,7 @@ pub(crate) fn number_cells<const N: usize>(
     changed
 }
 
-/// Marks the number of an axis by its colour.
+/// Marks the number of an axis with the axis' colour.
 fn tick(ui: &Ui, cell: egui::Rect, letter: &str) {
     let axis = ["X", "Y", "Z"].iter().position(|axis| *axis == letter);
     if let Some(axis) = axis {
@@ -340,7 +340,7 @@ pub(crate) fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: 
     let mut copy = *value;
     let changed = row(ui, caption, |ui| {
         let response = ui.add(egui::Checkbox::without_text(&mut copy));
-        // Its empty text would count as its name.
+        // The empty text of the check box would count as its name.
         response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, true, copy, caption.text));
         response
     })
@@ -348,7 +348,7 @@ pub(crate) fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: 
     write_back(changed, value, copy)
 }
 
-/// A choice among a few; `options` are value and name.
+/// A choice among a few values; `options` are value and name.
 pub(crate) fn choice<'a, T: Copy + PartialEq>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -376,7 +376,7 @@ pub(crate) fn choice<'a, T: Copy + PartialEq>(
     write_back(copy != *value, value, copy)
 }
 
-/// A choice among a few words that all are in sight; `options` are value and name. True if the user has changed it.
+/// A choice among a few words that are all visible; `options` are value and name. Returns true if edited.
 pub(crate) fn switch<'a, T: Copy + PartialEq>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,

@@ -1,11 +1,11 @@
-//! The panel of the steps that were done or undone; a click goes to a step.
+//! The panel of the steps of the history; a click goes to a step.
 
 use bevy_egui::egui::{self, Button, RichText, Ui};
 
 use crate::app::editor::command::{Command, HistoryCommand};
 use crate::app::editor::model::HistoryModel;
 
-/// Shows the steps in a list; a click goes back or forward to where that step was the last.
+/// Shows the steps in a list; a click goes back or forward to the state after a step.
 pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
     let done = model.done.len();
     let steps = done + model.undone.len();
@@ -16,7 +16,7 @@ pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
     });
     let mut area = egui::ScrollArea::vertical().auto_shrink(false);
     if changed {
-        // The step where we are now, in the middle.
+        // The present step is scrolled to the middle.
         let line = height + ui.spacing().item_spacing.y;
         area = area.vertical_scroll_offset((done as f32 * line - 0.5 * ui.available_height()).max(0.0));
     }

@@ -1,4 +1,4 @@
-//! The panel with everything about the selected thing that can be edited.
+//! The panel with all editable values of the active thing.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub struct InspectorState {
     part: Option<Entity>,
 }
 
-/// Copies of the materials that are shown, for their rows to edit. Only a material that has changed is copied anew.
+/// Copies of the shown materials, for their rows to edit. Only a changed material is copied again.
 #[derive(Debug, Default)]
 struct EditedMaterials(HashMap<Entity, Material>);
 
@@ -48,7 +48,7 @@ impl EditedMaterials {
         copy
     }
 
-    /// Forgets the materials that are not shown any more.
+    /// Drops the materials that are not shown any more.
     fn keep(&mut self, shown: &[InspectedMaterial]) {
         self.0
             .retain(|entity, _| shown.iter().any(|entry| entry.entity == *entity));
@@ -58,8 +58,8 @@ impl EditedMaterials {
 /// The points at the right that a scroll bar covers if not everything fits.
 const SCROLL_BAR: f32 = 8.0;
 
-/// Shows the parameters of the active thing. If several things are selected, all of the same kind get the same change.
-/// `scene_size` is in world units.
+/// Shows the parameters of the active thing. An edit applies to all selected things of the same kind. `scene_size` is
+/// in world units.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
@@ -184,7 +184,7 @@ fn sections(
     }
 }
 
-/// Offers the environments that come with the program.
+/// Shows buttons for the environments that are shipped with the program.
 fn environments(ui: &mut Ui, known: &[PathBuf], commands: &mut Vec<Command>) {
     if known.is_empty() {
         return;
@@ -249,7 +249,7 @@ fn pose(ui: &mut Ui, inspected: &Inspected, to_world: Affine3A, scene_size: f32,
     }
 }
 
-/// The row of the size of the whole selection. That of a single thing can be edited.
+/// Shows the size of the whole selection, which can be edited for a single thing.
 fn size(
     ui: &mut Ui,
     inspected: &Inspected,
@@ -264,7 +264,7 @@ fn size(
     }
 }
 
-/// The axis of the light's own space that points up in the format.
+/// The axis of the light's own space that points up in the file format.
 fn up_axis(kind: &EmitterKind) -> Vec3 {
     match kind {
         EmitterKind::SunSky(_) => Vec3::Z,
@@ -272,7 +272,7 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
     }
 }
 
-/// Shows the rows of a shape; true if edited.
+/// Shows the rows of a shape; returns true if edited.
 fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bool {
     let mut changed = false;
     match &mut shape.kind {
@@ -349,7 +349,7 @@ fn lightmap_scale(ui: &mut Ui, shape: &mut Shape) -> bool {
     fields::number(ui, caption, &mut shape.lightmap_scale, 0.01, Shape::LIGHTMAP_SCALES)
 }
 
-/// The text for a shape that has no material of the scene.
+/// The text about a shape without a material of the scene.
 fn without_material(inspected: &Inspected) -> &'static str {
     match inspected.mesh {
         Some(mesh) if mesh.has_materials => "of the file",
@@ -395,7 +395,7 @@ fn material_rows(
             );
         }
         ui.horizontal(|ui| {
-            // Without a material it is what comes next.
+            // A shape without a material needs one next, so that the button is the primary one.
             let text = "New material for this shape";
             let button = look::primary_if(ui, inspected.materials.is_empty(), text);
             if ui.add(button).clicked() {
@@ -468,7 +468,7 @@ mod tests {
                 let mut commands = Vec::new();
                 inspector(ui, &model, 1.0, state, &mut commands);
                 assert_eq!(commands, []);
-                // The parameters of a copy would be elsewhere.
+                // The parameters of a copy would belong to another material.
                 let copy = state.materials.0.get(&entity);
                 if let Some(Material::Principled(parameters)) = copy {
                     places.push(Arc::as_ptr(parameters));

@@ -1,4 +1,4 @@
-//! The list of all keys, where other ones can be chosen: a click, then a press.
+//! The list of all keys, where they can be changed: a click, then a key press.
 
 use bevy_egui::egui::{self, Key, RichText, Ui};
 
@@ -11,7 +11,7 @@ use crate::app::editor::input::press::Press;
 
 /// The width of the columns of names and of keys, in points.
 const COLUMNS: [f32; 2] = [244.0, 160.0];
-/// The width of the last column: *Reset*, or the cross that takes a key away.
+/// The width of the last column: *Reset*, or the cross that removes a key.
 const LAST: f32 = 48.0;
 /// The height of the list, in points.
 const HEIGHT: f32 = 320.0;
@@ -22,11 +22,11 @@ pub struct KeyList {
     query: String,
     /// The action that waits for its key.
     waiting: Option<&'static str>,
-    /// Why the last press was not simply taken; None if it was.
+    /// The reason why the last press was not accepted; None if it was.
     answer: Option<Answer>,
 }
 
-/// A press that is not taken as it is.
+/// The reason why a press was not accepted.
 #[derive(Clone, Debug, PartialEq)]
 enum Answer {
     /// The key has a fixed meaning.
@@ -48,13 +48,13 @@ impl KeyList {
         }
     }
 
-    /// Whether the next press chooses a key: then nothing else may use it.
+    /// Whether the next press chooses a key: then no other widget may use it.
     pub fn waits(&self) -> bool {
         self.waiting.is_some()
     }
 }
 
-/// Shows the list. It returns the new keys if some were chosen or reset. `presses` are those of this frame.
+/// Shows the list. Returns the new keys if some were chosen or reset. `presses` are those of this frame.
 pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, presses: &[Press]) -> Option<KeyBindings> {
     let mut edited = bound.clone();
     if let (Some(name), Some(press)) = (state.waiting, presses.first()) {
@@ -84,12 +84,12 @@ pub fn key_bindings(ui: &mut Ui, state: &mut KeyList, bound: &KeyBindings, press
     (edited != *bound).then_some(edited)
 }
 
-/// Whether keys are chosen for flying.
+/// Whether the entry is a key of flying.
 fn flies(name: &str) -> bool {
     bindables().any(|own| own.name == name && own.is_held())
 }
 
-/// Gives the key of a press to an action, unless it means something already.
+/// Binds the key of a press to an action, unless the key has a meaning already.
 fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut KeyBindings) {
     state.answer = None;
     if press.key == Key::Escape {
@@ -110,7 +110,7 @@ fn take(state: &mut KeyList, name: &'static str, press: &Press, edited: &mut Key
     }
 }
 
-/// The line about a key that could not simply be taken.
+/// Shows the reason why a key was not accepted.
 fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
     let Some(answer) = state.answer.clone() else {
         let text = match state.waiting {
@@ -131,7 +131,7 @@ fn answer(ui: &mut Ui, state: &mut KeyList, edited: &mut KeyBindings) {
         Answer::Taken { name, key, others } => {
             let others: Vec<String> = others.iter().map(|other| format!("\u{201c}{other}\u{201d}")).collect();
             let wanted = bindables().find(|own| own.name == name).map_or(name, |own| own.label);
-            // Long names take a second line, and the buttons stay in sight.
+            // Long names take a second line, and the buttons stay visible.
             ui.horizontal_wrapped(|ui| {
                 let others = others.join(" and ");
                 let text = format!("\u{201c}{wanted}\u{201d}: {} is the key of {others}.", key.text());

@@ -1,4 +1,4 @@
-//! The mark beside a value that moves, with a menu for its keys.
+//! The mark beside an animated value, with a menu for its keys.
 
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ const OWNER: &str = "moving";
 /// The width of a mark in points.
 const WIDTH: f32 = 12.0;
 
-/// The plugin whose values the rows below show.
+/// The plugin whose values are in the rows below.
 struct Owner {
     thing: Entity,
-    /// The path of the plugin within that of the thing, with a dot behind it.
+    /// The path of the plugin within the thing's, with a dot behind it.
     prefix: &'static str,
-    /// The path of the place of the thing.
+    /// The key path of the thing's place.
     place: KeyPath,
     tracks: Vec<(KeyPath, Arc<Track>)>,
     time: f64,
 }
 
-/// Marks in the rows of `content` the values of a thing that move, and offers keys for all.
+/// Marks animated values of a thing in the rows of `content`, and offers keys for all.
 pub(crate) fn moving<R>(
     ui: &mut Ui,
     model: &TimelineModel,
@@ -49,7 +49,7 @@ pub(crate) fn moving<R>(
         .inner
 }
 
-/// The thing whose values the rows of this part of the panel show.
+/// The thing whose values are in the rows of this part of the panel.
 pub(super) fn owner(ui: &Ui) -> Option<Entity> {
     let mut owners = ui
         .stack()
@@ -135,7 +135,7 @@ fn ask(ui: &Ui, owner: &Owner, path: &KeyPath, edit: KeyEdit) {
     ui.data_mut(|data| data.get_temp_mut_or_default::<Vec<Command>>(asked()).push(command));
 }
 
-/// The commands that the marks were clicked for.
+/// The commands of clicked marks.
 pub(crate) fn take_asked(ui: &Ui) -> Vec<Command> {
     ui.data_mut(|data| data.remove_temp(asked())).unwrap_or_default()
 }

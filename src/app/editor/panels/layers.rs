@@ -6,7 +6,7 @@ use crate::app::editor::command::{Command, SettingsEdit};
 use crate::layer::{Layer, Layers};
 use crate::scene::IntegratorSettings;
 
-/// The names that a layer has elsewhere.
+/// The names of a layer in other programs.
 fn names(layer: Layer) -> String {
     let (channel, name) = (layer.name_in_pictures(), layer.name());
     let channels = match layer {
@@ -24,7 +24,7 @@ fn names(layer: Layer) -> String {
     format!("In EXR files: {channels}\nOn the command line: --aov {name}{note}")
 }
 
-/// A box to check for each layer. The scene remembers the choice.
+/// Shows a check box for each layer. The scene stores the choice.
 pub fn layer_rows(ui: &mut Ui, integrator: IntegratorSettings, commands: &mut Vec<Command>) {
     ui.weak("Saved with EXR images, beside the picture.");
     for layer in Layer::ALL {

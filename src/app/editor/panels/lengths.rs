@@ -10,12 +10,12 @@ use super::caption::Caption;
 use super::fields::{self, NumberStyle};
 use crate::scene::LengthUnit;
 
-/// The tag of a part of a panel that knows the unit of the scene.
+/// The tag of a part of a panel that has the unit of the scene.
 const SCENE_UNIT: &str = "unit of the scene";
 /// The tag of a part of a panel whose numbers are lengths.
 const LENGTHS: &str = "lengths";
 
-/// Tells the fields inside the unit of the scene.
+/// Sets the unit of the scene for the fields of `content`.
 pub fn in_unit<R>(ui: &mut Ui, unit: LengthUnit, content: impl FnOnce(&mut Ui) -> R) -> R {
     tagged(ui, SCENE_UNIT, unit, content)
 }
@@ -40,12 +40,12 @@ fn lengths<R>(ui: &mut Ui, content: impl FnOnce(&mut Ui) -> R) -> R {
     tagged(ui, LENGTHS, unit, content)
 }
 
-/// The unit of the numbers of this part of the panel; None if they are no lengths.
+/// The unit of the numbers in this part of the panel; None if they are no lengths.
 pub(super) fn length_unit(ui: &Ui) -> Option<LengthUnit> {
     tag(ui, LENGTHS)
 }
 
-/// Shows a length with its unit; true if edited.
+/// Shows a length with its unit; returns true if edited.
 pub fn length<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -57,7 +57,7 @@ pub fn length<'a>(
     lengths(ui, |ui| fields::quantity(ui, caption, value, speed, range, &suffix))
 }
 
-/// Shows a length on a slider whose steps are even in the exponent; true if edited.
+/// Shows a length on a slider whose steps are even in the exponent; returns true if edited.
 pub(crate) fn length_slider<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -67,7 +67,7 @@ pub(crate) fn length_slider<'a>(
     lengths(ui, |ui| fields::log_slider(ui, caption, value, range))
 }
 
-/// Shows several lengths side by side; true if edited.
+/// Shows several lengths side by side; returns true if edited.
 pub(super) fn numbers<'a, const N: usize>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -77,7 +77,7 @@ pub(super) fn numbers<'a, const N: usize>(
     lengths(ui, |ui| fields::numbers(ui, caption, values, styles))
 }
 
-/// Shows three lengths; true if edited.
+/// Shows three lengths; returns true if edited.
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32) -> bool {
     lengths(ui, |ui| fields::vector(ui, caption, value, speed, ""))
 }

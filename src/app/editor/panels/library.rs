@@ -1,4 +1,4 @@
-//! Shows the library of materials as a wall of balls: a click gives one to the selection, a drag to a shape in the
+//! Shows the library of materials as a grid of balls: a click applies one to the selection, a drag to a shape in the
 //! picture.
 
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
@@ -14,7 +14,7 @@ use crate::app::editor::model::panel_textures::Ball;
 #[derive(Clone, Debug, Default)]
 pub struct LibraryState {
     filter: String,
-    /// The indices in the library of the visible ones, so that they get pictures.
+    /// The library indices of the visible materials, so that they get pictures.
     pub in_sight: Vec<usize>,
 }
 
@@ -23,7 +23,7 @@ const BALL: f32 = 64.0;
 const NAME: f32 = 26.0;
 const GAP: f32 = 6.0;
 
-/// The materials to choose from; they are dragged onto things or used on the selection.
+/// Shows the materials; they are dragged onto shapes or applied to the selection.
 pub fn library(ui: &mut Ui, model: &Model, state: &mut LibraryState, commands: &mut Vec<Command>) {
     ui.add(
         egui::TextEdit::singleline(&mut state.filter)

@@ -1,5 +1,4 @@
-//! The mixing desk: each light of the finished picture made brighter, darker or of another colour without rendering
-//! anew.
+//! The mixing desk: each light of the finished picture made brighter, darker or of another colour without new samples.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -9,7 +8,7 @@ use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::{Command, DisplayCommand, RenderCommand, SettingsEdit};
 use crate::app::editor::model::MixingModel;
 
-/// A row of controls for each light that the film keeps apart.
+/// Shows a row of controls for each light with a layer of its own.
 pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, commands: &mut Vec<Command>) {
     let mut is_on = model.is_on;
     if fields::checkbox(ui, "Mix lights", &mut is_on) {
@@ -71,7 +70,7 @@ fn channel_rows(ui: &mut Ui, name: &str, channel: &mut Channel) -> bool {
     changed
 }
 
-/// Shows this light's layer and nothing else, or the whole picture again.
+/// Shows the button that displays only this light's layer, or the whole picture again.
 fn alone_button(ui: &mut Ui, place: u8, display: DisplaySettings, commands: &mut Vec<Command>) {
     let alone = DisplayMode::LightGroup(place);
     let is_alone = display.mode == alone;

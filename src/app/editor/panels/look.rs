@@ -11,7 +11,7 @@ pub fn strip(visuals: &Visuals) -> Color32 {
     }
 }
 
-/// The background of the button that does what a dialog is about.
+/// The background of the button of a dialog's main action.
 pub fn accent(visuals: &Visuals) -> Color32 {
     match visuals.dark_mode {
         true => Color32::from_rgb(0, 98, 142),
@@ -22,13 +22,13 @@ pub fn accent(visuals: &Visuals) -> Color32 {
 /// The text on [`accent`].
 pub const ON_ACCENT: Color32 = Color32::WHITE;
 
-/// The button of a dialog or a panel that does what most users came for.
+/// The button of the main action of a dialog or a panel.
 pub fn primary(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(RichText::new(text.to_owned()).color(ON_ACCENT)).fill(accent(ui.visuals()))
 }
 
-/// The button that does what most users came for if it `is_main`; a plain one otherwise. A button that cannot
-/// be pressed has to be plain: a pale accent is not legible.
+/// The button of the main action if it `is_main`; a plain one otherwise. A disabled button has to be plain: a pale
+/// accent is not legible.
 pub fn primary_if(ui: &Ui, is_main: bool, text: &str) -> Button<'static> {
     match is_main {
         true => primary(ui, text),
@@ -36,7 +36,7 @@ pub fn primary_if(ui: &Ui, is_main: bool, text: &str) -> Button<'static> {
     }
 }
 
-/// The row of buttons below a form, at its right: what it does, and *Cancel*. Whether each was clicked.
+/// Shows the row of buttons below a form, at its right: its action, and *Cancel*. Returns whether each was clicked.
 pub fn form_buttons(ui: &mut Ui, does: &str, help: &str) -> (bool, bool) {
     let mut clicked = (false, false);
     ui.horizontal(|ui| {
@@ -49,7 +49,7 @@ pub fn form_buttons(ui: &mut Ui, does: &str, help: &str) -> (bool, bool) {
     clicked
 }
 
-/// The button of a dialog that loses something.
+/// The button of a destructive action.
 pub fn danger(ui: &Ui, text: &str) -> Button<'static> {
     Button::new(RichText::new(text.to_owned()).color(ui.visuals().error_fg_color))
 }

@@ -1,4 +1,4 @@
-//! The parameters of a material, and what kind it is.
+//! The parameters of a material, and its kind.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
@@ -40,17 +40,17 @@ pub(crate) const TYPE: (&str, &str) = ("Type", "type");
 /// The edits of the user in the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
-    /// Whether a value is another than before.
+    /// Whether a value has changed.
     pub changed: bool,
-    /// The parameter that is to get another picture, and the place in it.
+    /// The parameter whose picture is to be chosen, and the place in it.
     pub wants_picture: Option<(&'static str, SquarePath)>,
 }
 
-/// Shows the rows of a material. `place` is what the material is within another.
+/// Shows the rows of a material. `place` is the material's role within another.
 pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, textures: &PanelTextures) -> Edit {
     let info = material.info();
     let mut wanted = info.name;
-    // A material with others inside keeps its kind here.
+    // The kind of a material with nested ones is not edited here.
     if *info.nested.end() > 0 {
         fields::note(ui, TYPE, info.label);
     } else {
@@ -73,7 +73,7 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
     rows.edit
 }
 
-/// One row, or a few, for each parameter.
+/// Shows one row, or a few, for each parameter.
 pub(crate) struct Rows<'u> {
     /// The panel in which the rows are shown.
     pub ui: &'u mut Ui,
@@ -161,8 +161,8 @@ impl Rows<'_> {
         }
     }
 
-    /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value
-    /// if the texture has none to give back.
+    /// Shows a parameter that may be a texture; `plain` is the name of its value without one, `otherwise` the value if
+    /// the texture has none to restore.
     pub(crate) fn texturable<T: PlainValue>(
         &mut self,
         info: &'static ParameterInfo,
@@ -259,7 +259,7 @@ impl Rows<'_> {
     }
 }
 
-/// The absorption that pigments have, or else the pigments of a new hair: few colours are those of any.
+/// The absorption of given pigments, or else the pigments of new hair: few colours are those of any pigments.
 fn turned_absorption(absorption: &Absorption) -> Absorption {
     match absorption {
         Absorption::Melanin { eumelanin, pheomelanin } => Absorption::Given {
@@ -270,7 +270,7 @@ fn turned_absorption(absorption: &Absorption) -> Absorption {
     }
 }
 
-/// One roughness as two, or the first of two as one.
+/// One roughness as two equal ones, or the first of two as one.
 fn turned_roughness(roughness: &Roughness) -> Roughness {
     match roughness {
         Roughness::Isotropic(alpha) => Roughness::Anisotropic {
@@ -281,7 +281,7 @@ fn turned_roughness(roughness: &Roughness) -> Roughness {
     }
 }
 
-/// The other way to say how strongly it mirrors head on: 0.08 `specular` = ((eta - 1) / (eta + 1))^2 (Burley,
+/// The other parameter for the reflectance at normal incidence: 0.08 `specular` = ((eta - 1) / (eta + 1))^2 (Burley,
 /// Physically-Based Shading at Disney, 2012, section 5.5).
 fn turned_index(index: PrincipledIndex) -> PrincipledIndex {
     match index {

@@ -1,4 +1,4 @@
-//! Shows the header of a material: a ball of it, its name, the library, and what may go around it.
+//! Shows the header of a material: a ball of it, its name, the library, and materials that may wrap it.
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
@@ -9,11 +9,11 @@ use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
 use crate::scene::Material;
 
-/// The edge of the ball in points for the material itself, and below for those inside it.
+/// The edge of the ball in points for the outermost material, and below for nested ones.
 const LARGE: f32 = 80.0;
 const SMALL: f32 = 46.0;
 
-/// The name of a material, how many shapes use it, and what can be done to the whole of it.
+/// Shows the name of a material, its number of users, and actions on the whole material.
 pub(crate) fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
     let edge = match entry.place {
         MaterialPlace::Whole => LARGE,
@@ -51,8 +51,8 @@ fn title(entry: &InspectedMaterial) -> String {
     }
 }
 
-/// The materials of the library that `place` takes. What is chosen goes to the material or the shape; if that is the
-/// whole, to everything that is selected.
+/// Shows the materials of the library that `place` takes. The chosen one is applied to the material or the shape; if
+/// that is the outermost, to the whole selection.
 pub fn presets(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model, commands: &mut Vec<Command>) {
     ui.menu_button("Presets", |ui| preset_menu(ui, target, place, model, commands))
         .response
@@ -93,7 +93,7 @@ fn targets(target: Entity, whole: bool, model: &Model) -> Vec<Entity> {
     }
 }
 
-/// The menu of what goes around a material and of what is in it.
+/// Shows the menu of materials that may wrap this one, and of its nested ones.
 pub(super) fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
     let mut become_tree = |tree: MaterialTree| {
         commands.push(

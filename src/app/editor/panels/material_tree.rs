@@ -1,4 +1,4 @@
-//! Shows a material with those nested in it as a tree, whose parts are chosen, put into others and taken out.
+//! Shows a material with nested ones as a tree, whose parts can be selected, wrapped and unwrapped.
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Align, Layout, Response, Sense, Ui, WidgetInfo, WidgetType};
@@ -11,19 +11,19 @@ use crate::scene::Material;
 
 /// The height of a row and the edge of its ball, in points.
 const ROW: f32 = 22.0;
-/// The way that a part is to the right of what it is in, in points.
+/// The indentation of a part relative to the part around it, in points.
 const INDENT: f32 = 14.0;
-/// The room for the button at the right, in points.
+/// The width of the button at the right, in points.
 const BUTTON: f32 = 22.0;
 
-/// The part that is edited: the chosen one, or else the outermost with parameters of its own.
+/// The edited part: the selected one, or else the outermost with parameters of its own.
 pub(crate) fn edited(parts: &[InspectedMaterial], chosen: Option<Entity>) -> Option<&InspectedMaterial> {
     let has_rows = |part: &&InspectedMaterial| !matches!(*part.material, Material::TwoSided);
     let found = parts.iter().find(|part| Some(part.entity) == chosen);
     found.or_else(|| parts.iter().find(has_rows)).or_else(|| parts.first())
 }
 
-/// Shows the tree and chooses the part that is clicked.
+/// Shows the tree and selects the clicked part.
 pub(crate) fn material_tree(
     ui: &mut Ui,
     parts: &[InspectedMaterial],
@@ -75,8 +75,7 @@ fn row(ui: &mut Ui, part: &InspectedMaterial, is_shown: bool, model: &Model, com
     response
 }
 
-/// The kind of a part. Before it stands which side or layer of the one around it the part is; after it, for the whole
-/// material alone, the name if it has one of its own.
+/// The text of a part: its role in the part around it, its kind, and for the outermost one its name if it has one.
 fn text(part: &InspectedMaterial) -> String {
     let place = match part.place {
         MaterialPlace::Whole | MaterialPlace::Inside => "",

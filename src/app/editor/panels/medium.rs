@@ -23,7 +23,7 @@ const FREE_PATH: &str = "Free path";
 const PHASE: &str = "Phase";
 const GRID_NAME: &str = "Name";
 
-/// Shows the rows of a medium; true if edited.
+/// Shows the rows of a medium; returns true if edited.
 pub(super) fn medium(ui: &mut Ui, edited: &mut Medium, shown: &InspectedMedium, textures: &PanelTextures) -> bool {
     let mut changed = false;
     let mut rows = Rows::new(ui, textures);
@@ -58,7 +58,7 @@ fn free_path(ui: &mut Ui, medium: &mut Medium) -> bool {
     true
 }
 
-/// The kind of the phase function and its parameters.
+/// Shows the kind of the phase function and its parameters; returns true if edited.
 fn phase(ui: &mut Ui, phase: &mut PhaseFunction, textures: &PanelTextures) -> bool {
     let info = phase.info();
     let is_blend = |name: &str| name == "blendphase";
@@ -97,7 +97,7 @@ fn phase(ui: &mut Ui, phase: &mut PhaseFunction, textures: &PanelTextures) -> bo
     changed
 }
 
-/// The places of volumes, and what is known of the files of grids. `grids` are in the order of
+/// Shows the places of volumes, and the contents of grid files; returns true if edited. `grids` are in the order of
 /// [`Medium::for_each_grid`].
 fn volumes(ui: &mut Ui, medium: &mut Medium, grids: &[Option<InspectedGrid>]) -> bool {
     let mut changed = false;
@@ -123,7 +123,7 @@ fn volumes(ui: &mut Ui, medium: &mut Medium, grids: &[Option<InspectedGrid>]) ->
     changed
 }
 
-/// The place of a value, whatever its type.
+/// The transform of a volume, whatever the type of its values.
 enum Volume<'v> {
     Everywhere,
     Box(&'v mut Affine3A),
@@ -163,7 +163,7 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
         changed |= name_of_grid(ui, name);
     }
     changed |= fields::choice(ui, "Filter", &mut grid.filter, &filters);
-    // The plugin of `.vdb` files has neither.
+    // The plugin of `.vdb` files has neither parameter.
     if grid.format == VolumeFormat::Vol {
         let wraps = VolumeWrap::ALL.map(|wrap| (wrap, wrap.name()));
         changed |= fields::choice(ui, "Outside", &mut grid.wrap, &wraps);
@@ -174,7 +174,7 @@ fn grid_rows(ui: &mut Ui, title: &str, grid: &mut GridFile, content: Option<Insp
     place(ui, "Grid", &mut grid.to_world) || changed
 }
 
-/// The corners of the bounds of a grid in the world, as texts. `to_world` takes the unit cube there.
+/// The corners of the bounds of a grid in the world, as texts. `to_world` is applied to the unit cube.
 fn corners(to_world: &Affine3A) -> [String; 2] {
     let cube = [0, 1, 2, 3, 4, 5, 6, 7]
         .map(|corner| Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32));
@@ -185,7 +185,7 @@ fn corners(to_world: &Affine3A) -> [String; 2] {
     [min, max].map(|corner| corner.to_array().map(length).join(", "))
 }
 
-/// The grid of a `.vdb` file that is read. A name that is being typed counts once the field is left.
+/// Shows the name of the grid in a `.vdb` file. A typed name counts once the field loses the focus.
 fn name_of_grid(ui: &mut Ui, name: &mut Option<String>) -> bool {
     let id = ui.make_persistent_id("name of grid");
     let shown = name.clone().unwrap_or_default();
@@ -210,7 +210,7 @@ fn name_of_grid(ui: &mut Ui, name: &mut Option<String>) -> bool {
     is_chosen
 }
 
-/// The corner and the size of a volume, which is the unit cube under this map.
+/// Shows the corner and the size of a volume, which is the unit cube under this transform.
 fn place(ui: &mut Ui, title: &str, to_world: &mut Affine3A) -> bool {
     let axes = to_world.matrix3.to_cols_array_2d().map(Vec3::from_array);
     let mut size = Vec3::from_array(axes.map(Vec3::length));
@@ -237,7 +237,7 @@ fn place(ui: &mut Ui, title: &str, to_world: &mut Affine3A) -> bool {
     changed
 }
 
-/// The rows of a quantity by colour. A medium has several, whose rows of colours have names of their own.
+/// Shows the rows of a quantity by colour. A medium has several, whose rows of colours have names of their own.
 fn tinted(ui: &mut Ui, info: &'static ParameterInfo, unit: &str, value: &mut Rgb) -> bool {
     let caption = Caption::from(info);
     color_field::colored(
@@ -283,7 +283,7 @@ impl Rows<'_> {
         fields::note(self.ui, info, text);
     }
 
-    /// A colour, and its strength per unit of length.
+    /// Shows a colour, and its strength per unit of length.
     fn coefficient(&mut self, info: &'static ParameterInfo, value: &mut Rgb) {
         let unit = match lengths::unit(self.ui).name() {
             "" => String::new(),
@@ -295,7 +295,7 @@ impl Rows<'_> {
         }
     }
 
-    /// A row for a value that is the same everywhere; a grid is named.
+    /// Shows a homogeneous value; a grid is only named.
     fn volume<T>(
         &mut self,
         info: &'static ParameterInfo,

@@ -1,4 +1,4 @@
-//! The media of what is selected: those that it refers to, and their parameters.
+//! The media of the selection: the references to media, and their parameters.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::app::editor::command::{Command, MediumEdit, SettingsEdit, ValueEdit};
 use crate::app::editor::model::{Inspected, InspectedMedium, Item, Model};
 use crate::scene::{Medium, PathPlugin};
 
-/// Copies of the media that are shown, for their rows to edit. Only one that has changed is copied anew.
+/// Copies of the shown media, for their rows to edit. Only a changed one is copied again.
 #[derive(Debug, Default)]
 pub(super) struct EditedMedia(HashMap<Entity, Medium>);
 
@@ -27,7 +27,7 @@ impl EditedMedia {
     }
 }
 
-/// A choice of a row.
+/// The choice in a row.
 #[derive(Clone, Copy, PartialEq)]
 enum Chosen {
     Nothing,
@@ -98,7 +98,7 @@ pub(super) fn medium_rows(
     }
 }
 
-/// The name of a medium, and how many things have it.
+/// Shows the name of a medium, and its number of users.
 fn header(ui: &mut Ui, entry: &InspectedMedium, inspected: &Inspected) {
     if inspected.media.len() > 1 || entry.side.is_some() {
         ui.add_space(4.0);
@@ -116,7 +116,7 @@ fn header(ui: &mut Ui, entry: &InspectedMedium, inspected: &Inspected) {
     };
 }
 
-/// The row of the medium on one side.
+/// Shows the row of the medium on one side.
 fn choice(ui: &mut Ui, inspected: &Inspected, model: &Model, side: MediumSide, commands: &mut Vec<Command>) {
     let now = inspected.media_at[side as usize].map_or(Chosen::Nothing, Chosen::Medium);
     let mut chosen = now;
@@ -146,7 +146,7 @@ fn choice(ui: &mut Ui, inspected: &Inspected, model: &Model, side: MediumSide, c
     });
 }
 
-/// The inspected thing, or all that are selected with it and may have a medium there.
+/// The inspected thing, or all selected things that may have a medium on this side.
 fn meant(inspected: &Inspected, model: &Model, side: MediumSide) -> Vec<Entity> {
     let outline = &model.outline;
     let lists: &[&[Item]] = match side {
@@ -165,7 +165,7 @@ fn meant(inspected: &Inspected, model: &Model, side: MediumSide) -> Vec<Entity> 
     meant
 }
 
-/// What closed shapes can be filled with.
+/// Shows the menu of fillings for closed shapes.
 pub(super) fn fill_menu(ui: &mut Ui, shapes: &[Entity], model: &Model, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, name: &str, with: Filling| {
         if ui.button(name).clicked() {

@@ -20,7 +20,7 @@ use crate::app::editor::session::layout::Layout;
 use crate::app::editor::words::files::folders_apart;
 use crate::scene::LengthUnit;
 
-/// The settings beside the model that menus show with a tick.
+/// The settings besides the model that menus show as check marks.
 #[derive(Clone, Copy)]
 pub struct MenuState<'a> {
     /// The context of the menus' actions.
@@ -29,7 +29,7 @@ pub struct MenuState<'a> {
     pub camera: Option<Entity>,
     /// The layout, which knows the open panels.
     pub layout: &'a Layout,
-    /// The scenes that were opened lately, the newest first.
+    /// The recent scenes, the newest first.
     pub recent: &'a [PathBuf],
 }
 
@@ -44,7 +44,7 @@ fn top_menu(ui: &mut Ui, title: &str, is_one_open: bool, content: &mut dyn FnMut
     let (button, _) = MenuButton::new(title).ui(ui, content);
     let popup = Popup::default_response_id(&button);
     let is_open = Popup::is_id_open(ui.ctx(), popup);
-    // What closes a menu at the pointer must not open it again.
+    // A click that closes a menu at the pointer must not open it again.
     let is_closed = button.clicked() || ui.input(|input| input.key_pressed(Key::Escape));
     if is_one_open && !is_open && button.hovered() && !is_closed {
         Popup::open_id(ui.ctx(), popup);
@@ -75,7 +75,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         menu(ui, "Window", &mut |ui| window_menu(ui, &state, commands));
         ui.data_mut(|data| data.insert_temp(open_id(), is_open));
         ui.separator();
-        // What acts at once looks like buttons, unlike the menus beside it.
+        // Entries that act at once look like buttons, unlike the menus beside them.
         ui.scope(|ui| {
             ui.visuals_mut().widgets = widgets;
             ui.spacing_mut().button_padding.x = 6.0;
@@ -124,11 +124,11 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
     }
 }
 
-/// The edge of an entry's drawing, in points.
+/// The edge of an entry's icon, in points.
 const DRAWING: f32 = 16.0;
 
-/// The action of this name, grey where there is nothing to do it to, and marked where it is on. `drawing`: the kind of
-/// thing that is drawn before it.
+/// Shows the action of this name, disabled if it does not apply, and checked if it is on. `drawing`: the kind of thing
+/// whose icon stands before it.
 fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else {
         return;
@@ -159,7 +159,7 @@ fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Co
     drawn_entry(ui, name, None, context, commands);
 }
 
-/// The actions of a group; there is a line before those named.
+/// Shows the actions of a group, with a separator before the named ones.
 fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     for action in ACTIONS.iter().filter(|action| action.group == group) {
@@ -170,7 +170,7 @@ fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionConte
     }
 }
 
-/// The part of the menu *Add* that an action is in, and the kind of thing that is drawn before it.
+/// The part of the menu *Add* for an action, and the kind of thing whose icon stands before it.
 fn addition(name: &str) -> (&'static str, &'static str) {
     match name.split_once('-') {
         Some(("add", "camera" | "turntable")) => ("Cameras", "camera"),
@@ -248,7 +248,7 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
     });
 }
 
-/// The entries of the group, some of them in menus of their own.
+/// Shows the entries of the group, some of them in submenus.
 fn arrange_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>) {
     const INNER: [(&str, &str); 5] = [
         ("snap-", "Snap to"),

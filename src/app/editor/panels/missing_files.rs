@@ -9,7 +9,7 @@ use crate::app::editor::model::MissingItem;
 /// The largest height of the list, in points.
 const HEIGHT: f32 = 320.0;
 
-/// What the list keeps while the window is open.
+/// The state of the list while the window is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingForm {
     others: bool,
@@ -21,7 +21,7 @@ impl Default for MissingForm {
     }
 }
 
-/// Shows the list. True when it is to be closed.
+/// Shows the list. Returns true when it is to be closed.
 pub fn missing_files(
     ui: &mut Ui,
     form: &mut MissingForm,
@@ -54,7 +54,7 @@ pub fn missing_files(
     closes
 }
 
-/// The button that asks where a file is. `others`: whether the other missing files are looked for there as well.
+/// Shows the button that asks for a file. `others`: whether the other missing files are searched in its folder as well.
 pub(super) fn find_button(ui: &mut Ui, item: &MissingItem, others: bool, commands: &mut Vec<Command>) {
     let button = ui.button("Find…").on_hover_text("Choose the file where it is now");
     if button.clicked() {

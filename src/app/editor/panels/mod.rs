@@ -1,4 +1,4 @@
-//! The panels around the picture. Each is a function of an egui `Ui` and plain data that says what the user did as
+//! The panels around the picture. Each is a function of an egui `Ui` and plain data that returns the user's input as
 //! [`Command`]s; none touches the ECS, so that tests can drive them without a window. May import `model`, `input` and
 //! the modules below them.
 //!

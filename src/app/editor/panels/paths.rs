@@ -1,5 +1,5 @@
-//! The panel of the paths of a pixel: at each vertex what was hit, which light was sampled and how the path continued,
-//! with the densities and weights of multiple importance sampling.
+//! The panel of the paths of a pixel: at each vertex the surface hit, the sampled light and the continuation of the
+//! path, with the densities and weights of multiple importance sampling.
 
 use bevy::math::UVec2;
 use bevy_egui::egui::{self, Color32, RichText, Ui};
@@ -201,7 +201,7 @@ fn weight_rows(ui: &mut Ui, weight: f32, contribution: Rgb) {
     );
 }
 
-/// The path from a light, and what it has sent to the lens.
+/// Shows the light subpath, and its contribution to the lens.
 fn light_path_rows(ui: &mut Ui, path: &RecordedPath) {
     if path.light_path.is_empty() {
         return;

@@ -1,8 +1,8 @@
-//! The values of parameters that are the same everywhere.
+//! The values of parameters without a texture.
 
 use crate::color::Rgb;
 
-/// A parameter's value where it is the same everywhere, as a colour that textures begin with.
+/// A parameter's value without a texture, as a colour that a new texture starts with.
 pub(crate) trait PlainValue: Copy {
     fn of_color(color: Rgb) -> Self;
     fn to_color(self) -> Rgb;

@@ -22,7 +22,7 @@ const NAMES: f32 = 116.0;
 /// The width of a slider's number, in points.
 const NUMBER: f32 = 110.0;
 
-/// Shows the preferences. `problem` is what is wrong with their file.
+/// Shows the preferences. `problem` is the problem with their file.
 pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {
     let mut edited = shown.clone();
     section(ui, "Window", |ui| window_rows(ui, shown, &mut edited, commands));
@@ -37,13 +37,13 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
     }
 }
 
-/// A row: a name that ends before the control, and a control that ends at the right edge.
+/// Shows a row: a name that ends before the control, and a control that ends at the right edge.
 fn row(ui: &mut Ui, name: &str, help: impl Into<WidgetText>, control: impl FnOnce(&mut Ui) -> Response) -> Response {
     let (label, response) = named(ui, name, help, control);
     response.labelled_by(label)
 }
 
-/// A row whose control has a name of its own; the id of the row's name, and the control.
+/// Shows a row whose control has a name of its own; returns the id of the row's name, and the control.
 fn named(
     ui: &mut Ui,
     name: &str,
@@ -106,7 +106,7 @@ fn parse_percent(text: &str) -> Option<f64> {
     Some(parse_within(text)? / 100.0)
 }
 
-/// A number with words around it, such as `every 30 s`.
+/// Parses a number with words around it, such as `every 30 s`.
 fn parse_within(text: &str) -> Option<f64> {
     arithmetic::number(text.trim_matches(|letter: char| letter.is_alphabetic() || matches!(letter, ' ' | '%')))
 }
@@ -151,8 +151,7 @@ fn window_rows(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences, comma
 }
 
 fn panel_size(ui: &mut Ui, shown: &Preferences, edited: &mut Preferences) {
-    // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is
-    // released.
+    // A control that is scaled during a drag would move away from the pointer, so that the scale is applied on release.
     let id = ui.id().with("scale");
     let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(id, shown.ui_scale));
     let help = "Multiplies the scale of the system. Keys: Ctrl and +, - or 0";

@@ -7,7 +7,7 @@ use super::{fields, lengths, look};
 use crate::app::editor::command::uv_projection::{ProjectedFrom, Projection};
 use crate::app::editor::command::{Command, TextureEdit};
 
-/// What is filled in. It stays while the window is open.
+/// The entries of the form, which stay while the window is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectionForm {
     from: ProjectedFrom,
@@ -24,7 +24,7 @@ impl Default for ProjectionForm {
     }
 }
 
-/// Shows the form for these shapes. True when it is done with.
+/// Shows the form for these shapes. Returns true when it is finished.
 pub fn projection(ui: &mut Ui, form: &mut ProjectionForm, shapes: &[Entity], commands: &mut Vec<Command>) -> bool {
     fields::choice(ui, "From", &mut form.from, &ProjectedFrom::LABELED);
     let metre = lengths::unit(ui).parse("1m").map_or(1.0, |metre| metre as f32);

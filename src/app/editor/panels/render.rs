@@ -1,4 +1,4 @@
-//! The panel of the render settings, and of how the picture is shown.
+//! The panel of the render settings, and of the display of the picture.
 
 use std::ops::RangeInclusive;
 
@@ -18,7 +18,7 @@ use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::{AccelMethod, IntegratorSettings, PathPlugin, Sequence, Strategy};
 
-/// Shows the settings of how the scene is rendered and shown.
+/// Shows the settings of rendering and display.
 pub fn render(
     ui: &mut Ui,
     model: &RenderModel,
@@ -83,7 +83,7 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     fields::note(ui, "Noise now", noise);
 }
 
-/// The rows for which pixels of the film are traced, and how a picture of few pixels is shown.
+/// Shows the rows for the resolution of the film, and for the enlarging of a picture of few pixels.
 fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     let mut resolution = model.resolution;
     if fields::choice(ui, "Pixels", &mut resolution, &Resolution::LABELED) {
@@ -103,7 +103,7 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     }
 }
 
-/// The part of the picture that gets samples, by its edges from 0 to 1.
+/// Shows the region of the picture that gets samples, by its edges from 0 to 1.
 fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
     let mut is_on = region.is_some();
     let mut changed = fields::checkbox(ui, "Only a part", &mut is_on);
@@ -119,7 +119,7 @@ fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
     }
 }
 
-/// A switch, and the number where it is on. Some if the user changed it.
+/// Shows a switch, and the number if it is on. Returns Some if edited.
 fn limit_rows(
     ui: &mut Ui,
     switch: &str,
@@ -163,7 +163,7 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
     }
 }
 
-/// The clamp of bright samples, and what it takes from the picture.
+/// Shows the clamp of bright samples, and the light that it removes from the picture.
 fn clamp_rows(ui: &mut Ui, model: &RenderModel, percentile: &mut Option<f32>) -> bool {
     const FIRST: f32 = 99.9;
     let caption = Caption::from("Clamp fireflies")
@@ -208,7 +208,7 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
     }
 }
 
-/// What `auto` stands for, and whether `path` stands for it.
+/// Shows the choice of `auto`, and whether `path` stands for `auto`.
 fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if model.integrator.plugin == PathPlugin::Path {
         let mut is_auto = model.path_is_auto;

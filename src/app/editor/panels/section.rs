@@ -16,12 +16,12 @@ const INDENT: i8 = 6;
 /// The distance in points between two paintings of the title, which make it bold: the fonts of egui have no bold face.
 const BOLD: f32 = 0.5;
 
-/// A section that a click on its header opens and closes. It is open at first.
+/// Shows a section that a click on its header opens and closes. It is open at first.
 pub fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
     section_with(ui, title, true, content);
 }
 
-/// A section, which at first is open or closed.
+/// Shows a section that is open or closed at first.
 pub fn section_with(ui: &mut Ui, title: &str, is_open: bool, content: impl FnOnce(&mut Ui)) {
     let id = ui.make_persistent_id(("section", title));
     let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, is_open);

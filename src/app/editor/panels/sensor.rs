@@ -25,7 +25,7 @@ const PRECISIONS: [(Option<ComponentFormat>, &str); 3] = [
     (Some(ComponentFormat::Float16), "halves of 16 bits"),
 ];
 
-/// Shows the rows of a camera; true if edited. `aspect` is the film's width over its height.
+/// Shows the rows of a camera; returns true if edited. `aspect` is the film's width over its height.
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) -> bool {
     let focal_length = aperture::focal_length(sensor, aspect);
     let mut changed = lens(ui, &mut sensor.lens, focal_length, scene_size);
@@ -65,13 +65,13 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
     ) || changed
 }
 
-/// Shows the rows of a field of view; true if edited.
+/// Shows the rows of a field of view; returns true if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
     let changed = fields::slider_with(ui, &FOV, fov, FOV.slider_range(), |slider| slider.suffix(FOV.unit));
     fields::choice(ui, &FOV_AXIS, axis, &FovAxis::LABELED) || changed
 }
 
-/// Shows the focal length, which is another way to say the field of view; true if edited.
+/// Shows the focal length, which stands for the field of view; returns true if edited.
 fn focal_length_row(ui: &mut Ui, sensor: &mut Sensor, aspect: f32) -> bool {
     let mut millimetres = 1e3 * aperture::focal_length(sensor, aspect);
     let response = fields::row(ui, ("Focal length", "fov"), |ui| {
@@ -150,7 +150,7 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
     changed
 }
 
-/// The radius by its f-number.
+/// Shows the aperture radius as an f-number; returns true if edited.
 fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
     let mut number = aperture::f_number(radius.max(f32::MIN_POSITIVE), focal_length);
     let about = format!(
@@ -177,7 +177,7 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
     changed
 }
 
-/// Shows the rows of a film; true if edited.
+/// Shows the rows of a film; returns true if edited.
 pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     let mut changed = fields::integer(ui, ("Width", "width"), &mut film.width, 16..=LARGEST_EDGE);
     changed |= fields::integer(ui, ("Height", "height"), &mut film.height, 16..=LARGEST_EDGE);

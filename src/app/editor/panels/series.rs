@@ -35,7 +35,8 @@ impl Default for SeriesForm {
     }
 }
 
-/// Shows the form. `suggested` is a step that suits the selection, in world units. True when the form is to be closed.
+/// Shows the form. `suggested` is a step that suits the selection, in world units. Returns true when the form is to be
+/// closed.
 pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mut Vec<Command>) -> bool {
     ui.horizontal(|ui| {
         ui.selectable_value(&mut form.is_ring, false, "Along a line");

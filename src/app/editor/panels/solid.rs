@@ -6,7 +6,7 @@ use super::fields::{self, NumberStyle};
 use super::lengths;
 use crate::scene::{Declared, Opening, ParameterMut, Solid};
 
-/// Shows the rows of a building part; true if edited.
+/// Shows the rows of a building part; returns true if edited.
 pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     fields::note(ui, ("Type", "kind"), part.plugin());
     let [low, high] = part.corners();
@@ -15,7 +15,7 @@ pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     let mut changed = false;
     part.visit_mut(&mut |info, value| match value {
         ParameterMut::Length(length) => {
-            // A length that is smaller already is not changed.
+            // A length below the range is not changed.
             let range = info.range.start().min(*length)..=*info.range.end();
             changed |= lengths::length(ui, info, length, speed, range);
         }
@@ -29,7 +29,8 @@ pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
     changed
 }
 
-/// The openings one after the other, each with its place and size, and buttons for new ones.
+/// Shows the openings one after the other, each with its place and size, and buttons for new ones; returns true if
+/// edited.
 fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, speed: f32) -> bool {
     let mut changed = false;
     let mut removed = None;

@@ -1,4 +1,4 @@
-//! The line at the bottom: what the renderer is doing and how fast.
+//! The line at the bottom: the activity of the renderer and its speed.
 
 use std::borrow::Cow;
 
@@ -14,13 +14,13 @@ use crate::render::auto::{Choice, Method};
 
 /// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
-/// Rays are said to be traced more slowly than they could be from this factor on.
+/// The factor from which on rays count as traced more slowly than possible.
 const SLOWED: f64 = 1.05;
 /// The size of the curve of the noise in points, and the number of its points.
 const CURVE: egui::Vec2 = egui::vec2(40.0, 12.0);
 const CURVE_POINTS: usize = 21;
 
-/// One line: what the renderer is at, samples, time, speed and noise.
+/// Shows one line: the renderer's activity, samples, time, speed and noise.
 pub fn status_line(ui: &mut Ui, model: &StatusModel) {
     let status = &model.status;
     ui.horizontal(|ui| {
@@ -57,7 +57,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
 /// One entry of the line.
 struct Part {
     text: String,
-    /// What the text means.
+    /// The meaning of the text, as a tool tip.
     hint: Cow<'static, str>,
     /// The heights of a curve beside the text, from 0 to 1; empty without one.
     trend: Vec<f32>,
@@ -122,7 +122,7 @@ fn developer_parts(model: &StatusModel, parts: &mut Vec<Part>) {
             "Between two pictures of the window, median",
         ));
     }
-    // Even an empty hierarchy has a root.
+    // An empty hierarchy has a root, too, but no leaves.
     if status.bvh.leaves > 0 {
         parts.push(Part::new(
             format!("{}, {:.1} ms", counted(status.bvh.nodes, "node"), status.bvh.build_ms),
@@ -131,7 +131,7 @@ fn developer_parts(model: &StatusModel, parts: &mut Vec<Part>) {
     }
 }
 
-/// How fast rays are traced, and how fast they would be if the window took nothing of the processors.
+/// The speed of tracing, and the speed it would have if the window used no processor time.
 fn rays_per_second(status: &RenderStatus) -> Part {
     let [now, undisturbed] = [status.mrays_per_s, status.undisturbed_mrays_per_s];
     match undisturbed > SLOWED * now {
@@ -143,7 +143,7 @@ fn rays_per_second(status: &RenderStatus) -> Part {
     }
 }
 
-/// The pixels that are traced, and those of the film if they are more.
+/// The rendered pixels, and those of the film if they are more.
 fn size(status: &RenderStatus) -> Part {
     let (size, full) = (status.size, status.full_size);
     let traced = format!("{} × {}", size.x, size.y);
@@ -159,14 +159,14 @@ fn size(status: &RenderStatus) -> Part {
     )
 }
 
-/// What the integrator `auto` stands for.
+/// The choice of the integrator `auto`.
 fn auto(auto: &AutoStatus) -> Part {
     let hint =
         "What the integrator auto stands for; Light transport in the panel Render says why, and can name another one";
     Part::new(format!("auto: {}", auto.integrator), hint)
 }
 
-/// The choice of the integrator `auto`, and what it goes by.
+/// The choice of the integrator `auto`, and its reason.
 pub fn auto_words(auto: &AutoStatus) -> String {
     let name = auto.integrator;
     let Choice {
@@ -190,7 +190,7 @@ pub fn auto_words(auto: &AutoStatus) -> String {
     }
 }
 
-/// The noise, and how it has fallen.
+/// The noise, and its trend.
 fn noise(model: &StatusModel) -> Option<Part> {
     let noise = model.status.noise?;
     let points = model.noise_trend.points();
@@ -263,7 +263,7 @@ fn heights(points: &[(u32, f32)]) -> Vec<f32> {
     heights.iter().map(|height| (height - low) / range).collect()
 }
 
-/// Shows a small curve.
+/// Paints a small curve.
 fn trend(ui: &mut Ui, heights: &[f32]) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(CURVE, egui::Sense::hover());
     let step = rect.width() / (heights.len().max(2) - 1) as f32;
@@ -373,7 +373,7 @@ mod tests {
         assert!(part.trend.windows(2).all(|pair| pair[0] >= pair[1]));
         assert_eq!([percent(0.123), percent(0.0042)], ["12 %", "0.42 %"]);
 
-        // A limit that is not reached is told of once the picture has ended.
+        // A limit that was not reached is reported once the picture has ended.
         model.status.noise_target = Some(0.02);
         assert_eq!(noise(&model).expect("it is known").text, "noise 5.0 % of 2.0 %");
         model.status.state = RenderState::Done;

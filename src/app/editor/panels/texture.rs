@@ -1,4 +1,4 @@
-//! Edits textures, and keeps what it can when one becomes another kind.
+//! Edits textures, and keeps common parameters when the kind of a texture changes.
 
 use bevy::math::{Affine2, Vec2};
 use bevy_egui::egui::{self, Ui};
@@ -32,7 +32,7 @@ impl TextureKind {
         }
     }
 
-    /// The name in menus.
+    /// The name in menus; `plain` is the name without a texture.
     pub fn name(self, plain: &'static str) -> &'static str {
         match self {
             Self::Plain => plain,
@@ -43,8 +43,8 @@ impl TextureKind {
     }
 }
 
-/// Turns the parameter into a texture of another kind, or into none. Colours and the placing stay as far as both have
-/// them. A bitmap stays what it was: it needs a file first.
+/// Turns the parameter into a texture of another kind, or into none. Colours and the placing stay if both kinds have
+/// them. A texture does not become a bitmap here, which needs a file first.
 pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
     let (color, to_uv) = match &*value {
         Parameter::Constant(plain) => (Some(plain.to_color()), Affine2::IDENTITY),
@@ -57,7 +57,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
         TextureKind::Bitmap => {}
         TextureKind::Checkerboard => {
             *value = Parameter::Texture(Texture::Checkerboard {
-                // The second is the format's own.
+                // The second colour is the format's default.
                 color0: Box::new(color.unwrap_or(Rgb::splat(0.4)).into()),
                 color1: Box::new(Rgb::splat(0.2).into()),
                 to_uv: Box::new(to_uv),
@@ -73,7 +73,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
     }
 }
 
-/// Shows the rows of a bitmap; true if edited.
+/// Shows the rows of a bitmap; returns true if edited.
 pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     let filters = [
         (TextureFilter::Bilinear, "bilinear"),
@@ -89,7 +89,7 @@ pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     placing(ui, &mut bitmap.to_uv) || changed
 }
 
-/// Shows repeats, rotation and offset of uv, and the shear if there is one; true if edited.
+/// Shows repeats, rotation and offset of uv, and the shear if there is one; returns true if edited.
 pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     let caption = Caption::from(&TO_UV);
     let Some(before) = Placing::of(to_uv) else {
@@ -124,7 +124,7 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
         );
     }
     if changed {
-        // A scale of zero has no way back.
+        // A scale of zero could not be undone by another one.
         placing.repeats = Vec2::from_array(scaling).map(|s| if s.abs() < 1e-4 { 1e-4 } else { s });
         placing.offset = Vec2::from_array(shift);
         *to_uv = placing.to_uv();
@@ -132,7 +132,7 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     changed
 }
 
-/// The name of values of the mesh; true if edited.
+/// Shows the name of a mesh attribute; returns true if edited.
 pub(crate) fn mesh_attribute(ui: &mut Ui, name: &mut String) -> bool {
     let mut copy = name.clone();
     let changed = fields::row(ui, &NAME, |ui| {

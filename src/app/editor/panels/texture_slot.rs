@@ -19,7 +19,7 @@ use crate::scene::{Parameter, SquarePath, Texture};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SlotEdit {
     pub changed: bool,
-    /// The place that is to get another picture.
+    /// The place in the texture whose picture is to be chosen.
     pub wants_picture: Option<SquarePath>,
 }
 
@@ -30,7 +30,7 @@ impl SlotEdit {
     }
 }
 
-/// A slot: its caption, the looks of pictures, and its place in nested textures.
+/// A slot: its caption, the thumbnails, and its place in nested textures.
 #[derive(Clone, Copy)]
 pub(crate) struct Slot<'a> {
     pub caption: Caption<'a>,
@@ -44,13 +44,13 @@ const MENU_WIDTH: f32 = 18.0;
 /// The room between the menu and the row before it, in points, and that of both.
 const GAP: f32 = 3.0;
 pub(super) const BESIDE: f32 = MENU_WIDTH + GAP;
-/// The edge of a square of its mark, in points.
+/// The edge of a square of the menu's icon, in points.
 const SQUARE: f32 = 3.5;
 const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
 
 impl Slot<'_> {
-    /// Shows the slot. `plain_rows` shows the value if it is no texture; `otherwise` is that value if the texture knows
-    /// none.
+    /// Shows the slot. `plain_rows` shows the value without a texture; `otherwise` is that value if the texture has
+    /// none to restore.
     pub fn show<T: PlainValue>(
         &self,
         ui: &mut Ui,
@@ -104,7 +104,7 @@ impl Slot<'_> {
         edit
     }
 
-    /// Shows the row of a texture; true when it is to be opened or closed.
+    /// Shows the row of a texture; returns true when it is to be opened or closed.
     fn texture_row(&self, ui: &mut Ui, texture: &Texture, is_open: bool) -> bool {
         ui.horizontal(|ui| {
             let label = name_cell(ui, self.caption);
@@ -116,7 +116,7 @@ impl Slot<'_> {
                 shown_name(texture)
             );
             let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-            // A text at the right, even an empty one, keeps that at the left there.
+            // A text at the right, even an empty one, keeps the main text at the left.
             let button = egui::Button::selectable(false, text).right_text("").truncate();
             let name = ui.add(button.min_size(size));
             let name = named(name, self.caption, &label);
@@ -199,7 +199,8 @@ impl Slot<'_> {
     }
 }
 
-/// Shows the row of a picture file that is no texture, such as that of an environment; true when another is wanted.
+/// Shows the row of a picture file that is no texture, such as an environment's; returns true when another is to be
+/// chosen.
 pub(crate) fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textures: &PanelTextures) -> bool {
     let texture = Texture::of_picture(path.to_owned(), None);
     ui.horizontal(|ui| {
@@ -220,7 +221,7 @@ pub(crate) fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textur
     .inner
 }
 
-/// Names a button after its row, not after what it shows.
+/// Names a button after its row, not after its text.
 fn named(button: egui::Response, caption: Caption<'_>, label: &egui::Response) -> egui::Response {
     button.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, caption.text));
     button.labelled_by(label.id)
@@ -237,7 +238,7 @@ fn shown_name(texture: &Texture) -> String {
     }
 }
 
-/// The mark of the menu: squares of a checkerboard, bright if the parameter has a texture.
+/// Paints the icon of the menu: squares of a checkerboard, bright if the parameter has a texture.
 fn squares(ui: &Ui, button: egui::Rect, is_textured: bool) {
     let color = match is_textured {
         true => ui.visuals().text_color(),
@@ -251,7 +252,7 @@ fn squares(ui: &Ui, button: egui::Rect, is_textured: bool) {
     }
 }
 
-/// A small picture of the texture; a bitmap that is not there is crossed out.
+/// Shows a thumbnail of the texture; a missing bitmap is crossed out.
 fn thumbnail(ui: &mut Ui, texture: &Texture, textures: &PanelTextures) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(THUMBNAIL, egui::Sense::click());
     paint(ui, rect, texture, textures);

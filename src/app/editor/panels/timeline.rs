@@ -1,6 +1,5 @@
 //! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged,
-//! and a track of keys below it. A press on the ruler is never one on a key, so that the time can be dragged away from
-//! a key.
+//! and a track of keys below it. Keys take no presses on the ruler, so that the time can be dragged away from a key.
 
 use std::ops::RangeInclusive;
 
@@ -19,28 +18,28 @@ use crate::app::editor::model::timeline::{TickTime, TimelineModel};
 use crate::document::Interpolation;
 use crate::scene::{KeyEdit, KeyPath};
 
-/// Half the width in points of the marker of the time, which must not hide the number of its line.
+/// Half the width in points of the time's marker, which must not hide the number of its line.
 const HALF_MARKER: f32 = 5.0;
 /// The heights in points of the ruler, on which the time is dragged, and of the track of the keys below it.
 const RULER: f32 = 22.0;
 const TRACK: f32 = 22.0;
-/// The room at both ends of the band.
+/// The margins at both ends of the band.
 const MARGIN: f32 = 12.0;
-/// The half diagonal of a key's mark, and the distance at which the pointer has hold of it.
+/// The half diagonal of a key's mark, and the distance within which the pointer hits it.
 const MARK: f32 = 5.0;
-/// The least distance of two numbers of frames.
+/// The least distance between the numbers of two frames.
 const NUMBERS: f32 = 56.0;
 
 /// The state that the timeline keeps between frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TimelineState {
-    /// The key that is dragged, and where it is now, in seconds.
+    /// The dragged key, and its present time in seconds.
     dragged: Option<(TickTime, f64)>,
     /// The key whose menu is open.
     menu: Option<TickTime>,
 }
 
-/// Shows the time, the frames that are played, and the keys: those of the selection bright, others dim.
+/// Shows the time, the range of frames, and the keys: those of the selection bright, others dim.
 pub fn timeline(
     ui: &mut Ui,
     model: &TimelineModel,
@@ -111,7 +110,7 @@ fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &m
     );
 }
 
-/// The frame and the time that are shown.
+/// Shows the present frame and time.
 fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
     let mut frame = model.frames.frame(model.time);
     // A whole number of frames has rounding errors in seconds.
@@ -129,7 +128,7 @@ fn times(ui: &mut Ui, model: &TimelineModel, commands: &mut Vec<Command>) {
     }
 }
 
-/// The frames that are played.
+/// Shows the range of frames.
 fn range(ui: &mut Ui, frames: &Timeline, commands: &mut Vec<Command>) {
     let mut edited = *frames;
     let most = Timeline::MOST;
@@ -152,7 +151,7 @@ fn named<N: Numeric>(ui: &mut Ui, name: &str, drag: DragValue, range: RangeInclu
     ui.add(field).labelled_by(label.id)
 }
 
-/// The map from times to places of the band.
+/// The map from times to positions on the band.
 struct Scale {
     first: f64,
     last: f64,
@@ -161,7 +160,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// All frames and all keys have room.
+    /// The scale at which all frames and all keys fit.
     fn new(model: &TimelineModel, rect: Rect) -> Self {
         let frames = &model.frames;
         let mut times = vec![
@@ -291,7 +290,7 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
     let ends = [frames.first, frames.last].map(|frame| scale.place(frames.time(frame.into())));
     let played = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
     painter.rect_filled(played, 0.0, visuals.faint_bg_color);
-    // Numbers at round frames, as many as have room.
+    // Numbers at round frames, as many as fit.
     let (first, last) = (frames.frame(scale.first), frames.frame(scale.last));
     let font = egui::TextStyle::Small.resolve(ui.style());
     for frame in numbered(first, last, f64::from(scale.width / NUMBERS)) {
@@ -303,7 +302,7 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
             Stroke::new(1.0, color.gamma_multiply(0.3)),
         );
         let number = painter.layout_no_wrap(format!("{frame:.0}"), font.clone(), color);
-        // Where the number behind a line would be cut off, it stands before it.
+        // A number that would be cut off behind its line stands before it.
         let gap = HALF_MARKER + 2.0;
         let is_cut = x + gap + number.size().x > rect.right();
         let left = if is_cut { x - gap - number.size().x } else { x + gap };
@@ -314,7 +313,7 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
         track.top(),
         Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.4)),
     );
-    // Keys are drawn over the line of the time, which does not take their drags.
+    // Keys are drawn over the line of the time, which takes no drags from them.
     let now = scale.place(model.time);
     let accent = look::accent(visuals);
     painter.vline(now, rect.y_range(), Stroke::new(2.0, accent));
@@ -344,7 +343,7 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
     }
 }
 
-/// The round frames from `first` to `last` that have numbers. `most` is how many steps between numbers have room.
+/// The round frames from `first` to `last` that have numbers. `most` is the number of steps between numbers that fit.
 fn numbered(first: f64, last: f64, most: f64) -> impl Iterator<Item = f64> {
     let least = ((last - first) / most).max(1.0);
     let power = 10_f64.powi(least.log10().floor() as i32);

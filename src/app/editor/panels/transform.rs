@@ -20,8 +20,8 @@ pub enum PoseEdit {
     Turned(Vec3),
 }
 
-/// Shows the rows of a pose, and edits it. `size` (world units) sets how fast a drag moves. `angles`: those of the
-/// rotation that are known. The rotation is shown from `rest`.
+/// Shows the rows of a pose, and edits it. `size` (world units) sets how fast a drag moves. `angles` are the known
+/// angles of the rotation. The rotation is shown relative to `rest`.
 pub fn transform(
     ui: &mut Ui,
     to_world: &mut Affine3A,
@@ -68,7 +68,7 @@ pub fn transform(
     }
 }
 
-/// Shows the row of a place; true if it was edited. `size` (world units) sets how fast a drag moves.
+/// Shows the row of a position; returns true if edited. `size` (world units) sets the speed of drags.
 pub(super) fn position(ui: &mut Ui, to_world: &mut Affine3A, size: f32) -> bool {
     let mut translation = Vec3::from(to_world.translation);
     let caption = ("Position", "to_world.position");
@@ -79,7 +79,8 @@ pub(super) fn position(ui: &mut Ui, to_world: &mut Affine3A, size: f32) -> bool 
     moved
 }
 
-/// A turn about the thing's own axis `up`, on a slider; true if edited. Nothing is shown of a sheared map.
+/// Shows a turn about the thing's own axis `up`, on a slider; returns true if edited. Shows nothing for a sheared
+/// transform.
 pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
     let Some(Turned { scale, degrees }) = Turned::of(&to_world.matrix3, None) else {
         return false;
@@ -100,11 +101,10 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
     turned
 }
 
-/// The rotation that remains when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to
-/// 180.
+/// The rest of a rotation after a turn about its own axis `up`, and the degrees of that turn, -180 to 180.
 fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(up);
-    // Upside down the turn cannot be told from the rest: then it is zero.
+    // Upside down the turn cannot be separated from the rest: then it is zero.
     let angle = if along == 0.0 && rotation.w == 0.0 {
         0.0
     } else {
@@ -115,7 +115,7 @@ fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     (swing, degrees)
 }
 
-/// A scale of zero would leave nothing to see, and no way back.
+/// A scale without zeros, which would make the thing invisible for good.
 fn nonzero(scale: Vec3) -> Vec3 {
     scale.map(|s| if s.abs() < 1e-6 { 1e-6 } else { s })
 }

@@ -1,4 +1,4 @@
-//! Numbers of panels: they are lengths where the panel says so, and are about the thing that the panel shows.
+//! Numbers of panels: lengths if the panel says so, with keys for the thing that the panel shows.
 
 use std::ops::RangeInclusive;
 
@@ -9,8 +9,8 @@ use super::key_marks::owner;
 use super::lengths::length_unit;
 use crate::app::editor::input::number_field::{self, Meaning, NumberField, SliderField};
 
-/// A number in this range. `name` tells it from others: a row that appears above moves it to the place of another one.
-/// `format` gives its text with so many decimals.
+/// A number in this range. `name` gives it a stable id, since a row that appears above moves it. `format` gives its
+/// text with so many decimals.
 pub(super) fn number<'a, N: Numeric>(
     ui: &Ui,
     drag: DragValue<'a>,

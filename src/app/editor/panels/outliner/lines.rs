@@ -1,5 +1,5 @@
 //! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a
-//! material that is inside another one is listed under it.
+//! nested material is listed under the one around it.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -13,7 +13,7 @@ use crate::app::editor::model::{Item, Outline};
 /// The kind of things that are the transforms of folders.
 const GROUP: &str = "group";
 
-/// The depth below which materials within materials, and folders within folders, are shown at one level.
+/// The depth below which nested materials and folders are shown at one level.
 pub const DEEPEST: usize = 16;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,24 +22,24 @@ pub enum Line {
         name: &'static str,
         count: usize,
     },
-    /// A folder with its whole path and the number of things in it.
+    /// A folder with its path and the number of things in it.
     Folder {
         path: String,
         depth: usize,
         members: Vec<Entity>,
-        /// Whether all of them are left out of the picture; None if they cannot be.
+        /// Whether all members are hidden; None if they cannot be.
         hidden: Option<bool>,
-        /// Whether all of them are locked.
+        /// Whether all members are locked.
         locked: bool,
-        /// The entity that has the transform of the folder, if there is one.
+        /// The entity that holds the folder's transform, if there is one.
         frame: Option<Entity>,
     },
     Item {
-        /// The index into [`Outline::groups`], and below that within the group.
+        /// The index into [`Outline::groups`], and below that the index within the group.
         group: usize,
         index: usize,
         depth: usize,
-        /// Has materials inside.
+        /// Whether it has nested materials.
         has_inside: bool,
     },
 }
@@ -47,13 +47,13 @@ pub enum Line {
 /// The folders and things that are closed or open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Folding {
-    /// The headings and folders that are closed, as the names of their lines.
+    /// The closed headings and folders, by the names of their lines.
     pub closed: HashSet<String>,
-    /// The materials that show those inside them.
+    /// The materials that show their nested ones.
     pub open: HashSet<Entity>,
 }
 
-/// The lines of an outline, made anew only when something changed: scenes of thousands of shapes are usual.
+/// The lines of an outline, rebuilt only after a change: scenes of thousands of shapes are usual.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     made_of: Option<(Weak<Outline>, String, Folding)>,
@@ -71,7 +71,7 @@ pub struct LineList {
 #[derive(Clone, Debug)]
 enum Part {
     One(Line),
-    /// Things of a group with nothing inside.
+    /// Things of a group without nested ones.
     Run {
         group: usize,
         indices: Range<usize>,
@@ -85,7 +85,7 @@ impl LineList {
         self.len
     }
 
-    /// The line at this place; None beyond the last.
+    /// The line at this index; None beyond the last.
     pub fn get(&self, place: usize) -> Option<Cow<'_, Line>> {
         let part = self.parts.partition_point(|(before, _)| *before <= place);
         let (before, part) = self.parts.get(part.checked_sub(1)?)?;
@@ -109,7 +109,7 @@ impl LineList {
         (0..self.len).filter_map(|place| self.get(place))
     }
 
-    /// The place of the line of a thing, by the index of its group and that within the group.
+    /// The index of the line of a thing, given the index of its group and its index in the group.
     pub fn place_of(&self, wanted: (usize, usize)) -> Option<usize> {
         self.parts.iter().find_map(|(before, part)| match part {
             Part::One(Line::Item { group, index, .. }) => ((*group, *index) == wanted).then_some(*before),
@@ -161,7 +161,7 @@ impl LineList {
 }
 
 impl Lines {
-    /// The lines of things with `filter` in their name or kind. While there is a filter, nothing is closed.
+    /// The lines of things with `filter` in their name or kind. While there is a filter, everything is open.
     pub fn of(&mut self, outline: &Arc<Outline>, filter: &str, folding: &Folding) -> Arc<LineList> {
         let is_known = self.made_of.as_ref().is_some_and(|(known, filtered, folded)| {
             known.as_ptr() == Arc::as_ptr(outline) && filtered == filter && folded == folding
@@ -228,11 +228,11 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
     lines
 }
 
-/// The items inside no other of `found`, and for each the items inside it.
+/// The items of `found` that are nested in no other of them, and for each its nested items.
 fn nesting(items: &[Item], found: &[usize]) -> (Vec<usize>, HashMap<Entity, Vec<usize>>) {
     let places: HashMap<Entity, usize> = found.iter().map(|&index| (items[index].entity, index)).collect();
     let outer = |index: usize| places.get(&items[index].inside_of?).copied();
-    // A material that contains itself counts as inside none.
+    // A material that contains itself counts as nested in none.
     let is_deep = |index: usize| {
         let chain = std::iter::successors(outer(index), |&next| outer(next));
         chain.take(DEEPEST).count() == DEEPEST
@@ -263,8 +263,8 @@ enum Entry<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Adds the lines of the folder with this path (empty: of no folder): its folders where their first member stands,
-    /// and things.
+    /// Adds the lines of the folder with this path (empty: of the top level): its folders, each at the position of its
+    /// first member, and its things.
     fn folder(&mut self, path: &str, depth: usize, indices: &[usize]) {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         let mut known: HashMap<&str, usize> = HashMap::new();
@@ -301,7 +301,7 @@ impl<'a> Writer<'a> {
                     self.lines.push(Line::Folder {
                         path: path.clone(),
                         depth,
-                        // What is selected last is the active thing.
+                        // The thing selected last becomes active.
                         members: others.chain(frame).collect(),
                         frame,
                         hidden: self.hidden(&members),
@@ -325,7 +325,7 @@ impl<'a> Writer<'a> {
         Some(first.hidden && can_hide.all(|item| item.hidden))
     }
 
-    /// The name of the next folder down to this thing.
+    /// The name of the subfolder that leads to this thing.
     fn folder_below(&self, path: &str, depth: usize, index: usize) -> Option<&'a str> {
         let name = self.items[index].name.trim_start_matches('/');
         let rest = name.get(path.len()..)?;
@@ -417,7 +417,7 @@ mod tests {
     fn what_is_inside_a_material_is_under_it() {
         let mut materials = vec![item(1, "cloth"), item(2, "weave"), item(3, "round"), item(4, "about")];
         materials[1].inside_of = Some(materials[0].entity);
-        // Two that are inside each other, as a file may wrongly have them.
+        // Two materials nested in each other, as a file may wrongly have them.
         materials[2].inside_of = Some(materials[3].entity);
         materials[3].inside_of = Some(materials[2].entity);
         let outline = Outline {
@@ -431,7 +431,7 @@ mod tests {
         );
         folding.open.insert(outline.materials[0].entity);
         assert_eq!(text(&outline, "", &folding)[1..3], ["0 cloth", "1 weave"]);
-        // A match is found wherever it is.
+        // A match is found at any depth.
         assert_eq!(text(&outline, "weave", &Folding::default()), ["Materials 1", "0 weave"]);
     }
 

@@ -1,4 +1,4 @@
-//! Paints small marks in the lines of the list: the kind of thing, and the eye and the padlock to click.
+//! Paints small marks in the lines of the list: the icon of the kind, and the buttons to hide and lock.
 
 use std::f32::consts::TAU;
 
@@ -53,7 +53,7 @@ pub fn padlock(painter: &Painter, face: Rect, stroke: Stroke) {
     painter.line(bow.collect(), stroke);
 }
 
-/// Paints a thing of this kind, as the outline calls it, within 12 by 12 points around `middle`.
+/// Paints the icon of a kind, as the outline names it, within 12 by 12 points around `middle`.
 pub fn kind(painter: &Painter, middle: Pos2, kind: &str, color: Color32) {
     let stroke = Stroke::new(1.2, color);
     let loop_of = |points: &[(f32, f32)]| {

@@ -18,7 +18,7 @@ use lines::{Folding, Line, LineList, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
 
-/// Shows all things of the scene as a tree, with a filter, and adds what the user does to `commands`.
+/// Shows all things of the scene as a tree, with a filter, and adds the user's commands to `commands`.
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
     ui.add(
@@ -89,8 +89,8 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     });
 }
 
-/// The lines, and the scroll position if something else became active that is out of sight; what is closed around it is
-/// opened.
+/// Returns the lines, and the scroll position if another thing became active that is not visible; closed lines around
+/// it are opened.
 fn follow_selection(
     outline: &Arc<Outline>,
     active: Option<Entity>,
@@ -130,7 +130,7 @@ fn item_of(outline: &Outline, entity: Entity) -> Option<&Item> {
     Some(&outline.groups()[group].1[index])
 }
 
-/// Shows a triangle that opens and closes; true if clicked.
+/// Shows a triangle that opens and closes a line; returns true if clicked.
 fn triangle(ui: &mut Ui, is_open: bool) -> bool {
     let size = egui::vec2(14.0, ui.spacing().interact_size.y);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -175,7 +175,7 @@ fn heading(
         ui.strong(name);
         ui.weak(count.to_string());
     });
-    // A drop on the heading takes things out of every folder.
+    // A drop on the heading moves things out of all folders.
     let target = ui.interact(row.response.rect, ui.id().with(("heading", name)), Sense::hover());
     if let Some(Dragged(things)) = dropped(ui, &target) {
         commands.push(OutlineEdit::PutInto { things, folder: None }.into());
@@ -190,7 +190,7 @@ struct Folder<'a> {
     locked: bool,
     depth: usize,
     members: &'a [Entity],
-    /// The entity that has the transform of the folder.
+    /// The entity that holds the folder's transform.
     frame: Option<Entity>,
     is_selected: bool,
 }
@@ -267,7 +267,7 @@ impl Folder<'_> {
     }
 }
 
-/// The thing that is dropped onto this; while it hovers, the place is marked.
+/// The things dropped onto this line; a hovering drag highlights it.
 fn dropped(ui: &Ui, response: &Response) -> Option<Dragged> {
     if response.dnd_hover_payload::<Dragged>().is_some() {
         let stroke = ui.visuals().selection.stroke;

@@ -45,7 +45,7 @@ pub(super) fn left_aligned(
     let padding = 2.0 * ui.spacing().button_padding.x + 8.0;
     let right = right.filter(|right| measured(&text) + measured(right) + padding <= width);
     let label = text.text().to_owned();
-    // Something at the right moves the rest to the left.
+    // A text at the right pushes the other one to the left.
     let right = right.unwrap_or_default();
     let button = egui::Button::selectable(selected, text)
         .right_text(right)
@@ -56,7 +56,8 @@ pub(super) fn left_aligned(
     response
 }
 
-/// Shows the field for a new name. None while it is typed; then the name, or None in it if there is no new one.
+/// Shows the field for a new name. Returns None while it is typed; then the name, or None in it if the name is
+/// unchanged.
 pub(super) fn renamed(ui: &mut Ui, renaming: &mut Renaming, width: f32) -> Option<Option<String>> {
     let mut output = egui::TextEdit::singleline(&mut renaming.text)
         .desired_width(width)
@@ -153,7 +154,7 @@ impl Row<'_> {
     fn name(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
         let item = self.item;
         let selected = self.model.selection.contains(item.entity);
-        // In a list of a hundred spheres the material says more than the kind, which the mark shows.
+        // In a list of a hundred spheres the material is more informative than the kind, which the icon shows.
         let hint = self.model.outline.material_of(item).map_or(item.kind, leaf);
         let kind = RichText::new(hint).weak().small();
         let name = leaf(&item.name);
@@ -214,7 +215,7 @@ impl Row<'_> {
         }))
     }
 
-    /// The whole selection, if this is of it.
+    /// The whole selection if this thing is selected, else the thing alone.
     fn meant(&self) -> Vec<Entity> {
         let selection = &self.model.selection;
         if selection.contains(self.item.entity) {

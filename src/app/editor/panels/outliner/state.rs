@@ -15,7 +15,7 @@ pub struct OutlinerState {
     pub(super) folding: Folding,
     pub(super) lines: Lines,
     pub(super) renaming: Option<Renaming>,
-    /// The line at which a range begins.
+    /// The first line of a range.
     pub(super) anchor: Option<Entity>,
     /// The active thing when the list was last shown: another one is scrolled to.
     pub(super) shown_active: Option<Entity>,
@@ -23,7 +23,7 @@ pub struct OutlinerState {
     pub materials_in_sight: Vec<Entity>,
 }
 
-/// The way in which a click changes the selection.
+/// The change of the selection by a click, from the modifiers.
 pub fn how(ui: &Ui) -> Extend {
     if ui.input(|input| input.modifiers.command) {
         Extend::Toggle
@@ -38,7 +38,7 @@ pub(super) struct Renaming {
     pub entity: Entity,
     /// The last part of the name, as typed so far.
     pub text: String,
-    /// The field has not had the keyboard yet.
+    /// Whether the field has not had the keyboard yet.
     pub is_new: bool,
 }
 
