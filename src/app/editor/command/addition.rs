@@ -1,4 +1,4 @@
-//! The things that can be added to the scene, and where.
+//! The things that can be added to the scene, and their places.
 
 use bevy::math::Vec3;
 
@@ -7,14 +7,13 @@ use crate::scene::{Emitter, Solid};
 /// A new thing in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Addition {
-    /// Decides which plugin is added.
+    /// The kind, which decides the plugin.
     pub kind: AdditionKind,
     /// The name. None: it is named after its kind.
     pub name: Option<String>,
-    /// The place in world space where it stands or shines from. None: it is put on what is seen in the middle of the
-    /// picture, and the first thing at the origin.
+    /// Its place in world space. None: on the surface in the middle of the picture, and the first thing at the origin.
     pub at: Option<Vec3>,
-    /// Half its extent in world units; None: what suits the view.
+    /// Half its extent in world units; None for one that suits the view.
     pub size: Option<f32>,
 }
 
@@ -41,7 +40,7 @@ pub enum AdditionKind {
     AreaLight,
     /// One of [`Emitter::PLUGINS`].
     Emitter(&'static str),
-    /// A camera where the view is.
+    /// A camera with the pose of the view.
     Camera,
 }
 

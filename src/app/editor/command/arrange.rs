@@ -1,4 +1,4 @@
-//! Words for placing several things relative to each other: sides, references, and series of copies.
+//! Types for arranging several things relative to each other: sides, references, and series of copies.
 
 use super::traits::Traits;
 use bevy::prelude::Entity;
@@ -18,7 +18,7 @@ declare_names! {
     }
 }
 
-/// What things are aligned to.
+/// The reference of an alignment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// The common bounds of all of them.
@@ -43,13 +43,13 @@ declare_names! {
 pub struct Series {
     /// The number of things in the series, with the original: 2 or more.
     pub count: u32,
-    /// The way from one to the next.
+    /// The transform from one copy to the next.
     pub way: Way,
     /// Whether the copies are instances of one group of shapes, and not shapes of their own.
     pub instances: bool,
 }
 
-/// The way from one thing of a series to the next.
+/// The transform from one thing of a series to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// A move in world units.
@@ -58,7 +58,7 @@ pub enum Way {
     Around {
         /// The axis of the world: 0, 1 or 2.
         axis: usize,
-        /// Degrees that all steps take together, including the one from the last thing back to the first; 360 for a
+        /// The total angle of all steps in degrees, including the one from the last thing back to the first; 360 for a
         /// whole ring.
         degrees: f32,
         /// A point on the axis.
@@ -69,19 +69,18 @@ pub enum Way {
 /// The largest number of things in a series.
 pub const LONGEST_SERIES: u32 = 10_000;
 
-/// An edit that moves the selection in relation to other things, to the view or to the grid.
+/// An edit that moves the selection relative to other things, to the view or to the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ArrangeEdit {
-    /// Brings one side of each selected thing in line, along an axis of the world from 0 to 2.
+    /// Aligns one side of each selected thing, along an axis of the world from 0 to 2.
     Align(usize, Side, Reference),
     /// Spaces the selected things evenly along an axis of the world from 0 to 2; the outermost stay.
     Distribute(usize, Spacing),
-    /// Scales things so that they are seen well, and puts them onto what is in the middle of the picture.
+    /// Scales things to a third of the view, and puts them onto the surface in the middle of the picture.
     FitToView(Vec<Entity>),
-    /// Moves the selection by a step along an axis of the world: the one that looks most like this direction in the
-    /// picture.
+    /// Moves the selection by a step along the axis of the world that is nearest to this direction in the picture.
     Nudge(Direction),
-    /// Drops each selected thing onto what is below it.
+    /// Drops each selected thing onto the surface below it.
     Drop,
     /// Puts the origin of each selected thing onto the grid of the gizmo's step.
     SnapToGrid,

@@ -1,4 +1,4 @@
-//! The kinds of files that can come into a scene, told apart by the ends of their names, and what is done with one.
+//! The kinds of files that a scene can use, by their extensions, and the use of one.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use bevy::math::{Vec2, Vec3};
 pub enum AssetKind {
     /// A picture for a texture.
     Picture,
-    /// A picture with radiance, which is a light from all around as a rule.
+    /// A picture with radiance, usually an environment light.
     Environment,
     /// Triangles: OBJ, PLY, serialized or glTF.
     Mesh,
@@ -49,9 +49,10 @@ impl AssetKind {
 pub struct FileUse {
     /// The absolute path.
     pub path: PathBuf,
-    /// The place in the picture where it was dropped, (0, 0) top left, (1, 1) bottom right. None: it is for the
+    /// The place in the picture where it was dropped, (0, 0) top left, (1, 1) bottom right. None: it applies to the
     /// selection.
     pub at: Option<Vec2>,
-    /// The least and the greatest coordinates of a mesh, as far as they are known: it stands on its lower side then.
+    /// The least and the greatest coordinates of a mesh, if they are known: then its lower side is put onto the
+    /// surface.
     pub bounds: Option<[Vec3; 2]>,
 }

@@ -1,6 +1,6 @@
 //! The views along the axes of the world.
 
-/// The side from which one looks along an axis of the world.
+/// The side from which the view looks along an axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisView {
     /// The view from +z.

@@ -1,4 +1,4 @@
-//! The bake of lightmaps: how it is done, and what the user asks of it.
+//! The bake of lightmaps: its settings, and the user's commands.
 
 use super::traits::Traits;
 
@@ -14,7 +14,7 @@ use crate::bake::manifest::BakedLight;
 use crate::bake::probes::ProbeSettings;
 use crate::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};
 
-/// How lightmaps are baked. The defaults are those of `sunroom bake`.
+/// The settings of bakes. The defaults are those of `sunroom bake`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BakeChoices {
@@ -28,11 +28,11 @@ pub struct BakeChoices {
     pub time: Option<f32>,
     /// The noise to stop at; None is no limit.
     pub noise: Option<f32>,
-    /// Whether the direct light of points, spots and directional lights is left to the game.
+    /// Whether the lightmaps leave out the direct light of points, spots and directional lights, which the game adds.
     pub indirect_only: bool,
     /// Whether probes are baked.
     pub probes: bool,
-    /// Whether noise is removed.
+    /// Whether the lightmaps are denoised.
     pub denoise: bool,
 }
 
@@ -69,7 +69,7 @@ impl BakeChoices {
         }
     }
 
-    /// The same without numbers that cannot be.
+    /// The same with invalid numbers replaced.
     pub fn within_range(self) -> Self {
         let [first, last] = [*ATLAS_SIZES.start(), *ATLAS_SIZES.end()];
         let is_positive = |number: &f32| *number > 0.0 && number.is_finite();
@@ -83,7 +83,7 @@ impl BakeChoices {
         }
     }
 
-    /// What ends it.
+    /// The limits that end the bake.
     pub fn limits(&self) -> BakeLimits {
         BakeLimits {
             samples: self.samples,
@@ -93,32 +93,32 @@ impl BakeChoices {
     }
 }
 
-/// How the open scene is baked: what is remembered of it.
+/// The remembered bake of the open scene.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BakePlan {
-    /// How lightmaps are baked.
+    /// The settings.
     pub choices: BakeChoices,
-    /// The folder of the last bake, or that was chosen for the next one.
+    /// The folder of the last bake, or the one chosen for the next.
     pub folder: Option<PathBuf>,
 }
 
-/// What the user asks of the bake.
+/// A command about the bake.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BakeCommand {
-    /// Sets how the next one is done.
+    /// Sets the settings of the next one.
     Choose(BakeChoices),
     /// Sets the folder of the next one.
     ChooseFolder(PathBuf),
     /// Begins to bake the scene as it is now into this folder.
     Begin(PathBuf),
-    /// Ends the gathering of light, and writes what there is.
+    /// Ends the tracing of light, and writes the result so far.
     Stop,
-    /// Gives the bake up. Nothing is written.
+    /// Discards the bake. Nothing is written.
     Discard,
     /// Shows this lightmap, from 0.
     ShowPage(usize),
-    /// Closes what is shown of a bake that has ended.
+    /// Closes the view of an ended bake.
     Close,
 }
 

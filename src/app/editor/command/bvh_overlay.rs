@@ -1,6 +1,6 @@
-//! The choice of boxes of the acceleration structures that are drawn over the picture.
+//! The choice of acceleration structure boxes to draw over the picture.
 
-/// The boxes that are drawn.
+/// The drawn boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhOverlay {
     /// Whether boxes are drawn at all.

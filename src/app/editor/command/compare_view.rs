@@ -1,6 +1,6 @@
-//! The ways of comparing the picture with a snapshot.
+//! The comparisons of the picture with a snapshot.
 
-/// The way in which picture and snapshot share the viewport.
+/// The comparison of picture and snapshot in the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CompareView {
     /// The picture alone.
@@ -11,8 +11,8 @@ pub enum CompareView {
     /// The picture as sampled left of this fraction of the width, denoised right of it. It needs no snapshot, but a
     /// denoised picture.
     Noisy(f32),
-    /// The level as the lightmaps of the bake light it left of this fraction of the width, the picture right of it. It
-    /// needs a bake.
+    /// The level lit by the lightmaps of the bake left of this fraction of the width, the picture right of it. It needs
+    /// a bake.
     Baked(f32),
     /// The difference of each component.
     Difference,

@@ -1,15 +1,15 @@
-//! Turns materials and lights into other kinds, which keep what both kinds have.
+//! Converts materials and lights to other kinds, which keep common parameters.
 
 use crate::scene::{Declared, Emitter, Material, Parameter, ParameterMut, ParameterRef};
 
-/// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as
-/// the same, such as `reflectance`, `diffuse_reflectance` and `base_color`.
+/// The material converted to another kind, with the common parameters kept. Parameters of the same meaning count as
+/// common, such as `reflectance`, `diffuse_reflectance` and `base_color`.
 pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
     with_common(Material::of_plugin(plugin).unwrap_or_default(), material)
 }
 
-/// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two
-/// have in common.
+/// The light converted to another kind, with the same colour and strength in any unit, and the other common parameters
+/// kept.
 pub(crate) fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
     with_common(Emitter::of_plugin(plugin).unwrap_or_default(), emitter)
 }
@@ -25,7 +25,7 @@ fn with_common<T: Declared>(mut turned: T, before: &T) -> T {
     turned
 }
 
-/// Copies the value if both are of the same kind.
+/// Copies the value if both parameters are of the same type.
 fn take(value: &mut ParameterMut, given: ParameterRef) {
     use ParameterMut as Own;
     use ParameterRef as Given;
@@ -51,7 +51,7 @@ fn take(value: &mut ParameterMut, given: ParameterRef) {
         }
         (Own::TexturedEmission(own), Given::Emission(given)) => **own = Parameter::Constant(*given),
         (Own::TexturedEmission(own), Given::TexturedEmission(given)) => own.clone_from(given),
-        // Of these, no two plugins have the same.
+        // No two plugins have parameters of the other types in common.
         _ => {}
     }
 }

@@ -1,5 +1,5 @@
-//! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They
-//! know neither rendering nor Bevy.
+//! The display settings of the film: the shown quantity, and the conversion of light to colours of the display.
+//! Independent of rendering and Bevy.
 
 use super::bvh_overlay::BvhOverlay;
 use super::compare_view::CompareView;
@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 use crate::render::tonemap::{Display, ToneMap};
 use crate::render::white_balance::WhiteBalance;
 
-/// All settings of how the film is shown. A change of them needs no new samples.
+/// All display settings of the film. A change of them needs no new samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplaySettings {
     /// The quantity of the film that is shown.
@@ -38,10 +38,10 @@ impl Default for DisplaySettings {
 }
 
 impl DisplaySettings {
-    /// The exposures that there can be, in stops.
+    /// The range of exposures, in stops.
     pub const EXPOSURES: RangeInclusive<f32> = -20.0..=20.0;
 
-    /// The part that turns a radiance into a colour of the display.
+    /// The part that converts radiance to a colour of the display.
     pub(crate) fn tone(&self) -> Display {
         Display {
             exposure_ev: self.exposure,
@@ -79,7 +79,7 @@ pub enum DisplayMode {
     BvhSteps,
     /// The optical depth of the media before the first surface, in false colour.
     OpticalDepth,
-    /// Surfaces in their own colours, lit from the camera alone: there at once, whatever the lights are.
+    /// Surfaces in their own colours, lit from the camera alone: visible at once, whatever the lights are.
     Headlight,
     /// All surfaces in the same grey, lit from the camera alone.
     Clay,
@@ -103,7 +103,7 @@ impl DisplayMode {
         (Self::Clay, "Clay"),
     ];
 
-    /// The one after this, round and round.
+    /// The next mode, cyclically.
     pub fn next(self) -> Self {
         let place = Self::ALL.iter().position(|(mode, _)| *mode == self);
         let next = place.map_or(0, |place| place + 1);
@@ -118,12 +118,12 @@ impl DisplayMode {
         }
     }
 
-    /// The mode itself, if it needs a film of its own, because no film of light contains what it shows.
+    /// The mode itself, if it needs a film of its own, because a film of light lacks its quantity.
     pub(crate) fn with_own_film(self) -> Option<Self> {
         matches!(self, Self::BvhSteps | Self::OpticalDepth | Self::Headlight | Self::Clay).then_some(self)
     }
 
-    /// What its colours mean, as a tool tip.
+    /// The meaning of its colours, as a tool tip.
     pub fn about(self) -> &'static str {
         match self {
             Self::Shaded => "The light of the whole scene",
@@ -149,7 +149,7 @@ impl DisplayMode {
     }
 }
 
-/// The steps that the heat map paints in its hottest colour.
+/// The number of steps that the heat map paints in its hottest colour.
 pub(crate) const HOTTEST_STEPS: f32 = 128.0;
 
 /// The optical depth that is painted in the hottest colour: one fiftieth of the light passes.
@@ -211,10 +211,10 @@ mod tests {
     }
 }
 
-/// A command that chooses how the picture and the marks over it are shown.
+/// A command about the display of the picture and the marks over it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DisplayCommand {
-    /// Sets how the film becomes a picture.
+    /// Sets the display of the film.
     SetDisplay(DisplaySettings),
     /// Sets the exposure so that the picture is middle grey on average.
     ExposeAutomatically,
@@ -222,21 +222,21 @@ pub enum DisplayCommand {
     SetLightMix(LightMix),
     /// Keeps the picture for comparison.
     TakeSnapshot,
-    /// Sets how picture and snapshot share the viewport.
+    /// Sets the comparison in the viewport.
     SetCompareView(CompareView),
     /// Measures the picture against the snapshot.
     Measure,
-    /// Sets the boxes of the acceleration structures that are drawn over the picture.
+    /// Sets the overlay of acceleration structure boxes.
     SetOverlay(BvhOverlay),
-    /// Dims what lies outside of the film, or no longer.
+    /// Shows or hides the safe frames for actions and titles.
     ShowSafeFrame(bool),
-    /// Shows the dimensions of the selection in the picture, or no longer.
+    /// Shows or hides the dimensions of the selection in the picture.
     ShowDimensions(bool),
     /// Sets the grid on the ground and the axes of the world.
     SetGrid(GridSettings),
-    /// Shows the picture without noise from now on, or as sampled.
+    /// Shows the picture denoised, or as sampled.
     SetDenoising(bool),
-    /// Sets how a picture is shown that has fewer pixels than its place in the window.
+    /// Sets the enlarging of a picture that has fewer pixels than its panel.
     SetEnlarging(Enlarging),
 }
 

@@ -1,9 +1,9 @@
-//! [`CommandError`] says why a command is not carried out.
+//! [`CommandError`], the reason why a command is not carried out.
 
 use std::borrow::Cow;
 use std::error::Error;
 
-/// Says why a command was not carried out, in a sentence for the user; nothing is changed then.
+/// The reason why a command was not carried out, as a sentence for the user; nothing is changed then.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
     /// The scene, the selection or the picture does not allow it.
@@ -15,7 +15,7 @@ pub enum CommandError {
 }
 
 impl CommandError {
-    /// An error about a file, in the words of its cause.
+    /// An error about a file, with the message of its cause.
     pub fn file(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::File(error.into())
     }

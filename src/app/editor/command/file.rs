@@ -15,7 +15,7 @@ pub enum FileCommand {
     OpenScene(PathBuf),
     /// Reads the file of the scene again; edits stay.
     ReloadScene,
-    /// Restores what the file says.
+    /// Restores the state in the file.
     RevertScene,
     /// Saves to the file of the open scene; asks for one if there is none.
     Save,
@@ -23,7 +23,7 @@ pub enum FileCommand {
     SaveScene(PathBuf),
     /// Saves to this file even if others changed it since it was read.
     SaveChanged(PathBuf, OnChange),
-    /// Writes the scene to this file as glTF, for other programs. The scene's own file stays what it is.
+    /// Writes the scene to this file as glTF, for other programs. The scene's own file stays the same.
     ExportScene(PathBuf),
     /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),

@@ -13,15 +13,14 @@ pub struct Question {
     pub shown: Vec<PathBuf>,
     /// The folders that would be allowed, with all below them.
     pub folders: Vec<PathBuf>,
-    /// The scene could not be read without them.
+    /// Whether the scene could not be read without them.
     pub is_needed: bool,
-    /// The scene file that was to be imported and names them; None if the open scene does, or one that was to be
-    /// opened.
+    /// The scene file of an import that names them; None if the open scene does, or one to be opened.
     pub import: Option<PathBuf>,
 }
 
 impl Question {
-    /// The request for these files; None if there are none.
+    /// The question about these files; None if there are none.
     pub fn about(files: Vec<PathBuf>) -> Option<Self> {
         let mut folders: Vec<PathBuf> = files.iter().filter_map(|file| folder_of(file)).collect();
         folders.sort();
@@ -39,8 +38,8 @@ impl Question {
     }
 }
 
-/// The folder that has to be allowed for a file, which is where its links lead; for a folder it is the folder itself.
-/// None for what does not exist.
+/// The folder to allow for a file, with links resolved; for a folder it is the folder itself. None if it does not
+/// exist.
 fn folder_of(file: &Path) -> Option<PathBuf> {
     let target = file.canonicalize().ok()?;
     match target.is_dir() {

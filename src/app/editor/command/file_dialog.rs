@@ -1,4 +1,4 @@
-//! What a file dialog is for.
+//! The purposes of file dialogs.
 
 use bevy::prelude::Entity;
 
@@ -17,15 +17,15 @@ pub enum FileDialogKind {
     SaveImage,
     /// A file whose content is added to the scene.
     Import,
-    /// The file that takes the place of a missing one, which the request names.
+    /// The file in place of a missing one, which the request names.
     FindFile(FileKind),
-    /// A picture of all directions, to be the scene's light from everywhere.
+    /// A picture of all directions, for an environment light.
     OpenEnvironment,
     /// The folder for a level with its lightmaps.
     BakeFolder,
     /// A folder for the list of the browser of assets.
     AssetFolder,
-    /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
+    /// The picture of the texture of this parameter, or of a texture nested in it.
     OpenPicture {
         /// A material or a light.
         owner: Entity,

@@ -1,4 +1,4 @@
-//! The settings of the gizmo: what it does, along which axes, about which point, and in which steps.
+//! The settings of the gizmo: mode, axes, pivot and steps.
 
 use std::ops::RangeInclusive;
 
@@ -9,12 +9,12 @@ use super::snapping::Snapping;
 /// The effect of a drag of the gizmo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// It moves along axes and in planes.
+    /// Moves along axes and in planes.
     #[default]
     Move,
-    /// It turns about axes.
+    /// Turns about axes.
     Rotate,
-    /// It scales along axes, or evenly.
+    /// Scales along axes, or evenly.
     Scale,
 }
 
@@ -28,7 +28,7 @@ pub enum Axes {
     Local,
 }
 
-/// The point that stays where it is when things are turned and scaled.
+/// The fixed point of rotations and scalings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pivot {
     /// The middle of the selection's bounds.
@@ -38,7 +38,7 @@ pub enum Pivot {
     Active,
     /// Each object turns about the origin of its own space.
     Each,
-    /// The mean of the objects' origins, which the size of no object shifts.
+    /// The mean of the objects' origins, which does not depend on their sizes.
     Median,
     /// The origin of the world. Moves have their handles in the middle of the selection.
     World,
@@ -99,7 +99,7 @@ impl Steps {
         }
     }
 
-    /// The step of lengths in a scene of this size: what was chosen, or a round number near a fiftieth of the scene.
+    /// The step of lengths in a scene of this size: the chosen one, or a round number near a fiftieth of the scene.
     pub(crate) fn length_in(&self, scene_size: f32) -> f32 {
         self.length.unwrap_or_else(|| round_number(scene_size / 50.0))
     }
@@ -117,10 +117,10 @@ fn round_number(x: f32) -> f32 {
     (digit.unwrap_or(1.0) * power) as f32
 }
 
-/// The settings that decide what a drag of the gizmo does.
+/// The settings of a drag of the gizmo.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GizmoSettings {
-    /// What a drag does.
+    /// The effect of a drag.
     pub mode: Mode,
     /// The axes. Scaling ignores them, because it is along the object's own axes.
     pub axes: Axes,
@@ -128,7 +128,7 @@ pub struct GizmoSettings {
     pub pivot: Pivot,
     /// The steps of drags with Control and of arrow keys.
     pub steps: Steps,
-    /// What moves snap to.
+    /// The target of snapping.
     pub snap: Snapping,
     /// Whether the handles are hidden, so that clicks only select. The key of a mode shows them again.
     pub is_hidden: bool,

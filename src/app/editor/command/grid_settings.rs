@@ -17,7 +17,7 @@ pub struct GridSettings {
 /// The range of [`GridSettings::step`].
 pub const GRID_STEPS: RangeInclusive<f32> = 1e-6..=1e6;
 
-/// The least distance between lines where the view is directed, in points of the window.
+/// The least distance between lines in the middle of the view, in points of the window.
 const NARROWEST: f32 = 10.0;
 
 impl Default for GridSettings {
@@ -38,13 +38,13 @@ impl GridSettings {
         }
     }
 
-    /// The distance between lines in world units where a point of the window is as wide as `units_per_point`: what was
-    /// chosen, or the least power of ten at which lines are 10 points apart or more.
+    /// The distance between lines in world units where a point of the window is as wide as `units_per_point`: the
+    /// chosen one, or the least power of ten at which lines are 10 points apart or more.
     pub fn step_at(&self, units_per_point: f32) -> f32 {
         let suits = || {
-            // NaN, which a view without a depth may give, is taken for the least.
+            // NaN, as of a view without a depth, becomes the least step.
             let least = f64::from((NARROWEST * units_per_point).max(1e-6)).min(1e6);
-            // A power of ten that is almost reached counts, so that rounding does not decide.
+            // A power of ten that is almost reached counts, so that rounding errors do not matter.
             10f64.powf((least.log10() - 1e-4).ceil()) as f32
         };
         self.step.unwrap_or_else(suits)

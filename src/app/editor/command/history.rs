@@ -1,15 +1,15 @@
-//! Commands that walk through the history.
+//! Commands of undo and redo.
 
 use super::traits::Traits;
 
-/// A command that walks through the history.
+/// A command of undo and redo.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HistoryCommand {
-    /// Goes one step of the history back.
+    /// Undoes a step.
     Undo,
-    /// Goes one step of the history forward.
+    /// Redoes a step.
     Redo,
-    /// Goes back or forward to where this number of steps is done.
+    /// Undoes or redoes until this number of steps is done.
     GoTo(usize),
 }
 

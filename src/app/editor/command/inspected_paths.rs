@@ -1,4 +1,4 @@
-//! The type that says which paths of the picture are inspected.
+//! The choice of inspected paths of the picture.
 
 use bevy::math::Vec2;
 

@@ -1,8 +1,8 @@
-//! Commands for a picture that is not finished and is kept beside its scene.
+//! Commands about the unfinished picture that is kept beside its scene.
 
 use super::traits::Traits;
 
-/// The command about the kept picture of the open scene.
+/// A command about the kept picture of the open scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptPicture {
     /// Keeps the picture with all its samples, in place of one that was kept before.

@@ -1,4 +1,4 @@
-//! The keys that the user has chosen, where they differ from those of the program.
+//! The keys that the user has changed.
 
 use std::collections::BTreeMap;
 
@@ -7,31 +7,30 @@ use serde_json::Value;
 
 use super::shortcut::Shortcut;
 
-/// The keys that the user has chosen in place of those of the program, by the names of actions. In a file they are
-/// texts such as `Ctrl+Shift+Z`.
+/// The keys that replace the defaults, by the names of actions. In a file they are texts such as `Ctrl+Shift+Z`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KeyBindings(BTreeMap<String, Vec<Shortcut>>);
 
-/// No keys but those of the program.
+/// The default keys alone.
 pub static NO_BINDINGS: KeyBindings = KeyBindings(BTreeMap::new());
 
 impl KeyBindings {
-    /// The keys that the user has chosen for an action, which may be none at all. None: those of the program.
+    /// The chosen keys of an action, which may be none at all. None: the default keys.
     pub fn of(&self, name: &str) -> Option<&[Shortcut]> {
         self.0.get(name).map(Vec::as_slice)
     }
 
-    /// Gives an action these keys.
+    /// Binds these keys to an action.
     pub fn set(&mut self, name: &str, keys: Vec<Shortcut>) {
         self.0.insert(name.to_owned(), keys);
     }
 
-    /// Gives an action the keys of the program again.
+    /// Restores the default keys of an action.
     pub fn reset(&mut self, name: &str) {
         self.0.remove(name);
     }
 
-    /// Whether no key was chosen.
+    /// Whether all keys are the defaults.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -44,8 +43,8 @@ impl Serialize for KeyBindings {
     }
 }
 
-/// Texts that name no key and entries that are no texts are left out: a keyboard of a later version is no reason to
-/// give up all preferences.
+/// Unknown keys and entries that are no texts are skipped: a keyboard of a later version must not cost the user all
+/// preferences.
 impl<'de> Deserialize<'de> for KeyBindings {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = Value::deserialize(deserializer)?;

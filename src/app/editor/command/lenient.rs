@@ -1,10 +1,10 @@
-//! Reads values of preferences that may be words of a later version, which this one does not know.
+//! Reads values of preferences that may be unknown words of a later version.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
-/// The value, or the default of its type if it cannot be understood: one unknown word is no reason to give up all
+/// The value, or the default of its type if it cannot be parsed: one unknown word must not cost the user all
 /// preferences.
 pub(crate) fn or_default<'de, T, D>(deserializer: D) -> Result<T, D::Error>
 where

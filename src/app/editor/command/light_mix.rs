@@ -7,18 +7,18 @@ use crate::color::Rgb;
 use crate::engine::{LightGroup, RenderFilm};
 use crate::scene::{AreaLight, Emitter, EmitterKind, Parameter, Texture};
 
-/// The channels that are not neutral; a light without one is shown as it is.
+/// The channels that are not neutral; a light without one is unchanged.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct LightMix {
     channels: Vec<(Entity, Channel)>,
     baked: Gains,
 }
 
-/// The factors that have been baked into lights so far, in all.
+/// The factors that have been baked into lights so far, in total.
 type Gains = Vec<(Entity, Rgb)>;
 
-/// The factors that had been baked into the lights when the film was begun. Until there is a film with the present
-/// lights, it is shown with the rest on top.
+/// The factors that had been baked into the lights when the film was begun. Until a film has the present lights, the
+/// display multiplies by the difference.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct FilmLights {
     /// The job as [`RenderFilm::job`].
@@ -40,9 +40,9 @@ pub struct Channel {
     pub strength: f32,
     /// Linear Rec. 709.
     pub color: Rgb,
-    /// Whether this light is solo. If any is, only those are shown.
+    /// Whether this light is solo. If any is, only solo lights are shown.
     pub solo: bool,
-    /// The light is not shown.
+    /// Whether the light is muted.
     pub mute: bool,
 }
 
@@ -73,7 +73,7 @@ impl Channel {
 }
 
 impl LightMix {
-    /// The channel of a light. It changes nothing unless it was set.
+    /// The channel of a light, neutral unless it was set.
     pub fn channel(&self, light: Entity) -> Channel {
         let found = self.channels.iter().find(|(entity, _)| *entity == light);
         found.map_or_else(Channel::default, |(_, channel)| *channel)
@@ -88,7 +88,7 @@ impl LightMix {
         }
     }
 
-    /// The mix with other channels; what was baked stays.
+    /// The mix with other channels; baked factors stay.
     pub(crate) fn with_channels(&self, of: Self) -> Self {
         Self {
             channels: of.channels,
@@ -96,7 +96,7 @@ impl LightMix {
         }
     }
 
-    /// The light was multiplied by this in the scene; of its channel solo and mute are left.
+    /// Notes that the light was multiplied by `gain` in the scene; solo and mute of its channel stay.
     pub(crate) fn note_baked(&mut self, light: Entity, gain: Rgb) {
         self.set(light, self.channel(light).baked());
         match self.baked.iter_mut().find(|(entity, _)| *entity == light) {
@@ -109,8 +109,8 @@ impl LightMix {
         self.channels.is_empty()
     }
 
-    /// The factors on the layers of a film of these groups, begun with `lights`; none if all of them are one. Lights
-    /// that share a layer have the channel of the first.
+    /// The factors on the layers of a film of these groups, begun with `lights`; an empty list if all of them are one.
+    /// Lights that share a layer have the channel of the first.
     pub(crate) fn factors(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
         let any_solo = groups.iter().any(|group| self.group_channel(group).solo);
         let factor = |group: &LightGroup| match self.group_channel(group) {
@@ -131,7 +131,7 @@ impl LightMix {
             found.map_or(Rgb::ONE, |(_, gain)| *gain)
         };
         let (now, then) = (of(&self.baked), of(&lights.baked));
-        // The film holds nothing to be multiplied of a light that was dark.
+        // The film has no light of a dark lamp that could be multiplied.
         let ratio = |now: f32, then: f32| if now == then || then == 0.0 { 1.0 } else { now / then };
         Rgb::new(ratio(now.x, then.x), ratio(now.y, then.y), ratio(now.z, then.z))
     }
@@ -141,7 +141,7 @@ impl LightMix {
         first.map_or_else(Channel::default, |&light| self.channel(light))
     }
 
-    /// The factors by which baking multiplies lights, where they are not one.
+    /// The factors of lights that baking multiplies by, without factors of one.
     pub(crate) fn gains(&self, groups: &[LightGroup]) -> Vec<(Entity, Rgb)> {
         let of_group = |group: &LightGroup| {
             let gain = self.group_channel(group).gain();
@@ -290,8 +290,7 @@ mod tests {
             baked: mix.baked.clone(),
         };
         assert_eq!(mix.factors(&groups, &film), []);
-        // The light is dark again after undo: it is brighter in the film than in the scene, and the mix makes up for
-        // it.
+        // The light is dark again after undo: the film has more of it than the scene, and the mix compensates.
         assert_eq!(before.factors(&groups, &film)[0].x, 2.0 / 2.0);
         assert_eq!(
             before.with_channels(LightMix::default()).factors(&groups, &film)[0].x,

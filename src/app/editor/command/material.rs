@@ -9,14 +9,14 @@ use super::traits::Traits;
 /// An edit of the materials that shapes have.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialEdit {
-    /// Gives the shapes this material, or takes theirs away.
+    /// Assigns this material to the shapes, or removes theirs.
     UseMaterial {
-        /// The shapes that get it.
+        /// The shapes.
         shapes: Vec<Entity>,
         /// The material. None removes that of the shapes.
         material: Option<Entity>,
     },
-    /// Gives the material to the shape that is seen at a place of the picture.
+    /// Assigns the material to the visible shape at a point of the picture.
     DropMaterial {
         /// A material of the scene.
         material: Entity,
@@ -25,25 +25,24 @@ pub enum MaterialEdit {
     },
     /// Gives this shape a material of its own: a copy of the one that it has, or a grey one.
     GiveMaterial {
-        /// The shape that gets it.
+        /// The shape.
         shape: Entity,
     },
-    /// Makes materials, or those of shapes, become the tree.
+    /// Replaces materials, or the materials of shapes, by the tree.
     BuildMaterial {
-        /// Materials, or shapes whose materials are meant.
+        /// Materials, or shapes that stand for their materials.
         targets: Vec<Entity>,
-        /// The tree that each becomes.
+        /// The tree that replaces each.
         tree: Box<MaterialTree>,
     },
-    /// Gives the shapes a material of the library. If the scene already has one like it with the same name, they get
-    /// that one.
+    /// Assigns a material of the library to the shapes. An equal material of the scene with the same name is reused.
     UsePreset {
         /// The entry of the library.
         preset: Box<Preset>,
-        /// The shapes that get it.
+        /// The shapes.
         shapes: Vec<Entity>,
     },
-    /// Drops a preset onto the shape that is seen at a place of the picture.
+    /// Drops a preset onto the visible shape at a point of the picture.
     DropPreset {
         /// The entry of the library.
         preset: Box<Preset>,

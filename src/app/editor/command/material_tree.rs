@@ -1,11 +1,11 @@
-//! A material with those inside it as one value: what a material is to become in one step. Wrapping, unwrapping and
-//! presets are such trees.
+//! A material with nested ones as one value, which replaces a material in one step. Wrapping, unwrapping and presets
+//! are such trees.
 
 use bevy::prelude::{Entity, World};
 
 use crate::scene::{FirstNested, Material, PluginInfo, SecondNested};
 
-/// A material with those nested in it.
+/// A material with nested ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialTree {
     /// The outermost one.
@@ -14,12 +14,12 @@ pub struct MaterialTree {
     pub inside: Vec<Inside>,
 }
 
-/// A material inside another.
+/// A nested material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Inside {
-    /// One that there is.
+    /// An existing one.
     Kept(Entity),
-    /// One that is made.
+    /// A new one.
     New(Box<MaterialTree>),
 }
 
@@ -38,13 +38,13 @@ impl From<Material> for MaterialTree {
     }
 }
 
-/// The plugins that go around a material.
+/// The plugins that can wrap a material.
 pub(crate) fn wrappers() -> impl Iterator<Item = &'static PluginInfo> {
     Material::DECLARED.iter().filter(|plugin| *plugin.nested.end() > 0)
 }
 
 impl MaterialTree {
-    /// The material as it is, around the materials that are in it.
+    /// The present material around the materials nested in it.
     pub fn of(material: &Material, inside: &[Entity]) -> Self {
         Self {
             material: material.clone(),
@@ -52,8 +52,8 @@ impl MaterialTree {
         }
     }
 
-    /// This one in a new material of a plugin that takes others inside; a second one is new, too. Of any other plugin
-    /// it stays as it is.
+    /// This tree wrapped in a new material of a plugin that takes nested ones, the second of them new as well.
+    /// Unchanged for any other plugin.
     pub fn wrapped(self, plugin: &str) -> Self {
         let Some(wrapper) = Material::of_plugin(plugin).filter(|wrapper| *wrapper.info().nested.end() > 0) else {
             return self;
@@ -68,14 +68,14 @@ impl MaterialTree {
     }
 }
 
-/// The materials that a material is made of.
+/// The nested materials of a material.
 pub(crate) fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
     let first = world.get::<FirstNested>(material).map(|nested| nested.0);
     let second = world.get::<SecondNested>(material).map(|nested| nested.0);
     first.into_iter().chain(second).collect()
 }
 
-/// Flattens trees into one list. Each material has the indices of those nested in it; the second list has the index of
+/// Flattens trees into one list. Each material has the indices of its nested ones; the second list has the index of
 /// each tree's outermost material. Materials of the scene are left out.
 pub(crate) fn flattened<'t>(
     trees: impl IntoIterator<Item = &'t MaterialTree>,
@@ -96,7 +96,7 @@ pub(crate) fn flattened<'t>(
     (list, places)
 }
 
-/// Whether a plugin may go around this material: what refracts has two sides already.
+/// Whether a plugin may wrap this material: refractive ones have two sides already.
 pub(crate) fn can_wrap(plugin: &str, material: &Material) -> bool {
     plugin != "twosided" || !(material.refracts() || matches!(material, Material::TwoSided | Material::Null))
 }

@@ -1,4 +1,4 @@
-//! The places where things refer to media, and what a shape can be filled with.
+//! The sides on which things refer to media, and the fillings of shapes.
 
 use super::traits::Traits;
 
@@ -17,12 +17,12 @@ declare_names! {
     }
 }
 
-/// What a shape is filled with.
+/// The filling of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filling {
     /// A new medium that scatters nearly all light, mostly onwards.
     Fog,
-    /// A new medium that absorbs half of the light that it takes out.
+    /// A new medium that absorbs half of the extinguished light.
     Smoke,
     /// A medium of the scene.
     Medium(Entity),
@@ -42,11 +42,11 @@ impl Filling {
 /// An edit of the media that shapes, cameras and lights refer to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MediumEdit {
-    /// Puts a medium inside or outside of shapes, or cameras and lights into it; or takes it away.
+    /// Sets the medium inside or outside of shapes, or around cameras and lights; or removes it.
     UseMedium {
         /// The shapes, cameras or lights.
         things: Vec<Entity>,
-        /// The place of the medium.
+        /// The side of the thing.
         side: MediumSide,
         /// The medium. None is empty space.
         medium: Option<Entity>,
@@ -55,10 +55,10 @@ pub enum MediumEdit {
     GiveMedium {
         /// The shape, camera or light.
         thing: Entity,
-        /// The place of the medium.
+        /// The side of the thing.
         side: MediumSide,
     },
-    /// Fills closed shapes; a surface that lets no light in becomes that of no material.
+    /// Fills closed shapes; an opaque surface gets the material `null`.
     Fill {
         /// The shapes.
         shapes: Vec<Entity>,

@@ -85,7 +85,7 @@ macro_rules! declare_topics {
         }
 
         impl $tree {
-            /// The answers to everything that is asked about the command beside its work.
+            /// The properties of the command besides its effect.
             pub fn traits(&self) -> Traits {
                 match self {
                     $(Self::$name(command) => command.traits(),)*
@@ -142,9 +142,9 @@ declare_topics! {
 declare_topics! {
     /// An edit of the scene with all its data.
     EditCommand in Edit:
-    /// Things come and go.
+    /// Creates and removes things.
     Scene(SceneEdit),
-    /// The selection is moved in relation to something.
+    /// Moves the selection relative to something else.
     Arrange(ArrangeEdit),
     /// Names, order, groups and marks.
     Outline(OutlineEdit),
@@ -154,14 +154,14 @@ declare_topics! {
     Texture(TextureEdit),
     /// Media of shapes, cameras and lights.
     Medium(MediumEdit),
-    /// The value of a component of one thing.
+    /// The value of a component of a thing.
     Value(ValueEdit),
-    /// Gives a thing a value, and makes the same change to everything selected that is of the same sort.
+    /// Sets a value of a thing, and makes the same change to all selected things of its kind.
     OnSelection(Box<ValueEdit>),
     /// The settings of the scene.
     Settings(SettingsEdit),
     /// The camera in use.
     Camera(CameraEdit),
-    /// Values that change in time.
+    /// Animated values.
     Time(TimeEdit),
 }

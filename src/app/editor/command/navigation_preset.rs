@@ -1,8 +1,8 @@
-//! The presets of how the mouse moves the view.
+//! The presets of mouse navigation.
 
 use serde::{Deserialize, Serialize};
 
-/// A preset of how the mouse moves the view, named after the program whose users are at home with it.
+/// A preset of mouse navigation, named after the program whose users are used to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NavigationPreset {

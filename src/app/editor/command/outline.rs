@@ -13,27 +13,27 @@ pub enum OutlineEdit {
     Reorder {
         /// The things, all of one kind.
         moved: Vec<Entity>,
-        /// The thing before which they go; None for the end of the list.
+        /// The thing before which they are put; None for the end of the list.
         before: Option<Entity>,
     },
     /// Puts the selection into a folder of its own, with a transform of its own.
     Group,
-    /// Takes what is in the selected groups out of them; the groups are gone then.
+    /// Moves the members of the selected groups out of them, and deletes the groups.
     Ungroup,
     /// Puts things into the folder of this path, or out of all.
     PutInto {
-        /// The things that are put there.
+        /// The things.
         things: Vec<Entity>,
         /// The names of folders, from the outermost on, with `/` between.
         folder: Option<String>,
     },
     /// Hides these things, or shows them again.
     Hide(Vec<Entity>, bool),
-    /// Hides all shapes and lights but the selected.
+    /// Hides all shapes and lights except the selected ones.
     HideOthers,
     /// Shows everything that is hidden.
     ShowAll,
-    /// Protects these things from edits and clicks in the picture, or lifts that.
+    /// Protects these things from edits and clicks in the picture, or ends that.
     Lock(Vec<Entity>, bool),
 }
 

@@ -77,7 +77,7 @@ impl Panel {
         self.row().title
     }
 
-    /// The word on a tab that has little room.
+    /// The shorter word for narrow tabs.
     pub fn short_title(self) -> &'static str {
         self.row().short_title
     }

@@ -20,7 +20,7 @@ use crate::render::tonemap::ToneMap;
 const VERSION: u32 = 1;
 
 pub(crate) const MOST_RECENT_FILES: usize = 10;
-/// The most folders that the browser of assets begins with.
+/// The most folders of the user in the browser of assets.
 const MOST_ASSET_FOLDERS: usize = 50;
 
 /// The colours of the window.
@@ -41,7 +41,7 @@ pub enum ThemeChoice {
 pub struct WindowPlace {
     /// Width and height in points.
     pub size: [u32; 2],
-    /// The pixel of the screens at the upper left corner; None where the system does not tell.
+    /// The upper left corner in pixels of the screens; None if the system does not report it.
     pub position: Option<[i32; 2]>,
 }
 
@@ -74,63 +74,62 @@ pub struct Preferences {
     pub theme: ThemeChoice,
     /// The scale of texts and controls, beside that of the system.
     pub ui_scale: f32,
-    /// Seconds between; 0 is never.
+    /// The seconds between autosaves; 0 is never.
     pub autosave_seconds: u32,
-    /// The tone map of a new window. Preferences that were written before there was this choice keep the hard clip
-    /// that they had.
+    /// The tone map of a new window. Preferences from before this choice keep the hard clip that they had.
     #[serde(with = "tone_map_by_name", default = "hard_clip")]
     pub tone_map: ToneMap,
     /// Whether the picture is denoised while it is rendered.
     pub denoising: bool,
     /// The keys that the user has chosen.
     pub keys: KeyBindings,
-    /// How the mouse moves the view.
+    /// The preset of mouse navigation.
     #[serde(deserialize_with = "or_default")]
     pub navigation: NavigationPreset,
     /// The speed of flying, as a factor of the usual speed.
     pub speed: f32,
     /// The steps of the gizmo.
     pub steps: Steps,
-    /// What moves snap to.
+    /// The target of snapping.
     #[serde(deserialize_with = "or_default")]
     pub snapping: Snapping,
     /// The grid on the ground and the axes of the world.
     pub grid: GridSettings,
     /// Whether the dimensions of the selection are shown in the picture.
     pub dimensions: bool,
-    /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes
-    /// too long; 1 is all of it.
+    /// The share of the picture's resolution that is rendered during motion, if full resolution takes too long; 1 is
+    /// full resolution.
     pub moving_scale: f32,
-    /// Whether a picture that begins anew shows what is still known from the picture before it.
+    /// Whether a new picture shows the pixels of the last one that are still valid.
     pub carries_over: bool,
-    /// Whether the picture is in headlight while something is dragged.
+    /// Whether the picture is in headlight mode during drags.
     pub headlight_drags: bool,
     /// The pixels of the film that are traced.
     #[serde(deserialize_with = "or_default")]
     pub resolution: Resolution,
-    /// The look of a picture that has fewer pixels than its place.
+    /// The filter of a picture with fewer pixels than its panel.
     #[serde(deserialize_with = "or_default")]
     pub enlarging: Enlarging,
-    /// Whether the status line shows what developers look at: latency, frame times, nodes.
+    /// Whether the status line shows figures for developers: latency, frame times, nodes.
     pub developer_figures: bool,
-    /// Whether a scene is opened with the view that it was left with.
+    /// Whether a scene is opened in its last view.
     pub returns_to_views: bool,
-    /// The view jumps to where it goes.
+    /// Whether the view jumps to its goal.
     pub reduced_motion: bool,
-    /// A view along an axis hides the walls between the camera and rooms.
+    /// Whether a view along an axis hides the walls between the camera and rooms.
     pub axis_views_hide_walls: bool,
     /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
     pub memory_gib: u32,
-    /// The start page is shown when the program starts without a file.
+    /// Whether the start page is shown when the program starts without a file.
     pub start_page: bool,
-    /// The folders, absolute, that the browser of assets begins with.
+    /// The user's folders in the browser of assets, absolute.
     pub asset_folders: Vec<PathBuf>,
-    /// Scenes, absolute, the newest first.
+    /// Recent scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// The size and place of the window when it was closed.
     #[serde(deserialize_with = "or_default")]
     pub window: Option<WindowPlace>,
-    /// The docked panels, as the layout writes itself.
+    /// The docked panels, as the layout serializes them.
     pub layout: Value,
     /// Entries that other versions of the program wrote.
     #[serde(flatten)]
@@ -173,12 +172,12 @@ impl Default for Preferences {
     }
 }
 
-/// The tone map of windows before there was a choice.
+/// The tone map of windows before this choice.
 fn hard_clip() -> ToneMap {
     ToneMap::Clip
 }
 
-/// Tone maps as their names; what is called otherwise is the hard clip.
+/// Tone maps by their names; an unknown name is the hard clip.
 mod tone_map_by_name {
     use serde::{Deserialize, Deserializer, Serializer};
     use serde_json::Value;

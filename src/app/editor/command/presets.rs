@@ -12,21 +12,21 @@ use crate::files::{self, Access, FileError, LARGEST_NOTE};
 use crate::scene::description::{DeclarationPlace, SceneDescription};
 use crate::scene::{LengthUnit, Medium, read};
 
-/// A material to choose.
+/// An entry of the library.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
     /// The part of its id before the `/`.
     pub group: String,
     /// The part of its id after the `/`.
     pub name: String,
-    /// The tree of a material that is made from it.
+    /// The tree of the material.
     pub tree: MaterialTree,
-    /// The medium inside of what has the material, with its coefficients per millimetre.
+    /// The medium inside of shapes with the material, with its coefficients per millimetre.
     pub medium: Option<Medium>,
 }
 
 impl Preset {
-    /// The id that a material of the scene gets which is made from it.
+    /// The id of a material of the scene that is made from it.
     pub fn id(&self) -> String {
         self.name.replace(", ", "-").replace(' ', "-")
     }
@@ -36,10 +36,10 @@ impl Preset {
         self.medium_at(1000.0 * unit.metres() as f32)
     }
 
-    /// The medium in a world of which a unit is so many millimetres.
+    /// The medium in a scene whose unit is so many millimetres.
     pub fn medium_at(&self, millimetres: f32) -> Option<Medium> {
         let medium = self.medium.clone()?;
-        // A factor on no light would only be in the file.
+        // A scale of zero emission would only lengthen the file.
         let shines = medium.emission != Rgb::ZERO.into();
         let emission_scale = medium.emission_scale * if shines { millimetres } else { 1.0 };
         Some(Medium {
@@ -57,7 +57,7 @@ impl Preset {
 
 const BUILT_IN: &str = include_str!("../../../../assets/materials.xml");
 
-/// Loads all presets, and gives the problems with the user's file.
+/// Loads all presets, and returns the problems with the user's file.
 pub fn load() -> (Vec<Preset>, Vec<String>) {
     let mut presets = built_in();
     let mut complaints = Vec::new();
@@ -74,16 +74,16 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
 /// The longest file of materials in bytes; longer ones are scenes.
 const LONGEST_MATERIALS: u64 = 1 << 20;
 
-/// What an XML file holds.
+/// The content of an XML file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum FileContent {
-    /// Nothing but materials, of which this is the first.
+    /// Only materials, of which this is the first.
     Materials(Box<Preset>),
-    /// A scene with this number of shapes. None: it is too long to be read for that alone.
+    /// A scene with this number of shapes. None: it is too long to be read for the number.
     Scene(Option<usize>),
 }
 
-/// Reads what an XML file holds. `access` is for the files that it includes.
+/// Reads the content of an XML file. `access` is for included files.
 pub(crate) fn content_of(path: &Path, access: Access) -> Result<FileContent, FileError> {
     let text = match files::read_text(path, LONGEST_MATERIALS) {
         Err(FileError::TooLarge { .. }) => return Ok(FileContent::Scene(None)),
@@ -123,8 +123,7 @@ fn own_file() -> Option<PathBuf> {
     Some(folders.config_dir().join("materials.xml"))
 }
 
-/// The bsdfs of the file that have an id and are not inside another, and then the shapes that have an id and an
-/// interior.
+/// The presets in a text: bsdfs that have an id and are not nested, and then shapes that have an id and an interior.
 fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     let mut document = parse_str(text, path, &[]);
     let scene = read::read(&mut document);
@@ -153,7 +152,7 @@ fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     (surfaces.chain(bodies).collect(), complaints.collect())
 }
 
-/// Descriptions hold no circles.
+/// The tree of a material; descriptions have no cycles.
 fn tree(scene: &SceneDescription, place: usize) -> MaterialTree {
     let described = &scene.materials[place];
     let inside = described.first.into_iter().chain(described.second);

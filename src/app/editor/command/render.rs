@@ -18,7 +18,7 @@ pub enum RenderCommand {
     SetTimeLimit(Option<f32>),
     /// Sets the noise to stop at, relative to the picture's brightness; None is no limit.
     SetNoiseTarget(Option<f32>),
-    /// Sends more samples where the noise is, or as many to every pixel.
+    /// Turns adaptive sampling on or off.
     SetAdaptive(bool),
     /// Limits the samples to a part of the picture: (0, 0) is top left, (1, 1) bottom right. None stands for the
     /// whole picture.
@@ -29,13 +29,13 @@ pub enum RenderCommand {
     SetResolution(Resolution),
     /// Traces all pixels of the film until the next change, and may save the picture then.
     RenderFull(FullFilm),
-    /// Goes back from the full film to the pixels that the window shows.
+    /// Returns from the full film to the pixels of the window.
     StopFull,
     /// Splits the picture into thirds by bsdf sampling, by light sampling, and by both.
     SetStrategySplit(bool),
-    /// Lets the integrator `path` stand for `auto`, or for itself.
+    /// Sets whether the integrator `path` stands for `auto`, or for itself.
     SetPathIsAuto(bool),
-    /// Keeps the light of every light by itself, for mixing.
+    /// Sets whether the film has a layer for each light, for mixing.
     SetLightLayers(bool),
 }
 

@@ -1,4 +1,4 @@
-//! The settings of how many pixels of the film are traced, and how a picture of few pixels is enlarged.
+//! The settings of the number of rendered pixels, and of the enlarging of a picture with few pixels.
 
 use std::path::PathBuf;
 
@@ -36,8 +36,8 @@ declare_names! {
 /// A request to trace the whole film once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FullFilm {
-    /// The file to which the picture is saved when it has the samples that the picture had before.
+    /// The file for the picture, which is saved when it has the samples that it had before.
     pub save_to: Option<PathBuf>,
-    /// Whether the user knows how much memory it takes.
+    /// Whether the user has confirmed its need of memory.
     pub is_confirmed: bool,
 }

@@ -13,7 +13,7 @@ pub struct Ruler {
     pub to: Vec3,
 }
 
-/// The most distances that are kept; the oldest is dropped for a new one.
+/// The most kept distances; the oldest is dropped for a new one.
 pub(crate) const MOST_RULERS: usize = 64;
 
 impl Ruler {
@@ -22,7 +22,7 @@ impl Ruler {
         self.from.distance(self.to)
     }
 
-    /// The distance, and behind it its parts along the axes.
+    /// The distance, followed by its parts along the axes.
     pub fn text(&self, unit: LengthUnit) -> String {
         let parts = (self.to - self.from).abs().to_array().map(|part| unit.number(part));
         let [x, y, z] = parts;

@@ -47,12 +47,12 @@ pub(crate) fn is_sample(scene: &Path) -> bool {
     scene.parent().is_some_and(is_there)
 }
 
-/// A folder that comes with the program, such as `assets/environments`, where [`Sample::path`] looks for scenes.
+/// A folder shipped with the program, such as `assets/environments`, searched like the scenes of [`Sample::path`].
 pub(crate) fn program_folder(name: &str) -> Option<PathBuf> {
     places_of(Path::new(name)).find(|path| path.is_dir())
 }
 
-/// The folders that come with the program and are there, with their names.
+/// The existing folders shipped with the program, with their names.
 pub(crate) fn program_folders() -> impl Iterator<Item = (&'static str, PathBuf)> {
     let known = [
         ("Environments", "assets/environments"),

@@ -1,4 +1,4 @@
-//! Edits that bring things into the scene and take them out of it.
+//! Edits that add entities to the scene and remove them.
 
 use std::path::PathBuf;
 
@@ -16,18 +16,18 @@ use crate::scene::Shape;
 /// An edit that adds, copies or removes things, or the files that they name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneEdit {
-    /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
+    /// Adds the content of a file: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
     /// Puts a file into the scene: where it was dropped, or onto the selection.
     UseFile(Box<FileUse>),
-    /// Gives the things that name a missing file another path, and where `others` is true those of all other missing
-    /// files that lie beside it.
+    /// Replaces the path of a missing file, and where `others` is true the paths of all other missing files that lie
+    /// beside it.
     FindFile {
-        /// The path that the scene has.
+        /// The path in the scene.
         missing: PathBuf,
-        /// Where the file is.
+        /// The path of the file.
         found: PathBuf,
-        /// Whether the other missing files are looked for in the same folder.
+        /// Whether the other missing files are searched in the same folder.
         others: bool,
     },
     /// Adds the plugins of an XML text.
@@ -42,8 +42,8 @@ pub enum SceneEdit {
     Delete,
     /// Does `Copy`, then `Delete`.
     Cut,
-    /// Copies the selection. The copies stand beside the originals, or continue the series if these are copies too, and
-    /// become the selection.
+    /// Copies the selection. The copies stand beside the originals, or continue the series if the selection was copied
+    /// itself, and become the selection.
     Duplicate,
     /// Makes a series of copies or instances of the selection.
     MakeSeries(Series),

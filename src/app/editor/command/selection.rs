@@ -1,11 +1,11 @@
-//! The selection: things of the scene in the order in which they were chosen.
+//! The selection: things of the scene in the order of selecting.
 
 use super::traits::Traits;
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
-/// The last one is the active one: panels show it, and pivots and alignments go by it.
+/// The last thing is the active one: panels show it, and pivots and alignments use it.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     order: Vec<Entity>,
@@ -13,27 +13,27 @@ pub struct Selection {
     all: EntityHashSet,
 }
 
-/// The way in which things join a selection.
+/// The effect of selecting things on the selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extend {
-    /// They become the selection.
+    /// They replace the selection.
     #[default]
     Replace,
     /// They join the selection.
     Add,
-    /// Selected things are deselected, and the others are selected.
+    /// Selected ones are deselected, and the others are selected.
     Toggle,
 }
 
 impl Selection {
-    /// A selection of the entities in this order; one that is named twice counts once.
+    /// A selection of the entities in this order; duplicates count once.
     pub fn of(entities: impl IntoIterator<Item = Entity>) -> Self {
         let mut selection = Self::default();
         selection.extend(entities, Extend::Add);
         selection
     }
 
-    /// The one that was chosen last.
+    /// The entity that was selected last.
     pub fn active(&self) -> Option<Entity> {
         self.order.last().copied()
     }
@@ -53,7 +53,7 @@ impl Selection {
         self.order.is_empty()
     }
 
-    /// Lets entities join in this order, so that the last one that is selected becomes active.
+    /// Adds entities in this order, so that the last selected one becomes active.
     pub fn extend(&mut self, entities: impl IntoIterator<Item = Entity>, how: Extend) {
         if how == Extend::Replace {
             *self = Self::default();
@@ -65,7 +65,7 @@ impl Selection {
                 joining.push(entity);
             }
         }
-        // A thing that is named again becomes the active one.
+        // A selected thing that is added again becomes the active one.
         if !self.order.is_empty() {
             self.order.retain(|entity| !moved.contains(entity));
         }
@@ -105,9 +105,9 @@ pub enum SelectionCommand {
     Select(Vec<Entity>, Extend),
     /// Selects everything that the outliner shows.
     SelectAll,
-    /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
+    /// Selects the visible thing at a point of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
     Pick(Vec2, Extend),
-    /// Selects everything in the group around the active thing. Given again, it selects everything in the next group
+    /// Selects everything in the group around the active thing. Repeated, it selects everything in the next group
     /// outwards.
     SelectGroup,
     /// Copies the selection to the clipboard, as XML text.

@@ -6,15 +6,15 @@ use crate::scene::{AccelMethod, IntegratorSettings, LengthUnit, SamplerSettings}
 /// An edit of the settings of the whole scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SettingsEdit {
-    /// Sets the lengths of paths and the strategy.
+    /// Sets the integrator and the lengths of its paths.
     SetIntegrator(IntegratorSettings),
     /// Sets the kind and seed of random numbers.
     SetSampler(SamplerSettings),
     /// Sets the unit of length of the scene. No length changes.
     SetUnit(LengthUnit),
-    /// Sets how acceleration structures are built.
+    /// Sets the construction of acceleration structures.
     SetAccel(AccelMethod),
-    /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
+    /// Multiplies the lights by their strengths and colours in the mix, and makes the mix neutral.
     BakeLights,
 }
 

@@ -21,7 +21,7 @@ pub enum ShellCommand {
     ShowPanels(bool),
     /// Shows a panel in front of its group, also if it was closed.
     ShowPanel(Panel),
-    /// Takes a panel out of the window.
+    /// Closes a panel.
     ClosePanel(Panel),
     /// Arranges all panels as in a new window.
     ResetLayout,
@@ -31,27 +31,27 @@ pub enum ShellCommand {
     ShowSheet(Sheet),
     /// Replaces all preferences; values out of range are clamped.
     SetPreferences(Box<Preferences>),
-    /// Chooses how the mouse moves the view.
+    /// Sets the preset of mouse navigation.
     SetNavigation(NavigationPreset),
     /// Shows a step of the tutorial, from 0; None leaves it.
     ShowTutorial(Option<usize>),
-    /// Asks about edits that were written aside before a crash, or lists them if there are several.
+    /// Asks about an autosave, or lists them if there are several.
     ShowRecovery,
-    /// Asks about these edits.
+    /// Asks about this autosave.
     AskAboutRecovery(Offer),
-    /// Opens the edits that were written aside before a crash.
+    /// Opens an autosave.
     Recover(Offer),
-    /// Deletes the edits that were written aside before a crash.
+    /// Deletes an autosave.
     DiscardRecovery(Offer),
-    /// Adds a folder to those that the browser of assets begins with.
+    /// Adds a root folder to the browser of assets.
     AddAssetFolder(PathBuf),
-    /// Takes a folder from those that the browser of assets begins with.
+    /// Removes a root folder of the browser of assets.
     RemoveAssetFolder(PathBuf),
-    /// Asks whether a whole scene is to be added to the open one, or to be opened.
+    /// Asks whether to add or open a whole scene.
     AskAboutScene(Box<FileUse>),
     /// Lets scenes read the folders of these files.
     AllowFiles(Question),
-    /// Asks where a missing file is.
+    /// Asks for the path of a missing file.
     FindFile(SoughtFile),
 }
 
@@ -80,14 +80,14 @@ impl ShellCommand {
     }
 }
 
-/// A missing file that the user is to find.
+/// A missing file that the user is asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SoughtFile {
-    /// What it is.
+    /// Its kind.
     pub kind: FileKind,
-    /// The path that the scene has.
+    /// The path in the scene.
     pub path: PathBuf,
-    /// Whether the other missing files are looked for in the folder where it is found.
+    /// Whether the other missing files are searched in the folder of the found one.
     pub others: bool,
 }
 
@@ -100,7 +100,7 @@ pub enum Sheet {
     Shortcuts,
     /// The controls of [`Preferences`].
     Preferences,
-    /// The list where keys are chosen, beside the preferences.
+    /// The list in which keys are changed, beside the preferences.
     Keys,
     /// The form for a series of copies.
     Series,
@@ -108,7 +108,7 @@ pub enum Sheet {
     Projection,
     /// The form for a bake of lightmaps.
     Bake,
-    /// The list of the edits that can be recovered.
+    /// The list of autosaves to recover.
     Recovery,
     /// The list of the files of the scene that are missing.
     Missing,

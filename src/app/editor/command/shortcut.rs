@@ -13,7 +13,7 @@ pub struct Shortcut {
     pub shift: bool,
     /// Whether Alt is held.
     pub alt: bool,
-    /// A digit of the block at the keyboard's right.
+    /// Whether it is a digit of the numeric keypad.
     pub numpad: bool,
 }
 
@@ -82,7 +82,7 @@ impl Shortcut {
     }
 }
 
-/// A key as it is called on keyboards; the symbols of arrows are too small to be told apart.
+/// The name of a key on keyboards; the symbols of arrows are too small to be told apart.
 fn shown(key: Key) -> &'static str {
     match key {
         Key::ArrowLeft => "Left",

@@ -1,4 +1,4 @@
-//! What a drag that moves things is rounded to.
+//! The snapping of moves.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,15 +30,16 @@ impl SnapTo {
     }
 }
 
-/// When and to what a move snaps.
+/// The condition and the target of snapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Snapping {
-    /// The places.
+    /// The target.
     #[serde(deserialize_with = "or_default")]
     pub to: SnapTo,
     /// Whether moves snap without Control, and do not with it.
     pub always: bool,
-    /// Whether a thing that is moved along a surface turns its upper side to the surface's normal.
+    /// Whether a thing that is moved along a surface is turned, so that its upper side faces along the surface's
+    /// normal.
     pub aligns: bool,
 }

@@ -3,22 +3,22 @@
 use bevy::math::{Affine3A, Mat3A, Vec3A};
 use serde::{Deserialize, Serialize};
 
-/// A view to come back to.
+/// A stored view.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Written", into = "Written")]
 pub struct StoredView {
     /// World from camera, with the extent of the picture as its scale if it is orthographic.
     pub pose: Affine3A,
-    /// Whether the view has no perspective.
+    /// Whether the view is orthographic.
     pub orthographic: bool,
-    /// Whether walls between the camera and a room are left out, without which a view from above shows a roof.
+    /// Whether walls between the camera and a room are hidden, without which a view from above shows a roof.
     pub hides_walls: bool,
 }
 
 /// The views by their number less one.
 pub type StoredViews = [Option<StoredView>; 9];
 
-/// The view as it is in the file.
+/// The view as in the file.
 #[derive(Serialize, Deserialize)]
 struct Written {
     /// The axes to the left, up and forward, and the place.
@@ -30,7 +30,7 @@ struct Written {
 }
 
 impl StoredView {
-    /// Whether something can be seen in it. A file may say anything.
+    /// Whether the pose can be used as a view. A file may hold any numbers.
     pub fn is_possible(&self) -> bool {
         self.pose.is_finite() && self.pose.matrix3.determinant() != 0.0
     }

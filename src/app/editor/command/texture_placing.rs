@@ -1,5 +1,5 @@
-//! How textures lie on a surface: the transform of uv in parts that a user can think in, and the textures of a material
-//! that lie alike.
+//! The placing of textures on a surface: the transform of uv decomposed for the user, and the textures of a material
+//! with equal transforms.
 
 use super::traits::Traits;
 use super::uv_projection::Projection;
@@ -11,26 +11,26 @@ use bevy::math::{Affine2, Mat2, Vec2};
 
 use crate::scene::{Material, Texture};
 
-/// A transform of uv in parts. A picture is repeated first, then sheared, turned and shifted.
+/// A decomposed transform of uv. A picture is repeated first, then sheared, turned and shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing {
     /// The pictures in one unit of u, above 0, and in one of v, below 0 where the picture is mirrored.
     pub repeats: Vec2,
-    /// What u of the picture grows by as v grows by one picture.
+    /// The growth of the picture's u as v grows by one picture.
     pub shear: f32,
-    /// The angle in degrees, from -180 to 180, by which uv are turned. On the surface the picture turns the other way.
+    /// The rotation of uv in degrees, from -180 to 180. On the surface the picture turns the other way.
     pub degrees: f32,
-    /// The place in the picture, in pictures, at the origin of uv.
+    /// The coordinates in the picture, in pictures, at the origin of uv.
     pub offset: Vec2,
 }
 
 impl Placing {
-    /// The parts of a transform; None where it has no inverse.
+    /// The parts of a transform; None if it has no inverse.
     pub fn of(to_uv: &Affine2) -> Option<Self> {
         let [x, y] = [to_uv.matrix2.x_axis, to_uv.matrix2.y_axis];
         let along = x.try_normalize()?;
         let repeats = Vec2::new(x.length(), along.perp_dot(y));
-        // What single precision leaves of an angle that was given in short numbers.
+        // Rounds the error of single precision from an angle that was given in short numbers.
         let degrees = (along.to_angle().to_degrees() * 1e4).round() * 1e-4;
         let shear = along.dot(y) / repeats.y;
         let shear = if shear.abs() < 1e-5 { 0.0 } else { shear };
@@ -54,7 +54,7 @@ impl Placing {
     }
 }
 
-/// A rotation. That by a multiple of 90 degrees is exact.
+/// A rotation, exact for multiples of 90 degrees.
 fn turn(degrees: f32) -> Mat2 {
     let clean = |number: f32| if number.abs() < 1e-6 { 0.0 } else { number };
     let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -62,7 +62,7 @@ fn turn(degrees: f32) -> Mat2 {
     Mat2::from_cols(Vec2::new(cosine, sine), Vec2::new(-sine, cosine))
 }
 
-/// The transform with which a picture stands upright, where uv have it upside down or not.
+/// The transform that makes a picture upright, given whether uv have it upside down.
 pub fn upright(is_turned: bool) -> Affine2 {
     match is_turned {
         true => Affine2::from_scale_angle_translation(Vec2::new(1.0, -1.0), 0.0, Vec2::Y),
@@ -75,7 +75,7 @@ pub fn upright(is_turned: bool) -> Affine2 {
 pub struct TextureGroup {
     /// The transform.
     pub to_uv: Affine2,
-    /// The parameters whose textures these are, each once: their names in the file, and their labels.
+    /// The parameters of these textures, each once: their names in the file, and their labels.
     pub parameters: Vec<(&'static str, &'static str)>,
 }
 
@@ -201,7 +201,7 @@ mod tests {
 /// An edit of the textures of materials and lights, and of the coordinates that place them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureEdit {
-    /// Sets another picture for a texture of a material or a light, or a picture where there is none.
+    /// Replaces the picture of a texture of a material or a light, or adds a texture with it.
     SetPicture {
         /// A material or a light.
         owner: Entity,
@@ -212,20 +212,21 @@ pub enum TextureEdit {
         /// The absolute path of the picture.
         path: PathBuf,
     },
-    /// Places textures: gives all of a material, or of a shape's, that have one transform of uv another one.
+    /// Places textures: replaces the transform of all textures of a material, or of a shape's material, that have the
+    /// transform `before`.
     PlaceTextures {
-        /// A shape or a material. What is nested in it belongs to it.
+        /// A shape or a material, including nested ones.
         owner: Entity,
-        /// The transform that the textures have now.
+        /// The present transform of the textures.
         before: Affine2,
-        /// The transform that they get.
+        /// The new transform.
         after: Affine2,
     },
     /// Gives shapes new texture coordinates.
     ProjectTextures {
         /// The shapes.
         shapes: Vec<Entity>,
-        /// Where the coordinates come from.
+        /// The source of the coordinates.
         projection: Projection,
     },
 }

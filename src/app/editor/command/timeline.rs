@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::document::animation::key_time;
 
-/// The frames that are played, and how fast. They are no part of the scene: its keys are in seconds.
+/// The range and speed of playback in frames. They are no part of the scene: its keys are in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timeline {
     /// Frames per second, in [`Timeline::FPS`].
     pub fps: f64,
-    /// The first frame that is played.
+    /// The first frame of playback.
     pub first: u32,
-    /// The last frame that is played, not before the first one.
+    /// The last frame of playback, not before the first one.
     pub last: u32,
 }
 
@@ -34,7 +34,7 @@ impl Default for Timeline {
 impl Timeline {
     /// The highest number of a frame.
     pub const MOST: u32 = 9_999_999;
-    /// The numbers of frames per second that there can be.
+    /// The range of frames per second.
     pub const FPS: RangeInclusive<f64> = 0.001..=100_000.0;
 
     /// The same with all numbers in their ranges.
@@ -57,7 +57,7 @@ impl Timeline {
         frame / self.fps
     }
 
-    /// The frame at a time in seconds, with the part of a frame that has passed.
+    /// The frame at a time in seconds, with its fraction.
     pub fn frame(&self, time: f64) -> f64 {
         time * self.fps
     }
@@ -67,8 +67,8 @@ impl Timeline {
         self.time(self.frame(time).round())
     }
 
-    /// The exact time of the frame that a key at `time` is for, since keys have times in single precision. A key
-    /// between frames stays where it is. Both times are in seconds.
+    /// The exact time of the frame of a key at `time`, since keys have times in single precision. A key between frames
+    /// stays where it is. Both times are in seconds.
     pub fn time_of_key(&self, time: f64) -> f64 {
         let frame = self.snapped(time);
         if key_time(frame) == key_time(time) { frame } else { time }
@@ -91,20 +91,20 @@ pub enum TimeStep {
     PreviousFrame,
     /// To the next frame.
     NextFrame,
-    /// To the last key before the time that is shown, of the selection or else of everything.
+    /// To the last key before the displayed time, of the selection or else of everything.
     PreviousKey,
     /// To the next key.
     NextKey,
 }
 
-/// An edit of values that change in time. All times are in seconds.
+/// An edit of animated values. All times are in seconds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TimeEdit {
-    /// Changes the tracks of values of things at the time that is shown. Without any, a key is set of the place of each
-    /// selected thing, and other edits are of all tracks of the selection.
+    /// Changes the tracks of values at the displayed time. Without any, a key is set for the place of each selected
+    /// thing, and other edits apply to all tracks of the selection.
     Key(Vec<(Entity, KeyPath)>, KeyEdit),
-    /// Lets the camera in use, from where the view is, go once around the selection, or the scene, in the course of the
-    /// frames of the timeline.
+    /// Animates the camera in use once around the selection, or the scene, from the pose of the view, over the frames
+    /// of the timeline.
     AddTurntable,
 }
 
@@ -131,14 +131,14 @@ impl TimeEdit {
     }
 }
 
-/// A command that chooses the time that is shown. All times are in seconds.
+/// A command about the displayed time. All times are in seconds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TimeCommand {
-    /// Shows the scene at a time. Playing ends.
+    /// Shows the scene at a time. Playback ends.
     SetTime(f64),
     /// Shows the scene at the time of another frame or key.
     StepTime(TimeStep),
-    /// Plays the frames of the timeline, or holds.
+    /// Starts or stops playback.
     SetPlaying(bool),
     /// Sets the frames of the timeline.
     SetTimeline(Timeline),

@@ -7,20 +7,20 @@ use super::traits::Traits;
 
 use super::blocking::{BlockKind, OpeningKind};
 
-/// A tool. Escape ends it, and so does its use, except for tools that are used many times: those for paths, distances
-/// and textures, and all that block out.
+/// A tool. Escape ends it, and so does its use, except for tools that are used repeatedly: for paths, distances and
+/// textures, and all that block out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.
     #[default]
     Select,
-    /// Focuses a thin lens on the thing that is clicked.
+    /// Focuses a thin lens on the clicked thing.
     Focus,
-    /// Draws the part of the picture that is rendered.
+    /// Draws the region of the picture that is rendered.
     Region,
-    /// Shows the paths of the pixel that is clicked.
+    /// Shows the paths of the clicked pixel.
     Paths,
-    /// Measures the distance between two points that are clicked.
+    /// Measures the distance between two clicked points.
     Ruler,
     /// Draws things on the ground and on surfaces.
     Draw(BlockKind),
@@ -33,7 +33,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// Whether the handles of the selection are hidden, because they would take the clicks.
+    /// Whether the handles of the selection are hidden, because they would take clicks from the tool.
     pub fn hides_handles(self) -> bool {
         matches!(self, Self::Ruler | Self::PlaceTexture)
     }
@@ -68,8 +68,8 @@ impl Tool {
         }
     }
 
-    /// Whether the tool draws, pushes or cuts: the pointer and the number keys are its own then, and the handles of the
-    /// gizmo are not shown.
+    /// Whether the tool draws, pushes or cuts: it uses the pointer and the number keys then, and the handles of the
+    /// gizmo are hidden.
     pub fn blocks_out(self) -> bool {
         matches!(self, Self::Draw(_) | Self::Push | Self::Cut(_))
     }
@@ -78,7 +78,7 @@ impl Tool {
 /// A command about the tools for clicks and drags in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToolCommand {
-    /// Sets what the next click in the picture does.
+    /// Sets the tool for the next click in the picture.
     SetTool(Tool),
     /// Keeps a measured distance in the picture.
     AddRuler(Ruler),
@@ -86,7 +86,7 @@ pub enum ToolCommand {
     ClearRulers,
     /// Shows the paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
-    /// Sets what a drag of the gizmo does.
+    /// Sets the settings of the gizmo.
     SetGizmo(GizmoSettings),
 }
 

@@ -1,4 +1,4 @@
-//! The answers to everything that is asked about a command beside its work.
+//! The properties of a command besides its effect.
 
 use bevy::prelude::Entity;
 
@@ -7,61 +7,61 @@ use bevy::prelude::Entity;
 pub enum Effect {
     /// The command changes nothing in the scene.
     None,
-    /// The command begins the picture anew, but leaves the scene as it is.
+    /// The command restarts the picture, but leaves the scene as it is.
     View,
     /// The command is a step of the history.
     Edit,
-    /// The command is a step of the history, but several of one drag are one step.
+    /// The command is a step of the history, merged with others of one drag.
     Drag,
 }
 
-/// The things that an edit is about, for its title in the history.
+/// The things in an edit's title in the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// These things; without any, nothing in particular.
+    /// These things; without any, the title names none.
     Things(Vec<Entity>),
     /// The selection.
     Selection,
-    /// The things that the edit makes, which are selected after it.
+    /// The things that the edit creates, which are selected after it.
     Made,
 }
 
-/// What the things of an edit get, for its title in the history.
+/// The object that an edit gives to things, for its title in the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Object {
-    /// Something with this name.
+    /// An object with this name.
     Name(String),
     /// This entity.
     Thing(Entity),
 }
 
-/// The answers for one command.
+/// The properties of one command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Traits {
-    /// Whether the command is recorded in the history, and whether it begins the picture anew.
+    /// Whether the command is recorded in the history, and whether it restarts the picture.
     pub effect: Effect,
-    /// The label of an edit in the history. The names of its things follow there.
+    /// The label of an edit in the history, followed by the names of its things.
     pub label: &'static str,
-    /// The things that an edit is about.
+    /// The things of the title.
     pub subject: Subject,
-    /// What they get, if the title says so.
+    /// The object of the title, if it names one.
     pub object: Option<Object>,
-    /// Whether the command is one of many that follow each other while the view or something in it moves.
+    /// Whether the command is one of many in succession while the view or a thing moves.
     pub moves_picture: bool,
-    /// Whether the command as a rule begins the picture anew.
+    /// Whether the command usually restarts the picture.
     pub restarts_picture: bool,
     /// Whether the command is about single pixels of the picture.
     pub is_about_pixels: bool,
-    /// Whether edits that no file has are lost with the command.
+    /// Whether the command loses unsaved edits.
     pub loses_edits: bool,
     /// Whether the command saves the scene.
     pub saves: bool,
 }
 
 impl Traits {
-    /// A command that changes nothing in the scene.
+    /// The properties of a command that changes nothing in the scene.
     pub const NONE: Self = Self::new(Effect::None);
-    /// A command that begins the picture anew, but leaves the scene as it is.
+    /// The properties of a command that restarts the picture, but leaves the scene as it is.
     pub const VIEW: Self = Self::new(Effect::View);
 
     const fn new(effect: Effect) -> Self {
@@ -78,13 +78,13 @@ impl Traits {
         }
     }
 
-    /// A step of the history.
+    /// The properties of a step of the history.
     pub fn edit(label: &'static str) -> Self {
         let traits = Self::new(Effect::Edit);
         Self { label, ..traits }
     }
 
-    /// A step of the history that is one with others of the same drag.
+    /// The properties of a step that is merged with others of the same drag.
     pub fn drag(label: &'static str) -> Self {
         Self {
             effect: Effect::Drag,
@@ -93,31 +93,31 @@ impl Traits {
         }
     }
 
-    /// The edit is about these things.
+    /// Sets these things as subject.
     pub fn of(self, things: &[Entity]) -> Self {
         let subject = Subject::Things(things.to_vec());
         Self { subject, ..self }
     }
 
-    /// The edit is about the selection.
+    /// Sets the selection as subject.
     pub fn of_selection(self) -> Self {
         let subject = Subject::Selection;
         Self { subject, ..self }
     }
 
-    /// The edit is about the things that it makes.
+    /// Sets the created things as subject.
     pub fn of_made(self) -> Self {
         let subject = Subject::Made;
         Self { subject, ..self }
     }
 
-    /// The things get something of this name.
+    /// Sets an object of this name.
     pub fn giving_name(self, name: &str) -> Self {
         let object = Some(Object::Name(name.to_owned()));
         Self { object, ..self }
     }
 
-    /// The things get this one, or none.
+    /// Sets this thing, or none, as object.
     pub fn giving(self, thing: Option<Entity>) -> Self {
         match thing {
             Some(thing) => Self {
@@ -128,19 +128,19 @@ impl Traits {
         }
     }
 
-    /// Many such commands follow each other while the view moves.
+    /// Marks the command as one of many in succession while the view moves.
     pub fn moving_picture(self) -> Self {
         let moves_picture = true;
         Self { moves_picture, ..self }
     }
 
-    /// The former picture, with its lights scaled, stands for the new one during the drag.
+    /// Marks that the former picture, with its lights scaled, replaces the new one during the drag.
     pub fn scaling_picture(self) -> Self {
         let moves_picture = false;
         Self { moves_picture, ..self }
     }
 
-    /// As a rule the picture stays as it is.
+    /// Marks that the picture usually stays.
     pub fn keeping_picture(self) -> Self {
         let restarts_picture = false;
         Self {
@@ -149,7 +149,7 @@ impl Traits {
         }
     }
 
-    /// The command is about single pixels of the picture.
+    /// Marks that the command is about single pixels of the picture.
     pub fn of_pixels(self) -> Self {
         let is_about_pixels = true;
         Self {
@@ -158,18 +158,18 @@ impl Traits {
         }
     }
 
-    /// Edits that no file has are lost with the command.
+    /// Marks that the command loses unsaved edits.
     pub fn losing_edits(self) -> Self {
         let loses_edits = true;
         Self { loses_edits, ..self }
     }
 
-    /// The command saves the scene to its file or to another one.
+    /// Marks that the command saves the scene to its file or to another one.
     pub fn saving(self) -> Self {
         Self { saves: true, ..self }
     }
 
-    /// The entities that an edit names; empty for edits of the selection or of nothing in particular.
+    /// The entities that an edit names; empty for edits of the selection and edits that name none.
     pub fn targets(self) -> Vec<Entity> {
         match self.subject {
             Subject::Things(things) => things,

@@ -1,9 +1,9 @@
-//! New texture coordinates for shapes: what they are projected from.
+//! New texture coordinates for shapes by projection.
 
-/// The way in which texture coordinates follow from places in the world.
+/// The map from world positions to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// From where.
+    /// The direction of the projection.
     pub from: ProjectedFrom,
     /// The edge of a tile of the texture in units of the world, above 0.
     pub tile: f32,

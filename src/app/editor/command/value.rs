@@ -1,4 +1,4 @@
-//! Edits that give one component of a thing a new value. They can be carried to everything that is selected.
+//! Edits that set one component of a thing. They can be applied to the whole selection.
 
 use bevy::math::Affine3A;
 use bevy::prelude::Entity;
@@ -6,13 +6,13 @@ use bevy::prelude::Entity;
 use super::traits::Traits;
 use crate::scene::{AreaLight, Emitter, EulerAngles, Film, Material, Medium, Sensor, Shape};
 
-/// An edit that gives one component of a thing a new value.
+/// An edit that sets one component of a thing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueEdit {
-    /// Places several things at once, each by world from a space whose origin is the thing's place: that is its own
-    /// space, but for shapes such as spheres, whose centre may be elsewhere there.
+    /// Sets the poses of several things, each as world from a space whose origin is the thing's position: its own
+    /// space, except for shapes such as spheres, whose centre may be elsewhere in it.
     Transform(Vec<(Entity, Affine3A)>),
-    /// Places a thing as [`Self::Transform`] does, with the angles by which its rotation was given.
+    /// Sets the pose of a thing as [`Self::Transform`] does, with the Euler angles of its rotation.
     Turn(Entity, Affine3A, EulerAngles),
     /// Sets the geometry of a shape.
     SetShape(Entity, Shape),
@@ -20,9 +20,9 @@ pub enum ValueEdit {
     SetMaterial(Entity, Box<Material>),
     /// Sets the parameters of a medium.
     SetMedium(Entity, Box<Medium>),
-    /// Sets the emission of a shape; None for a shape that does not shine.
+    /// Sets the emission of a shape; None for a shape that does not emit.
     SetAreaLight(Entity, Option<AreaLight>),
-    /// Sets kind and parameters of a light that is no surface.
+    /// Sets kind and parameters of a light that is no shape.
     SetEmitter(Entity, Emitter),
     /// Sets the lens and field of view of a camera.
     SetSensor(Entity, Sensor),
@@ -41,7 +41,7 @@ impl ValueEdit {
             Self::SetShape(shape, _) => Traits::drag("Edit shape").of(&[*shape]),
             Self::SetMaterial(material, _) => Traits::drag("Edit material").of(&[*material]),
             Self::SetMedium(medium, _) => Traits::drag("Edit medium").of(&[*medium]),
-            // What is known of the picture is multiplied by what lights become stronger.
+            // Carried-over pixels are multiplied by the light's change of strength.
             Self::SetAreaLight(light, _) | Self::SetEmitter(light, _) => {
                 Traits::drag("Edit light").of(&[*light]).scaling_picture()
             }

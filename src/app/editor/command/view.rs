@@ -10,9 +10,9 @@ use super::traits::Traits;
 /// An edit of the camera in use.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraEdit {
-    /// Puts the sensor in use to where the view is.
+    /// Moves the sensor in use to the pose of the view.
     MoveCameraToView,
-    /// Focuses the camera in use on what is seen at a place of the picture: (0, 0) is top left, (1, 1) bottom right. A
+    /// Focuses the camera in use on the surface at a point of the picture: (0, 0) is top left, (1, 1) bottom right. A
     /// pinhole camera becomes a thin lens.
     FocusAt(Vec2),
     /// Writes the samples, the limit of noise and the adaptive sampling of the window into the film of the camera.
@@ -29,7 +29,7 @@ impl CameraEdit {
     }
 }
 
-/// A command that moves the view or chooses the things that it shows. None of them edits the scene.
+/// A command that moves the view or filters the visible things. None of them edits the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewCommand {
     /// Moves back or forth until the selection fills the view.
@@ -38,25 +38,25 @@ pub enum ViewCommand {
     FrameAll,
     /// Flies to a pose of the camera, given as world from camera.
     MoveView(Affine3A),
-    /// Renders from this sensor, at its place.
+    /// Uses this sensor, at its own pose.
     LookThrough(Entity),
-    /// Remembers the point that the view is turned about; views along an axis keep it in the middle.
+    /// Stores the centre of orbits; views along an axis keep it in the middle.
     TurnAbout(Vec3),
-    /// Looks along an axis of the world, at the selection, the point that the view was turned about, or what is ahead.
+    /// Looks along an axis of the world, at the selection, the centre of orbits, or the surface ahead.
     LookAlong(AxisView),
-    /// Switches between perspective and orthographic, so that what is in the middle keeps its size.
+    /// Switches between perspective and orthographic; things in the middle keep their size.
     SwitchProjection,
-    /// Keeps the view under a number from 1 to 9.
+    /// Stores the view under a number from 1 to 9.
     StoreView(usize),
-    /// Goes back to a view that was kept.
+    /// Restores a stored view.
     RecallView(usize),
     /// Sets the flying speed as a multiple of the one that suits the scene's size.
     SetSpeed(f32),
-    /// Sets what the view leaves out.
+    /// Sets the filters of the view.
     SetSeeing(Seeing),
     /// Puts a cut plane through the middle of the selection, or of the scene, facing the camera.
     CutOpen,
-    /// Shows these shapes alone; without any, everything again.
+    /// Isolates these shapes; without any, shows all again.
     Isolate(Vec<Entity>),
 }
 

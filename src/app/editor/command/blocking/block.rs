@@ -5,7 +5,7 @@ use bevy::math::{Affine3A, Mat3, Vec3};
 use super::BlockKind;
 use crate::scene::{ShapeKind, Solid};
 
-/// A thing that is drawn.
+/// A drawn thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     /// Its kind.
@@ -18,8 +18,8 @@ pub struct Block {
     pub to: Vec3,
     /// The plane that it is drawn on.
     pub plane: Plane,
-    /// The extent above the plane, that of a floor below it; world units. A box may have a negative one: it goes into
-    /// the other direction.
+    /// The extent above the plane, or below it for a floor; world units. A negative extent of a box goes below the
+    /// plane.
     pub height: f32,
     /// The thickness of a wall; world units.
     pub thickness: f32,
@@ -28,14 +28,14 @@ pub struct Block {
 /// A plane with the directions of its grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// The side that is drawn on, of unit length.
+    /// The normal of the side that is drawn on, of unit length.
     pub normal: Vec3,
-    /// A direction in the plane, of unit length: one side of rectangles.
+    /// A direction in the plane, of unit length: one side of rectangles is parallel to it.
     pub along: Vec3,
 }
 
 impl Plane {
-    /// A plane of this normal. Its directions are axes of the world where those lie in it, else one of them is level.
+    /// A plane of this normal. Its directions are axes of the world if they lie in it, else one of them is level.
     pub fn of_normal(normal: Vec3, up: Vec3) -> Self {
         let normal = match Vec3::AXES.into_iter().find(|axis| normal.dot(*axis).abs() > 0.9999) {
             Some(axis) => axis * normal.dot(axis).signum(),
@@ -69,7 +69,7 @@ impl Plane {
 }
 
 impl Block {
-    /// Moves the start and the end of a wall outwards by these ways in world units, inwards if they are negative.
+    /// Moves the start and the end of a wall outwards by these distances in world units; negative ones move inwards.
     pub fn lengthen(&mut self, [before, after]: [f32; 2]) {
         let direction = (self.to - self.from).normalize_or_zero();
         self.from -= direction * before;
@@ -119,7 +119,7 @@ impl Block {
     }
 }
 
-/// The corners of a shape that is a box or stands in one, the lower four first, each four in turn around; in world
+/// The corners of a shape that is a box or is fitted into one, the lower four first, each four in turn around; in world
 /// space.
 pub fn corners(kind: &ShapeKind, pose: &Affine3A) -> Option<[Vec3; 8]> {
     let [low, high] = match kind {
@@ -134,7 +134,7 @@ pub fn corners(kind: &ShapeKind, pose: &Affine3A) -> Option<[Vec3; 8]> {
     Some([a, b, c, d, e, f, g, h])
 }
 
-/// The edges of such a box, as places in [`corners`].
+/// The edges of such a box, as indices of [`corners`].
 pub const EDGES: [[usize; 2]; 12] = [
     [0, 1],
     [1, 2],

@@ -9,13 +9,13 @@ use crate::scene::{Opening, ShapeKind, Solid};
 pub struct Face {
     /// The axis across the face: 0, 1 or 2.
     pub axis: usize,
-    /// Whether it is the face at the axis' far end.
+    /// Whether it is the face at the far end of the axis.
     pub is_far: bool,
 }
 
 /// The share of a box's extent by which a place may be off its face.
 const ON_FACE: f32 = 2e-3;
-/// The least extent that pushing leaves, as a share of the former one.
+/// The least extent that a push leaves, as a share of the former one.
 const LEAST: f32 = 1e-3;
 
 impl Face {
@@ -24,12 +24,12 @@ impl Face {
         (0..3).flat_map(|axis| [false, true].map(|is_far| Self { axis, is_far }))
     }
 
-    /// The face that a place (in world space, with the normal there) belongs to; None where the shape has no face of
-    /// this sort.
+    /// The face that a point (in world space, with the normal there) belongs to; None if the shape has no such face.
     pub fn at(kind: &ShapeKind, pose: &Affine3A, place: Vec3, normal: Vec3) -> Option<Self> {
         let [low, high] = extent(kind)?;
         let local = pose.inverse().transform_point3(place);
-        // A normal goes with the transposed inverse of the pose, whose inverse is the pose.
+        // Normals transform by the transposed inverse of a matrix, so that the transposed pose takes this one to local
+        // space.
         let facing = pose.matrix3.transpose() * bevy::math::Vec3A::from(normal);
         let facing = Vec3::from(facing);
         let axis = facing.abs().max_position();
@@ -58,7 +58,8 @@ impl Face {
         !matches!(kind, ShapeKind::Solid(Solid::Prism { .. })) || self.axis == 2
     }
 
-    /// The direction out of the face, in world space, of unit length; and the length of the shape's own unit along it.
+    /// The outward direction of the face, in world space, of unit length; and the length of the shape's own unit along
+    /// it.
     pub fn outward(self, pose: &Affine3A) -> (Vec3, f32) {
         let column = Vec3::from(pose.matrix3.col(self.axis));
         let sign = if self.is_far { 1.0 } else { -1.0 };
@@ -95,7 +96,7 @@ pub fn extent_across(kind: &ShapeKind, pose: &Affine3A, face: Face) -> Option<f3
 }
 
 /// The shape with this face moved outwards by so many world units; the opposite face stays where it is. None for shapes
-/// that have no such face.
+/// without such a face.
 pub fn pushed(kind: &ShapeKind, pose: &Affine3A, face: Face, by: f32) -> Option<(ShapeKind, Affine3A)> {
     let [low, high] = extent(kind)?;
     let before = (high - low)[face.axis];
@@ -107,7 +108,7 @@ pub fn pushed(kind: &ShapeKind, pose: &Affine3A, face: Face, by: f32) -> Option<
     if !face.can_move(kind) || !asked.is_finite() || !after.is_normal() {
         return None;
     }
-    // The place in its own space that becomes the origin of the new one.
+    // The point in its own space that becomes the origin of the new one.
     let mut origin = Vec3::ZERO;
     let axis = face.axis;
     let kind = match kind {

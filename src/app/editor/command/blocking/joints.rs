@@ -1,8 +1,7 @@
 //! Where walls meet: their ends are moved so that a corner has neither a notch nor two walls in the same place.
 //!
-//! At right angles the wall that is there goes on through the corner, and the new one begins at its side (a butt
-//! joint). At other angles both go on until their outer edges meet. A wall that ends at another one's middle ends at
-//! its side.
+//! At right angles the existing wall goes on through the corner, and the new one begins at its side (a butt joint). At
+//! other angles both go on until their outer edges meet. A wall that ends at another one's middle ends at its side.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
@@ -11,7 +10,7 @@ use super::block::Block;
 use super::faces::Face;
 use crate::scene::{ShapeKind, Solid};
 
-/// A wall that stands already, in world space.
+/// An existing wall, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandingWall {
     entity: Entity,
@@ -24,22 +23,23 @@ pub struct StandingWall {
     thickness: f32,
 }
 
-/// How a new wall and those that it meets change.
+/// The changes of a new wall and of the existing ones that it meets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Joints {
-    /// The ways by which the start and the end of the new wall move outwards; negative ones make it shorter. World
+    /// The distances by which the start and the end of the new wall move outwards; negative ones make it shorter. World
     /// units.
     pub outwards: [f32; 2],
-    /// Walls with one of their end faces and the way by which it moves outwards.
+    /// Walls with one of their end faces and the distance by which it moves outwards.
     pub pushes: Vec<(Entity, Face, f32)>,
 }
 
-/// How far a place may be off a wall's middle line or beyond its end to be at it, as a share of the thickness.
+/// The largest distance of a point from a wall's middle line or beyond its end at which it meets the wall, as a share
+/// of the thickness.
 const NEAR: f32 = 0.51;
-/// The least cosine between walls in one line, and the greatest between walls at right angles.
+/// The least cosine between parallel walls, and the greatest between perpendicular ones.
 const IN_LINE: f32 = 0.99;
 const SQUARE: f32 = 0.01;
-/// The share of a thickness by which it is not worth to move anything.
+/// Distances below this share of the thickness move nothing.
 const LEAST: f32 = 1e-3;
 
 impl StandingWall {
@@ -59,8 +59,8 @@ impl StandingWall {
         })
     }
 
-    /// The places along and across its middle line of a point at its foot, if that is within the wall or close to its
-    /// end.
+    /// The coordinates along and across its middle line of a point at its foot, if that is within the wall or close to
+    /// its end.
     fn place_of(&self, point: Vec3) -> Option<[f32; 2]> {
         let way = point - self.start;
         let [x, y] = [self.along, self.across].map(|axis| way.dot(axis));
@@ -70,8 +70,8 @@ impl StandingWall {
         is_at.then_some([x, y])
     }
 
-    /// The face of its end that is nearer to a place along it, and how far beyond the end that place is (negative:
-    /// before it).
+    /// The end face nearer to a position along the wall, and how far beyond that end the position is (negative: before
+    /// it).
     fn nearer_end(&self, x: f32) -> (Face, f32) {
         let is_far = x > 0.5 * self.length;
         let beyond = if is_far { x - self.length } else { -x };
@@ -79,7 +79,7 @@ impl StandingWall {
     }
 }
 
-/// The joints of a new wall with those that stand already.
+/// The joints of a new wall with existing ones.
 pub fn joints(block: &Block, walls: &[StandingWall]) -> Joints {
     let Some(along) = (block.to - block.from).try_normalize() else {
         return Joints::default();
@@ -103,7 +103,7 @@ pub fn joints(block: &Block, walls: &[StandingWall]) -> Joints {
     Joints { outwards, pushes }
 }
 
-/// The way by which an end of the new wall moves outwards. `inwards`: the direction from this end to the other.
+/// The distance by which an end of the new wall moves outwards. `inwards`: the direction from this end to the other.
 fn join_end(
     place: Vec3,
     inwards: Vec3,
@@ -123,7 +123,7 @@ fn join_end(
         let is_corner = beyond >= -NEAR * wall.thickness;
         let cosine = wall.along.dot(inwards);
         let (way, push) = if cosine.abs() > IN_LINE {
-            // The new wall begins where the other one ends, unless it goes along it.
+            // The new wall begins where the other one ends, unless they are parallel.
             let goes_on = is_corner && end.is_far == (cosine > 0.0);
             (if goes_on { beyond } else { 0.0 }, None)
         } else if cosine.abs() < SQUARE {
@@ -203,7 +203,7 @@ mod tests {
         local.cmpgt(low + margin).all() && local.cmplt(high - margin).all()
     }
 
-    /// How many walls are at the places of a fine grid around a point, at half their height: the least and the most.
+    /// The least and the greatest number of walls at the points of a fine grid around a point, at half their height.
     fn counts(walls: &[Built], (x, z): (f32, f32), reach: f32) -> [usize; 2] {
         let steps = -20..=20;
         let places = steps.clone().flat_map(|i| steps.clone().map(move |j| (i, j)));

@@ -1,5 +1,4 @@
-//! Blocking out: boxes, floors and walls that are drawn, faces that are pushed and pulled, doors and windows that are
-//! cut.
+//! Blocking out: drawing boxes, floors and walls, pushing and pulling faces, cutting doors and windows.
 
 pub mod block;
 pub mod faces;
@@ -30,7 +29,7 @@ pub enum OpeningKind {
     Window,
 }
 
-/// What a change of a shape together with its pose is called.
+/// The kind of a change of a shape and its pose, for the label of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reshaping {
     /// A face was pushed or pulled; the steps of one drag are one step of the history.

@@ -1,14 +1,14 @@
-//! Cutting doors and windows into walls, and into boxes, which become walls then.
+//! Cutting doors and windows into walls, and into boxes, which become walls.
 
 use bevy::math::{Affine3A, Mat3, Vec3};
 
 use super::{OpeningKind, snapped};
 use crate::scene::{Opening, ShapeKind, Solid};
 
-/// A wall with an opening that is to be cut.
+/// A wall with an opening to cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cut {
-    /// The wall as it is before.
+    /// The wall before the cut.
     pub wall: Solid,
     /// World from local.
     pub pose: Affine3A,
@@ -16,18 +16,18 @@ pub struct Cut {
     pub opening: Opening,
 }
 
-/// How far two axes may be from right angles, as the cosine between them.
+/// The largest cosine between two axes that count as perpendicular.
 const RIGHT_ANGLE: f32 = 1e-4;
 
-/// A window whose sill would be lower than this share of a usual one is a French window.
+/// A window with a sill lower than this share of the usual one is a French window.
 const LOW: f32 = 0.3;
 /// The part of the wall that stays above a window of the usual size, as a share of the wall's height.
 const LINTEL: f32 = 0.08;
 
-/// A place of the side of a wall or a box.
+/// A point on the side of a wall or a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
-    /// The place in world space.
+    /// The point in world space.
     pub place: Vec3,
     /// The normal there, of unit length.
     pub normal: Vec3,
@@ -35,15 +35,15 @@ pub struct Side {
     pub up: Vec3,
 }
 
-/// The opening of this kind and of the usual size at a place of a wall's or a box's side. It is moved to multiples of
-/// `step` (world units; 0 for none), and to where the wall has room. A window near the foot of the wall is a French
-/// window, which begins at the foot and ends at the height of the others. None where none can be cut.
+/// The opening of this kind and of the usual size at a point of a wall's or a box's side. It is rounded to multiples of
+/// `step` (world units; 0 for none), and moved into the free part of the wall. A window near the foot of the wall is a
+/// French window, which begins at the foot and ends at the height of the others. None if it does not fit.
 pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, step: f32) -> Option<Cut> {
     let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
     let (length, height) = extents(&wall)?;
     let units = units(&pose);
     let local = pose.inverse().transform_point3(side.place);
-    // The sizes are those of the world, also in a wall that has been scaled.
+    // Sizes are in world units, also in a scaled wall.
     let of = |opening: Opening| opening.in_wall(height * units[1]);
     let window = of(Opening::WINDOW);
     let low_window = local.z * units[1] < 0.5 * window.height + LOW * window.sill;
@@ -72,9 +72,9 @@ pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, ste
     Some(Cut { wall, pose, opening })
 }
 
-/// The opening between two opposite corners on a side, the second one in world space. Its edges are moved to multiples
-/// of `step`, and a door begins at the foot. `size`: its width and height in world units, as far as they are given;
-/// then it goes towards the second corner. None where it has no extent.
+/// The opening between two opposite corners on a side, the second one in world space. Its edges are rounded to
+/// multiples of `step`, and a door begins at the foot. `size`: its width and height in world units, if they are typed;
+/// then it extends towards the second corner. None if it has no extent.
 pub fn between(
     kind: &ShapeKind,
     pose: &Affine3A,
@@ -126,7 +126,7 @@ fn units(pose: &Affine3A) -> [f32; 2] {
 }
 
 impl Cut {
-    /// The wall with the opening.
+    /// The wall with the opening cut, and its pose.
     pub fn done(self) -> (ShapeKind, Affine3A) {
         let mut wall = self.wall;
         if let Solid::Wall { openings, .. } = &mut wall {
@@ -135,7 +135,7 @@ impl Cut {
         (ShapeKind::Solid(wall), self.pose)
     }
 
-    /// The word for what is cut: only its user knows whether an opening that reaches the foot is a door or a French
+    /// The word for the opening: only its user knows whether an opening that reaches the foot is a door or a French
     /// window.
     pub fn name(&self, what: OpeningKind) -> &'static str {
         match what {
@@ -182,7 +182,7 @@ impl Cut {
     }
 }
 
-/// The wall that a shape is, and its pose. Of the upright sides of a box the larger ones are those of the wall.
+/// The shape as a wall, and its pose. The larger upright sides of a box become those of the wall.
 pub fn wall_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
     if let ShapeKind::Solid(Solid::Wall { .. }) = kind {
@@ -195,8 +195,8 @@ pub fn wall_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Af
     as_wall(kind, pose, columns[across].normalize_or_zero(), up)
 }
 
-/// The wall with the same surface as a box, which stands as the box does: at rest if the box is not turned. None for a
-/// box that leans or is sheared.
+/// The wall with the same surface and orientation as a box: axis-aligned if the box is. None for a leaning or sheared
+/// box.
 pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
     let upward = facing(&columns, up)?;
@@ -205,7 +205,7 @@ pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
     wall_of_box(&columns, pose.translation.into(), upward, direction, up)
 }
 
-/// The wall that a shape is, seen from the side with this normal. A box becomes one if that side is upright.
+/// The shape as a wall, seen from the side with this normal. A box becomes one if that side is upright.
 fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
     let across = facing(&columns, normal)?;
@@ -218,7 +218,7 @@ fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<
             }
             let level = 3 - upward - across;
             let x = columns[level].try_normalize()?;
-            // The wall goes the way that the axes of the world go.
+            // The wall runs in the positive direction of a world axis.
             let x = x * x[x.abs().max_position()].signum();
             wall_of_box(&columns, pose.translation.into(), upward, x, up)
         }
@@ -226,7 +226,8 @@ fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<
     }
 }
 
-/// The wall in the place of a box of these axes around `middle`, along a direction of unit length that one of them has.
+/// The wall in place of a box with these axes around `middle`, along a direction of unit length that is one of the
+/// axes.
 fn wall_of_box(
     columns: &[Vec3; 3],
     middle: Vec3,
@@ -254,7 +255,7 @@ fn wall_of_box(
     Some((wall, Affine3A::from_mat3_translation(axes, start)))
 }
 
-/// The axis that a direction is along; None if it is along none.
+/// The axis parallel to a direction; None if there is none.
 fn facing(columns: &[Vec3; 3], direction: Vec3) -> Option<usize> {
     (0..3).find(|&axis| columns[axis].normalize_or_zero().dot(direction).abs() > 0.99)
 }
@@ -306,7 +307,7 @@ mod tests {
         assert!((from - 2.8).abs() < 1e-6 && (sill - 1.1).abs() < 1e-6);
     }
 
-    /// A wall of 4 x 2.5, seen from its front, with an opening at a place of it.
+    /// A wall of 4 x 2.5, seen from its front, with an opening at a point of it.
     fn front(x: f32, z: f32, what: OpeningKind) -> Option<Cut> {
         at(
             &ShapeKind::Solid(Solid::default()),
