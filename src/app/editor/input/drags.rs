@@ -1,27 +1,27 @@
-//! What a drag in the picture does, by its button and the keys held at the press. There is a table for each navigation
-//! preset; the overview of keys shows it.
+//! The effect of a drag in the picture, by its button and the keys held at the press. There is a table for each
+//! navigation preset; the overview of keys shows it.
 
 use bevy_egui::egui::{Modifiers, PointerButton};
 
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 
-/// What a drag in the picture does.
+/// The effect of a drag in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragUse {
-    /// Turns the view where it stands.
+    /// Turns the view about the camera.
     Look,
     /// Turns the view around the selection.
     Orbit,
-    /// Moves the view along the picture.
+    /// Moves the view parallel to the image plane.
     Pan,
-    /// Moves the view towards what is under the pointer, or away from it.
+    /// Moves the view towards the surface under the pointer, or away from it.
     Dolly,
     /// Selects by a box.
     Box,
 }
 
 impl DragUse {
-    /// What the overview of keys says of it.
+    /// The description in the overview of keys.
     pub fn label(self) -> &'static str {
         match self {
             Self::Look => "Look around",
@@ -42,12 +42,12 @@ enum Held {
     Alt,
 }
 
-/// A line of a table: what a drag with a button does while a key is held.
+/// A row of a table: the effect of a drag with a button while a key is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DragRule {
     button: PointerButton,
     held: Held,
-    /// What the drag does.
+    /// The effect.
     pub what: DragUse,
 }
 
@@ -104,8 +104,8 @@ pub fn drags(preset: NavigationPreset) -> &'static [DragRule] {
     }
 }
 
-/// What a drag does that begins with this button and these keys. Keys without a rule of their own mean nothing here:
-/// Shift and Control also make flying fast and slow.
+/// The effect of a drag that begins with this button and these keys. Keys without a rule are ignored: Shift and Control
+/// also make flying fast and slow.
 pub fn drag_use(preset: NavigationPreset, button: PointerButton, modifiers: Modifiers) -> DragUse {
     let held = match (modifiers.command, modifiers.shift, modifiers.alt) {
         (_, _, true) => Held::Alt,

@@ -1,4 +1,4 @@
-//! The keyboard: which keys fly, and which are commands.
+//! The keyboard: keys that fly, and keys that trigger commands.
 
 use bevy::input::keyboard::{Key as LogicalKey, KeyCode, KeyboardInput};
 use bevy::math::Vec3;
@@ -24,8 +24,8 @@ pub(crate) fn fly_direction(input: &InputState, bound: &KeyBindings) -> Vec3 {
     Vec3::from_array(axes)
 }
 
-/// The presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` gives no frame two
-/// states of them.
+/// The key presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` lets no frame
+/// have two states of them.
 pub fn presses<'a>(events: impl Iterator<Item = &'a KeyboardInput>, modifiers: Modifiers) -> Vec<Press> {
     let pressed = events.filter(|event| event.state.is_pressed() && !event.repeat);
     pressed.filter_map(|event| press(event, modifiers)).collect()
@@ -73,7 +73,7 @@ pub(crate) fn is_modifier(key: &LogicalKey) -> bool {
     }
 }
 
-/// The commands of the keys pressed this frame: each is made from what the one before left.
+/// The commands of the keys pressed this frame, each for the state after the one before.
 pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
     let mut context = *context;
     let mut commands = Vec::new();

@@ -1,13 +1,13 @@
-//! Tells egui when the pointer leaves the window, which `bevy_egui` does not. Otherwise what was under the pointer
-//! would stay marked.
+//! Reports to egui that the pointer has left the window, which `bevy_egui` does not. Otherwise the widget under it
+//! would stay highlighted.
 
 use bevy::prelude::*;
 use bevy::window::{CursorLeft, PrimaryWindow};
 use bevy_egui::EguiInput;
 use bevy_egui::egui::Event;
 
-/// Tells egui that the pointer has left the window. It runs after egui's events have been gathered and before egui gets
-/// them. A drag goes on outside of the window.
+/// Reports to egui that the pointer has left the window. Runs after egui's events have been gathered and before egui
+/// gets them. A drag continues outside of the window.
 pub fn note_pointer_gone(
     mut left: MessageReader<CursorLeft>,
     windows: Query<&Window, With<PrimaryWindow>>,

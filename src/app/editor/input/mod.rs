@@ -1,5 +1,4 @@
-//! Keys and their actions, and repairs to the events that egui gets. May import `command` and
-//! `words`.
+//! Keys and their actions, and corrections of the events for egui. May import `command` and `words`.
 
 pub mod actions;
 pub mod drags;

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_egui::EguiInput;
 use bevy_egui::egui::{Event, Modifiers};
 
-/// Removes the reports of modifiers that equal the last ones. It runs after egui's events have been gathered and before
+/// Removes the reports of modifiers that equal the last ones. Runs after egui's events have been gathered and before
 /// egui gets them.
 pub fn drop_repeated_modifiers(
     mut inputs: Query<(Entity, &mut EguiInput)>,

@@ -1,6 +1,6 @@
-//! Fields for numbers. What is typed counts once the field is left: a number with a decimal point or a decimal comma,
-//! with a unit where it is a length, and simple arithmetic. A text that is no number is kept in the field, marked,
-//! until it is one or Esc gives it up. What is wrong with a text is told in the status line as well.
+//! Fields for numbers. A typed text counts once the field loses the focus: a number with a decimal point or a decimal
+//! comma, with a unit where it is a length, and simple arithmetic. A text that is no number stays in the field, marked,
+//! until it is corrected or Esc restores the value. The status line shows the problem as well.
 
 use std::cell::{Cell, RefCell};
 use std::ops::RangeInclusive;
@@ -18,17 +18,17 @@ use crate::app::editor::words::arithmetic::{self, plain};
 use crate::app::editor::words::figures::legible;
 use crate::scene::LengthUnit;
 
-/// The time for which a note is shown, seconds.
+/// The time for which a note is shown, in seconds.
 const SHOWN: f64 = 6.0;
 
-/// The meaning of the text of a field.
+/// The kind of number in a field.
 #[derive(Clone, Copy)]
 pub enum Meaning {
     /// A number.
     Number,
     /// A length in a scene of this unit, which may have a unit of its own.
     Length(LengthUnit),
-    /// Whatever this reads.
+    /// Any text that this function parses.
     Of(fn(&str) -> Option<f64>),
 }
 
@@ -41,7 +41,7 @@ impl Meaning {
         }
     }
 
-    /// Examples of what can be typed.
+    /// Examples of valid texts.
     fn examples(self) -> &'static str {
         match self {
             Self::Length(_) => "30cm, 0,5 and 1/4 are some",
@@ -50,7 +50,7 @@ impl Meaning {
     }
 }
 
-/// A number with a unit of length: the number, and the units of the scene in that unit.
+/// Parses a number with a unit of length: the number, and that unit in units of the scene.
 fn length(unit: LengthUnit, text: &str) -> Option<(f64, f64)> {
     if let Some(number) = plain(text) {
         return Some((number, 1.0));
@@ -63,34 +63,34 @@ fn length(unit: LengthUnit, text: &str) -> Option<(f64, f64)> {
     }
 }
 
-/// A text that is no number, and the value of the field that it was typed into.
+/// A text that is no number, and the value of its field.
 #[derive(Clone, PartialEq)]
 struct Rejected {
     text: String,
     value: f64,
 }
 
-/// A text that is no number was entered, and nothing was typed since.
+/// The mark of a field whose text was entered, is no number, and has not been edited since.
 #[derive(Clone, Copy, Default)]
 struct Entered;
 
-/// What was wrong with a text, and when.
+/// The problem with a text, and its time.
 #[derive(Clone)]
 struct Note {
     text: String,
     time: f64,
 }
 
-/// A field, known by its place in the panel and what it is about.
+/// A field, identified by its place in the panel and the thing that it edits.
 #[derive(Clone)]
 struct Field {
     id: Id,
     context: Context,
     limits: (f64, f64),
     meaning: Meaning,
-    /// The value as the field shows it, which is not typed, and the value itself.
+    /// The value as the field formats it, and the value itself.
     shown: Rc<RefCell<(String, f64)>>,
-    /// Whether the text was read as a number in this frame.
+    /// Whether the text was parsed as a number in this frame.
     is_read: Rc<Cell<bool>>,
 }
 
@@ -117,12 +117,12 @@ impl Field {
         });
     }
 
-    /// The text of the field: the value, or the text in its place that is no number.
+    /// The text of the field: the value, or the rejected text in its place.
     fn text(&self, value: f64, text: String) -> String {
         self.shown.replace((text.clone(), value));
         match self.rejected() {
             Some(rejected) if rejected.value == value => rejected.text,
-            // It has been changed otherwise since.
+            // The value has been changed elsewhere since.
             Some(_) => {
                 self.forget();
                 text
@@ -131,14 +131,14 @@ impl Field {
         }
     }
 
-    /// The number of a text that is finished.
+    /// The number of an entered text.
     fn read(&self, text: &str) -> Option<f64> {
         let (shown, value) = self.shown.borrow().clone();
         if was_given_up(&self.context) {
             self.forget();
             return None;
         }
-        // Looking at a value must not round it to the digits that are shown.
+        // An unedited value must not be rounded to the shown digits.
         if text == shown || text.trim().is_empty() {
             self.forget();
             return None;
@@ -187,7 +187,7 @@ impl Field {
             ui.data_mut(|data| data.insert_temp(Id::NULL, GivenUp(pass)));
         }
         if !self.is_read.get() && is_only_typed(ui) {
-            // A letter has changed the text and not the number.
+            // The text has changed, but not the number.
             response.flags.remove(Flags::CHANGED);
         }
         let left_by = |key| response.lost_focus() && ui.input(|input| input.key_pressed(key));
@@ -199,7 +199,7 @@ impl Field {
             return response;
         };
         if left_by(Key::Enter) {
-            // One goes on typing.
+            // The field keeps the focus.
             ui.memory_mut(|memory| memory.request_focus(response.id));
             ui.data_mut(|data| data.insert_temp(self.id, Entered));
         } else if response.clicked() && ui.data_mut(|data| data.remove_temp::<Entered>(self.id)).is_some() {
@@ -227,15 +227,14 @@ impl Field {
 #[derive(Clone, Copy)]
 struct GivenUp(u64);
 
-/// Whether Esc was pressed just now. A field of egui that has lost the keyboard by it reads its text in the pass after.
+/// Whether Esc was pressed just now. A field of egui that has lost the focus by it parses its text in the next pass.
 fn was_given_up(context: &Context) -> bool {
     let pass = context.cumulative_pass_nr();
     let given_up = context.data(|data| data.get_temp(Id::NULL));
     given_up.is_some_and(|GivenUp(at)| pass <= at + 2)
 }
 
-/// Whether what happens in this frame may change a text, and nothing that changes a number without one: a drag, or an
-/// arrow key.
+/// Whether the input of this frame can only change a text, and not a number directly as a drag or an arrow key does.
 fn is_only_typed(ui: &Ui) -> bool {
     let arrows = [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];
     ui.input(|input| {
@@ -249,7 +248,7 @@ fn is_only_typed(ui: &Ui) -> bool {
     })
 }
 
-/// Whether a key goes down, or a text comes.
+/// Whether a key is pressed or a text arrives.
 fn is_typing(ui: &Ui) -> bool {
     let is_typed = |event: &Event| {
         matches!(
@@ -260,11 +259,11 @@ fn is_typing(ui: &Ui) -> bool {
     ui.input(|input| input.events.iter().any(is_typed))
 }
 
-/// Colours of a field whose text is no number.
+/// Sets the colours of a field whose text is no number.
 fn mark(visuals: &mut Visuals) {
     let color = visuals.error_fg_color;
     visuals.override_text_color = Some(color);
-    // A field with the keyboard has the frame of a selection.
+    // A focused field has the frame of a selection.
     visuals.selection.stroke.color = color;
     let widgets = &mut visuals.widgets;
     for state in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active] {
@@ -273,7 +272,7 @@ fn mark(visuals: &mut Visuals) {
     }
 }
 
-/// Says below the field what is wrong.
+/// Shows the problem below the field.
 fn explain(ui: &Ui, response: &Response, problem: &str) {
     Area::new(response.id.with("problem"))
         .order(Order::Tooltip)
@@ -322,8 +321,8 @@ impl<'a> SliderField<'a> {
     }
 }
 
-/// A field for numbers in this range. `about`: what tells it from fields that are in its place at other times.
-/// `format`: the text of a number with so many decimals.
+/// A field for numbers in this range. `about` tells it from fields that are in its place at other times. `format`
+/// returns the text of a number with so many decimals.
 pub fn number<'a, N: Numeric>(
     ui: &Ui,
     drag: DragValue<'a>,
@@ -373,20 +372,20 @@ fn note_id() -> Id {
     Id::new("what is wrong with a text")
 }
 
-/// Tells in the status line what is wrong with a text.
+/// Shows the problem with a text in the status line.
 pub fn note(context: &Context, text: String) {
     let time = context.input(|input| input.time);
     context.data_mut(|data| data.insert_temp(note_id(), Note { text, time }));
 }
 
-/// The note is no longer true. The status line may have been drawn in this frame already.
+/// Removes the note, whose problem is solved. The status line may have been drawn in this frame already.
 fn forget_note(context: &Context) {
     context.data_mut(|data| data.remove::<Note>(note_id()));
     context.request_repaint();
 }
 
-/// Brings back the values of all texts that are no numbers, while the status line tells of one. False: there is none,
-/// and Esc is for something else.
+/// Restores the values of all fields with rejected texts, while the status line shows a note. Returns false if it shows
+/// none, so that Esc acts elsewhere.
 pub fn take_back(context: &Context) -> bool {
     let has_texts = context.data(|data| data.count::<Rejected>() > 0);
     if told(context).is_none() || !has_texts {
@@ -400,7 +399,7 @@ pub fn take_back(context: &Context) -> bool {
     true
 }
 
-/// What was wrong with a text just now.
+/// The last problem with a text, while it is shown.
 pub fn told(context: &Context) -> Option<String> {
     let note: Note = context.data(|data| data.get_temp(note_id()))?;
     let left = SHOWN - (context.input(|input| input.time) - note.time);

@@ -1,17 +1,17 @@
-//! A key going down.
+//! A key press.
 
 use bevy_egui::egui::{Key, Modifiers};
 
 use crate::app::editor::command::shortcut::Shortcut;
 
-/// A key going down, with the modifiers held at that moment; never a repeat of a key held.
+/// A key press, with the modifiers held at that moment; never a repeat of a held key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
     /// The key as egui names it.
     pub key: Key,
     /// The modifiers that were held when the key went down.
     pub modifiers: Modifiers,
-    /// A digit of the block at the keyboard's right.
+    /// Whether it is a digit of the numeric keypad.
     pub numpad: bool,
 }
 

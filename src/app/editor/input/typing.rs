@@ -1,6 +1,6 @@
-//! Hands on the keys in the order in which they came. A frame knows one state of the modifier keys and one holder of
-//! the keyboard, but a slow one may have had a click into a number, Control and A, some digits and Enter. What comes
-//! after a change of either waits for the next frame.
+//! Passes keys on in the order in which they came. A frame has one state of the modifier keys and one owner of the
+//! keyboard, but during a slow one a user may have clicked into a number, pressed Control and A, some digits and Enter.
+//! Keys after a change of either wait for the next frame.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
@@ -9,7 +9,7 @@ use bevy::window::{RequestRedraw, WindowEvent};
 
 use super::keys::is_modifier;
 
-/// Orders the keys. It runs before anything reads the keyboard.
+/// Orders the keys. Runs before all readers of the keyboard.
 pub fn order_keys(
     mut keys: ResMut<Messages<KeyboardInput>>,
     mut events: MessageReader<WindowEvent>,
@@ -31,7 +31,7 @@ pub fn order_keys(
     let free = before_button.map_or(waiting.len(), |count| held + count);
     let now = batch(&waiting).min(free).min(waiting.len());
     if is_focus_lost && now > 0 {
-        // The loss lets the modifiers go: the keys that came before it are read before it.
+        // Losing the focus releases the modifiers: keys from before are read first.
         losses.clear();
         *loss_waits = true;
         redraws.write(RequestRedraw);
@@ -65,22 +65,22 @@ fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<us
     found
 }
 
-/// The number of keys, from the first on, that share one state of the modifiers, that of the first that is no modifier,
-/// and one reader of the keyboard.
+/// The number of leading keys that share one state of the modifiers, namely that of the first other key, and one owner
+/// of the keyboard.
 fn batch(keys: &[KeyboardInput]) -> usize {
     let (mut has_press, mut has_left) = (false, false);
     let next = keys.iter().position(|key| {
         let is_modifier = is_modifier(&key.logical_key);
         let is_next = has_left || (is_modifier && has_press);
         has_press |= !is_modifier && key.state.is_pressed();
-        // Slow frames would never come to the end of the repetitions of a held key.
+        // Slow frames would never get through the repeats of a held key.
         has_left |= key.state.is_pressed() && !key.repeat && leaves(&key.logical_key);
         is_next
     });
     next.unwrap_or(keys.len())
 }
 
-/// Whether another reader may have the keyboard after the key.
+/// Whether the keyboard may have another owner after the key.
 fn leaves(key: &Key) -> bool {
     let is_of_window = matches!(
         key,

@@ -1,4 +1,4 @@
-//! What an action is and may refer to, and the parts of the rows of the tables.
+//! The type of actions, the state that they refer to, and the parts of the rows of the tables.
 
 use bevy_egui::egui::Key;
 
@@ -15,7 +15,7 @@ use crate::app::editor::command::{
     Command, DisplayCommand, KeptPicture, RenderCommand, ShellCommand, TimeCommand, ToolCommand, ViewCommand,
 };
 
-/// The state that actions toggle, step or refer to.
+/// The state that actions toggle, step or read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActionContext<'a> {
     /// The display settings, from which modes and exposure are stepped.
@@ -24,15 +24,15 @@ pub struct ActionContext<'a> {
     pub overlay: BvhOverlay,
     /// The gizmo's settings, from which modes and axes are switched.
     pub gizmo: GizmoSettings,
-    /// Whether rendering is held.
+    /// Whether rendering is paused.
     pub paused: bool,
     /// Whether the picture is denoised.
     pub denoising: bool,
-    /// Whether there are panels beside the viewport.
+    /// Whether panels beside the viewport are shown.
     pub panels_shown: bool,
     /// The selection, which many actions need.
     pub selection: &'a Selection,
-    /// The tool in use. Its own key ends it.
+    /// The tool in use. Its own key puts it away.
     pub tool: Tool,
     /// The keys that the user has chosen.
     pub bound: &'a KeyBindings,
@@ -42,9 +42,9 @@ pub struct ActionContext<'a> {
     pub grid: GridSettings,
     /// Whether the dimensions of the selection are shown in the picture.
     pub dimensions: bool,
-    /// What the view leaves out, of which parts are switched.
+    /// The filters of the view, parts of which actions toggle.
     pub seeing: Seeing,
-    /// Whether some shapes are shown alone.
+    /// Whether some shapes are isolated.
     pub isolated: bool,
     /// Whether the selected shape has textures that can be placed.
     pub has_textures: bool,
@@ -52,17 +52,17 @@ pub struct ActionContext<'a> {
     pub has_kept_picture: bool,
     /// Whether files of the scene are missing.
     pub has_missing: bool,
-    /// Whether the scene has a file, and edits that it has not.
+    /// Whether the scene has a file, and unsaved edits.
     pub can_revert: bool,
     /// Whether the timeline is shown.
     pub timeline_shown: bool,
     /// Whether the timeline plays.
     pub playing: bool,
-    /// Whether the user flies. Control means slow then, and is no part of a shortcut.
+    /// Whether the user flies. Control means slow then, and belongs to no shortcut.
     pub flying: bool,
 }
 
-/// An action, which keys, menus, palette and scripts call by one name.
+/// An action, which keys, menus, palette and scripts name alike.
 #[derive(Clone, Copy)]
 pub struct Action {
     /// The name in scripts and the palette.
@@ -71,9 +71,9 @@ pub struct Action {
     pub label: &'static str,
     /// Its menu, and its heading in the overview.
     pub group: Group,
-    /// The keys of the program, any of which will do; `keys_in` gives those that the user has chosen instead.
+    /// The default keys, any of which triggers it; `keys_in` returns the keys that the user has chosen instead.
     pub keys: &'static [Shortcut],
-    /// The command. None: there is nothing to apply it to.
+    /// The command. None if it has nothing to apply to.
     pub command: fn(&ActionContext) -> Option<Command>,
 }
 
@@ -86,7 +86,7 @@ pub enum Group {
     Edit,
     /// The menu of new things.
     Add,
-    /// The menu of places: steps, alignment, series.
+    /// The menu of placing: steps, alignment, series.
     Arrange,
     /// The menu of camera and display.
     View,
@@ -132,8 +132,8 @@ impl Action {
         }
     }
 
-    /// The command of its key where there is none: it is refused, and says why. None for actions of which that is
-    /// plain.
+    /// The command of its key if the action does not apply: it is refused with a reason. None for actions with an
+    /// obvious reason.
     pub(in crate::app::editor::input) fn refused(&self) -> Option<Command> {
         match self.name {
             "continue-picture" => Some(KeptPicture::Continue.into()),
@@ -143,7 +143,7 @@ impl Action {
         }
     }
 
-    /// Whether what it switches is on now; None for actions that are no switches.
+    /// Whether the state that it toggles is on; None for actions that toggle nothing.
     pub fn switch(&self, context: &ActionContext) -> Option<bool> {
         Some(match self.name {
             "grid" => context.grid.shown,
@@ -165,17 +165,17 @@ impl Action {
         })
     }
 
-    /// Whether it switches something that is on now, or chooses what is chosen already.
+    /// Whether the state that it toggles is on, or the value that it chooses is chosen.
     pub fn is_on(&self, context: &ActionContext) -> bool {
         if let Some(is_on) = self.switch(context) {
             return is_on;
         }
         match self.name {
-            // They have no state to be in.
+            // These have no state.
             "gizmo-axes" | "select-none" => false,
             _ => (self.command)(context).is_some_and(|command| match command {
                 Command::Tool(ToolCommand::SetGizmo(settings)) => settings == context.gizmo,
-                // A tool that is in use is put away by its own action.
+                // An action of the tool in use puts the tool away.
                 Command::Tool(ToolCommand::SetTool(Tool::Select)) => context.tool != Tool::Select,
                 command => command == ToolCommand::SetTool(context.tool).into(),
             }),
@@ -245,7 +245,7 @@ impl ActionContext<'_> {
             Command::Shell(ShellCommand::ShowPanels(shown)) => self.panels_shown = *shown,
             Command::Time(TimeCommand::ShowTimeline(shown)) => self.timeline_shown = *shown,
             Command::Time(TimeCommand::SetPlaying(plays)) => self.playing = *plays,
-            // Actions refer to no more than that.
+            // Actions depend on no other state.
             Command::Edit(_) | Command::File(_) | Command::History(_) | Command::Selection(_) | Command::View(_) => {}
             Command::Time(_) | Command::Render(_) | Command::Display(_) | Command::Tool(_) => {}
             Command::Bake(_) | Command::KeptPicture(_) | Command::Shell(_) => {}

@@ -1,5 +1,4 @@
-//! The actions of the menu *Arrange*: what moves snap to, steps, series, alignment and distribution, in the order of
-//! the menu.
+//! The actions of the menu *Arrange*: snapping, steps, series, alignment and distribution, in the order of the menu.
 
 use bevy_egui::egui::Key;
 

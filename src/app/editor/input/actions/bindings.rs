@@ -1,5 +1,5 @@
-//! The keys of every action: the table gives them, unless the user has chosen others. Nothing else asks the table for
-//! keys.
+//! The keys of every action: the defaults of the table, unless the user has chosen others. No other module asks the
+//! table for keys.
 
 use bevy_egui::egui::Key;
 
@@ -8,7 +8,7 @@ use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::input::press::Press;
 
-/// An action, or a direction of flight, for which keys can be chosen.
+/// An action, or a direction of flight, whose keys can be chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Bindable {
     /// The name in scripts and preferences.
@@ -17,7 +17,7 @@ pub struct Bindable {
     pub label: &'static str,
     /// The heading above it; None for flying.
     pub group: Option<Group>,
-    /// The keys of the program.
+    /// The default keys.
     pub usual: &'static [Shortcut],
 }
 
@@ -46,7 +46,7 @@ pub const FLIGHT: [[Bindable; 2]; 3] = [
     ],
 ];
 
-/// Keys that cannot be chosen, with what they do.
+/// Keys that cannot be chosen, with their fixed meanings.
 const RESERVED: [(&str, &str); 9] = [
     ("Ctrl+C", "copies"),
     ("Ctrl+X", "cuts"),
@@ -60,7 +60,7 @@ const RESERVED: [(&str, &str); 9] = [
 ];
 
 impl Bindable {
-    /// The keys in use, any of which will do; the first is shown.
+    /// The keys in use, any of which triggers it; the first is shown.
     pub fn keys<'a>(&self, bound: &'a KeyBindings) -> &'a [Shortcut] {
         bound.of(self.name).unwrap_or(self.usual)
     }
@@ -70,14 +70,14 @@ impl Bindable {
         self.group.is_none()
     }
 
-    /// Whether this can be its key: nothing but a key alone can be held to fly.
+    /// Whether this can be its key: flying takes keys without modifiers only.
     pub fn can_have(&self, key: &Shortcut) -> bool {
         !self.is_held() || *key == Shortcut::plain(key.key)
     }
 }
 
 impl Action {
-    /// The action as something that keys can be chosen for.
+    /// The entry of the action in the list of keys.
     pub fn bindable(&self) -> Bindable {
         Bindable {
             name: self.name,
@@ -87,7 +87,7 @@ impl Action {
         }
     }
 
-    /// The keys in use, any of which will do; the first is shown.
+    /// The keys in use, any of which triggers it; the first is shown.
     pub fn keys_in<'a>(&self, bound: &'a KeyBindings) -> &'a [Shortcut] {
         self.bindable().keys(bound)
     }
@@ -97,25 +97,25 @@ impl Action {
         self.keys_in(bound).first().map(Shortcut::text).unwrap_or_default()
     }
 
-    /// Whether the press is that of one of its keys.
+    /// Whether the press is one of its keys.
     pub fn is_pressed(&self, press: &Press, bound: &KeyBindings) -> bool {
         self.keys_in(bound).iter().any(|key| key.is_pressed(press))
     }
 }
 
-/// Everything that keys can be chosen for: flying, then the actions in the order of the menus.
+/// All entries with keys to choose: flying, then the actions in the order of the menus.
 pub fn bindables() -> impl Iterator<Item = Bindable> {
     FLIGHT.into_iter().flatten().chain(ACTIONS.iter().map(Action::bindable))
 }
 
-/// Whether one press can be meant for both keys. The flags tell whether a key flies, to which Shift means fast.
+/// Whether one press can trigger both keys. The flags tell whether a key flies, to which Shift means fast.
 fn meet((key, flies): (&Shortcut, bool), (other, other_flies): (&Shortcut, bool)) -> bool {
     let can_fly = |key: &Shortcut| !key.numpad && !key.command && !key.alt;
     key == other || key.key == other.key && (flies && can_fly(other) || other_flies && can_fly(key))
 }
 
-/// The actions other than `name` that a press of the key would mean; those that have this very key come first. A key
-/// that flies can clash with two keys.
+/// The actions other than `name` that a press of the key would trigger; the ones with exactly this key come first. A
+/// key that flies can clash with two keys.
 pub fn owners(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<Bindable> {
     let flies = bindables().any(|own| own.name == name && own.is_held());
     let meets = |other: &Bindable| {
@@ -127,7 +127,7 @@ pub fn owners(key: &Shortcut, name: &str, bound: &KeyBindings) -> Vec<Bindable> 
     found
 }
 
-/// What a key does that cannot be chosen.
+/// The fixed meaning of a key that cannot be chosen.
 pub fn reserved(key: &Shortcut) -> Option<&'static str> {
     let found = RESERVED
         .iter()
@@ -135,8 +135,8 @@ pub fn reserved(key: &Shortcut) -> Option<&'static str> {
     found.map(|(_, what)| *what)
 }
 
-/// Gives `name` the key alone: all others lose the keys that clash with it. The first of them gets the first key that
-/// `name` had, if that is free then.
+/// Binds the key to `name` alone: all others lose keys that clash with it. The first of them gets the former first key
+/// of `name`, if that is free then.
 pub fn bind(bound: &mut KeyBindings, name: &str, key: Shortcut) {
     let Some(own) = bindables().find(|own| own.name == name) else {
         return;
@@ -159,7 +159,7 @@ pub fn bind(bound: &mut KeyBindings, name: &str, key: Shortcut) {
     }
 }
 
-/// Stores nothing for the keys of the program.
+/// Sets keys, and removes the binding if they equal the defaults.
 fn set(bound: &mut KeyBindings, of: &Bindable, keys: Vec<Shortcut>) {
     match keys == of.usual {
         true => bound.reset(of.name),
@@ -209,7 +209,7 @@ mod tests {
             (keys("hide", &bound), keys("gizmo-move", &bound)),
             (vec!["G".to_owned()], vec!["H".to_owned()])
         );
-        // Back again: nothing is left to store.
+        // Back to the defaults: no binding is stored.
         bind(&mut bound, "hide", key("H"));
         assert!(bound.is_empty(), "{bound:?}");
     }
@@ -224,7 +224,7 @@ mod tests {
             assert_eq!(keys("fly-up", &bound), [letter]);
             assert_eq!(keys(gizmo, &bound), ["E"]);
         }
-        // The key of the other action stays where nothing clashes with it, even if it has the same letter.
+        // The key of the other action stays if it does not clash, even if it has the same letter.
         let mut bound = KeyBindings::default();
         bound.set("hide", vec![key("Alt+F6"), key("F6")]);
         bind(&mut bound, "redo", key("F6"));

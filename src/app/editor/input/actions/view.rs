@@ -1,4 +1,4 @@
-//! The actions of the menu *View*: camera, display, and what is drawn over the picture.
+//! The actions of the menu *View*: camera, display, and overlays.
 
 use bevy_egui::egui::Key;
 
@@ -13,7 +13,7 @@ use crate::app::editor::command::shortcut::Shortcut;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, ShellCommand, ToolCommand, ViewCommand};
 
-/// The stops of a press of a bracket key.
+/// The step of the exposure for a press of a bracket key, in stops.
 const EXPOSURE_STEP: f32 = 0.25;
 
 macro_rules! view {

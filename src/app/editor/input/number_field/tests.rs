@@ -33,7 +33,7 @@ fn lengths_have_units_and_arithmetic() {
     assert_eq!(read("2 miles"), None);
 }
 
-/// A field and what it has been set to, frame by frame.
+/// A field and the values that it was set to, frame by frame.
 fn field(value: f64) -> Harness<'static, (f64, usize)> {
     let show = |ui: &mut Ui, (value, changes): &mut (f64, usize)| {
         let drag = DragValue::new(value).clamp_existing_to_range(false);
@@ -71,7 +71,7 @@ fn esc_brings_back_what_the_status_line_says_and_does_nothing_else() {
     let mut harness = field(3.0);
     assert!(!take_back(&harness.ctx));
     type_text(&mut harness, "abc");
-    // Another widget takes the keyboard, as it does when one saves.
+    // Another widget takes the keyboard, as on a save.
     let focused = harness.ctx.memory(|memory| memory.focused()).expect("the field");
     harness.ctx.memory_mut(|memory| memory.surrender_focus(focused));
     harness.run_steps(3);
@@ -101,7 +101,7 @@ fn what_is_no_number_stays_in_the_field_and_is_explained() {
     press(&mut harness, Key::Enter);
     assert_eq!(*harness.state(), (3.0, 0));
     assert!(told(&harness.ctx).is_some_and(|text| text.contains("“0;5” is no number")));
-    // One goes on typing where one was: the text is still there.
+    // Typing continues where it was: the text is still there.
     harness.event(Event::Text("0".to_owned()));
     harness.run_steps(2);
     press(&mut harness, Key::Tab);
@@ -128,7 +128,7 @@ fn a_click_after_enter_selects_all_and_the_next_sets_a_cursor() {
     harness.run_steps(2);
     press(&mut harness, Key::Enter);
     assert_eq!(*harness.state(), (7.0, 1));
-    // What is mended with the mouse is not lost.
+    // A text corrected with the mouse is not lost.
     type_text(&mut harness, "0;5");
     press(&mut harness, Key::Enter);
     click(&mut harness);
