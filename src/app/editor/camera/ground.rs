@@ -1,5 +1,5 @@
-//! The plane of the grid: the ground, or in a parallel view along an axis the plane that faces the viewer; and the step
-//! of the grid there.
+//! The plane of the grid: the ground, or in an orthographic view along an axis the plane that faces the viewer; and the
+//! step of the grid there.
 
 use bevy::math::Vec3;
 
@@ -12,26 +12,26 @@ use crate::math::Ray;
 pub struct GridPlane {
     /// The unit axes in the plane.
     pub axes: [Vec3; 2],
-    /// The unit axis across it.
+    /// The unit normal, an axis of the world.
     pub normal: Vec3,
 }
 
-/// The cosine of the largest angle between an axis and a view that counts as along it.
+/// The cosine of the largest angle between an axis and the view direction that counts as a view along the axis.
 const ALONG: f32 = 0.99999;
-/// The place that decides on the step is at most this many heights above the plane away.
+/// The largest distance of the point that decides the step, in heights above the plane.
 const FARTHEST: f32 = 6.0;
-/// A camera in the plane counts as this far off it, as a share of the distance to the origin.
+/// The least height of a camera above the plane, as a share of the distance to the origin.
 const LOWEST: f32 = 1e-3;
 
 impl GridPlane {
-    /// The plane that a view shows. `up` is the world's upward axis.
+    /// The plane for a view. `up` is the world's upward axis.
     pub fn of(screen: &Screen, up: Vec3) -> Self {
         let forward = screen.forward();
         let is_along = screen.camera.is_orthographic() && forward.abs().max_element() > ALONG;
         Self::across(if is_along { forward } else { up })
     }
 
-    /// The plane across the axis that is nearest to a direction.
+    /// The plane whose normal is the axis nearest to a direction.
     fn across(direction: Vec3) -> Self {
         match direction.abs().max_position() {
             0 => Self {
@@ -49,13 +49,13 @@ impl GridPlane {
         }
     }
 
-    /// The place where a ray meets the plane before its origin; None if it does not.
+    /// The point where a ray meets the plane ahead of the ray's origin; None if it does not.
     pub fn hit(&self, ray: &Ray) -> Option<Vec3> {
         let t = -self.normal.dot(ray.origin) / self.normal.dot(ray.dir);
         (t.is_finite() && t >= 0.0).then(|| ray.at(t))
     }
 
-    /// The place of the plane that the view is directed at. It is never very far off, even if the view goes past the
+    /// The point of the plane in the middle of the view. Its distance is limited, even if the view is above the
     /// horizon.
     pub fn middle(&self, screen: &Screen) -> Vec3 {
         let ray = screen.ray(screen.picture.center());

@@ -1,4 +1,4 @@
-//! The arithmetic of looking: flying, orbiting, projecting and picking. May import `command`.
+//! The arithmetic of the view: flying, orbiting, projecting and picking. May import `command`.
 
 pub mod ground;
 pub mod navigation;

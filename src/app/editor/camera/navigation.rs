@@ -1,5 +1,5 @@
 //! Flying and looking around: computes how keys and drags move the camera. Pure arithmetic, so that it is the same at
-//! any frame rate. What moves it about things is in `orbit`.
+//! any frame rate. Movements relative to things are in `orbit`.
 //!
 //! The camera looks along +z of its own space with +x to its left and +y up. Scale in its pose stays: for an
 //! orthographic camera it is the extent of the picture.
@@ -37,7 +37,7 @@ pub(crate) struct FlyInput {
     pub seconds: f32,
 }
 
-/// The settings of flying beside the camera.
+/// The settings of navigation besides the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigation {
     /// The multiple of the speed that suits the scene.
@@ -46,7 +46,7 @@ pub struct Navigation {
     pub scene_size: f32,
     /// The world's upward direction.
     pub up: Vec3,
-    /// The point that the view was turned about last, in world space.
+    /// The last centre of orbits, in world space.
     pub pivot: Option<Vec3>,
 }
 
@@ -77,7 +77,7 @@ impl Navigation {
         (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())
     }
 
-    /// World units that a notch of the wheel goes where nothing is in the way.
+    /// World units that a notch of the wheel moves if no surface is ahead.
     pub(crate) fn units_per_notch(&self) -> f32 {
         SECONDS_PER_NOTCH * self.units_per_second()
     }
@@ -146,7 +146,7 @@ impl Navigation {
     }
 }
 
-/// The world axis that is nearest to a camera's upward direction: what "up" means in a scene that does not say it.
+/// The world axis that is nearest to a camera's upward direction: the upward direction of a scene that gives none.
 pub(crate) fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
     let up = Vec3::from(world_from_camera.matrix3.y_axis);
     let axis = up.abs().max_position();
@@ -155,8 +155,8 @@ pub(crate) fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
     unit
 }
 
-/// The pose with the same direction from which all of `bounds` is seen; None if it is empty. `half_fov` in radians, of
-/// the picture's narrower side.
+/// The pose with the same direction that frames all of `bounds`; None if it is empty. `half_fov` in radians, of the
+/// picture's narrower side.
 pub(crate) fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Option<Affine3A> {
     if bounds.is_empty() {
         return None;
@@ -175,7 +175,7 @@ pub(crate) fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32)
 /// [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
 pub(crate) fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
     let radius = bounds.framed_radius();
-    // At a distance of twice the radius nothing of the sphere is behind the camera.
+    // At a distance of twice the radius no part of the sphere is behind the camera.
     let pose = framing(world_from_camera, bounds, 30f32.to_radians())?;
     let pose = pose * Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0) * radius * aspect.max(1.0) + Vec3::Z);
     pose.is_finite().then_some(pose)

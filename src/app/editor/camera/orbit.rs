@@ -1,5 +1,5 @@
-//! Moves the camera about things: around a point, along the picture, towards what is under the pointer, onto an axis.
-//! Arithmetic only; flying is in `navigation`.
+//! Moves the camera relative to things: around a point, parallel to the image plane, towards the point under the
+//! pointer, onto an axis. Arithmetic only; flying is in `navigation`.
 
 use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use bevy_egui::egui::Pos2;
@@ -9,19 +9,19 @@ use super::screen::Screen;
 use crate::app::editor::command::axis_view::AxisView;
 use crate::math::Ray;
 
-/// The share of the way to what is under the pointer that remains after a notch of the wheel.
+/// The share of the distance to the point under the pointer that remains after a notch of the wheel.
 const WAY_LEFT: f32 = 0.85;
-/// The least way of a notch, as a share of that of flying, so that the camera gets through walls.
+/// The least distance that a notch moves, as a share of that of flying, so that the camera gets through walls.
 const LEAST: f32 = 0.1;
-/// An orthographic picture never becomes narrower than this share of the scene, or wider than its inverse.
+/// The least width of an orthographic picture as a share of the scene; the inverse is the largest.
 const NARROWEST: f32 = 1e-4;
 
-/// The share of its distance that a point may be beside the axis of the view and still counts as straight ahead.
+/// The largest distance of a point from the view axis, as a share of its depth, that counts as straight ahead.
 const BESIDE: f32 = 0.01;
 
 impl Navigation {
-    /// The point that the view was turned about last, as long as it is straight ahead: then the user still looks at it,
-    /// whatever came before it.
+    /// The last centre of orbits, as long as it is straight ahead: then the user still looks at it, even if a nearer
+    /// thing covers it.
     pub(crate) fn pivot_ahead(&self, world_from_camera: &Affine3A) -> Option<Vec3> {
         let pivot = self.pivot?;
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
@@ -31,7 +31,7 @@ impl Navigation {
         (distance > 0.0 && beside <= BESIDE * distance).then_some(pivot)
     }
 
-    /// Turns the view by a drag in points, and the camera around `center` with it.
+    /// Turns the view by a drag in points, with the camera on an orbit around `center`.
     pub(crate) fn orbit(&self, world_from_camera: Affine3A, center: Vec3, drag: Vec2) -> Affine3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let level = facing(forward, self.upright(&world_from_camera));
@@ -43,8 +43,8 @@ impl Navigation {
         }
     }
 
-    /// The wheel over a perspective picture: towards `target` on the ray under the pointer, or along the ray as far as
-    /// flying would go.
+    /// Dollies a perspective camera by the wheel: towards `target` on the ray under the pointer, or along the ray by a
+    /// step of flying.
     pub(crate) fn dolly(
         &self,
         world_from_camera: Affine3A,
@@ -72,7 +72,7 @@ impl Navigation {
         }
     }
 
-    /// Zooms an orthographic picture by the wheel: it shows less, and what is under the pointer stays there.
+    /// Zooms an orthographic picture by the wheel: its extent changes, and the point under the pointer stays there.
     pub(crate) fn narrow(&self, world_from_camera: Affine3A, film: Vec2, screen: &Screen, notches: f32) -> Affine3A {
         let factor = WAY_LEFT.powf(notches);
         let width = world_from_camera.matrix3.x_axis.length() * factor;
@@ -84,7 +84,7 @@ impl Navigation {
         translated(narrowed, from_middle * (1.0 - factor))
     }
 
-    /// The direction in which one looks in a view along an axis.
+    /// The view direction of a view along an axis.
     fn forward(&self, view: AxisView) -> Vec3 {
         let north = north(self.up);
         match view {
@@ -97,7 +97,7 @@ impl Navigation {
         }
     }
 
-    /// The view from this side of the world, which is the direction of one of its axes.
+    /// The view from this side of the world, given by the direction of an axis.
     pub fn view_from(&self, side: Vec3) -> AxisView {
         let towards = |view: &AxisView| -self.forward(*view).dot(side);
         let nearest = AxisView::ALL
@@ -106,7 +106,7 @@ impl Navigation {
         nearest.unwrap_or(AxisView::Front)
     }
 
-    /// A level view along an axis of the world, with `center` straight ahead and as far as it is now.
+    /// A level view along an axis of the world, with `center` straight ahead at its present distance.
     pub fn axis_view(&self, world_from_camera: Affine3A, center: Vec3, view: AxisView) -> Affine3A {
         let (north, forward) = (north(self.up), self.forward(view));
         let upright = match view {
@@ -122,7 +122,7 @@ impl Navigation {
     }
 }
 
-/// Moves the camera so that what was seen at `from` at this distance along the view axis is seen at `to`.
+/// Moves the camera so that a point at `from` with this depth along the view axis moves to `to`.
 pub(crate) fn pan(world_from_camera: Affine3A, screen: &Screen, from: Pos2, to: Pos2, depth: f32) -> Affine3A {
     let way = screen.unproject(from, depth) - screen.unproject(to, depth);
     translated(world_from_camera, way)
@@ -135,8 +135,7 @@ fn translated(pose: Affine3A, way: Vec3) -> Affine3A {
     }
 }
 
-/// The direction away from a viewer who looks at the front, where `up` is up: as in modelling programs -z where y is
-/// up, else y.
+/// The view direction of the front view, given the upward direction: as in modelling programs -z where y is up, else y.
 fn north(up: Vec3) -> Vec3 {
     if up.y.abs() > 0.5 { Vec3::NEG_Z } else { Vec3::Y }
 }
@@ -168,7 +167,7 @@ mod tests {
             assert!(!moved.abs_diff_eq(camera, 0.1));
             camera = moved;
         }
-        // The front of things moves to the right, and the camera to its left.
+        // The front of objects moves to the right, and the camera to its left.
         let right = navigation.orbit(pose(), Vec3::ZERO, Vec2::new(50.0, 0.0));
         assert!(right.translation.x > 0.5 && forward(&right).x < -0.1);
     }

@@ -1,4 +1,4 @@
-//! Queries of the scene as it is being rendered: what is under the mouse, and how large things are.
+//! Queries of the packed scene: the surface under the mouse, and the sizes of things.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -15,8 +15,9 @@ use crate::medium::{MediumId, Way};
 use crate::render::camera::Camera;
 use crate::render::scene::RenderScene;
 
-/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right. A shape that is only the border of a
-/// medium is seen if the medium hides most of what is behind it, or nothing is there.
+/// The visible shape at a point of the picture, (0, 0) top left, (1, 1) bottom right. A shape that is only the border
+/// of a medium counts as visible if the medium hides most of the light from behind it, or there is no surface behind
+/// it.
 pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref()?);
     let ray = view.camera.sharp().ray(film, Vec2::ZERO);
@@ -47,10 +48,10 @@ pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
     border.map(|(entity, _)| entity)
 }
 
-/// The optical depth of a medium behind which less than half of the light comes from.
+/// The optical depth beyond which less than half of the light is transmitted.
 const HIDING: f32 = std::f32::consts::LN_2;
 
-/// The optical depth along a ray up to `t`, of the colour that passes best.
+/// The optical depth along a ray up to `t`, in the channel that transmits most.
 fn depth_of(scene: &RenderScene, medium: MediumId, ray: &Ray, t: f32) -> f32 {
     let length = ray.dir.length();
     let way = Way {
@@ -61,7 +62,7 @@ fn depth_of(scene: &RenderScene, medium: MediumId, ray: &Ray, t: f32) -> f32 {
     scene.media.get(medium).optical_depth(&way).min_element()
 }
 
-/// Whether light does not notice the surface: it is only the border of a medium.
+/// Whether the surface does not scatter light: it is only the border of a medium.
 fn is_border(scene: &RenderScene, hit: &Hit) -> bool {
     if scene.media.is_empty() {
         return false;
@@ -72,7 +73,7 @@ fn is_border(scene: &RenderScene, hit: &Hit) -> bool {
         && matches!(scene.materials.get(slot.material), Some(Material::Null))
 }
 
-/// The part of a ray behind a surface at `t`.
+/// The part of a ray beyond a surface at `t`.
 fn behind(ray: &Ray, t: f32) -> Ray {
     let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
     let passed = t + step + BEHIND * t;
@@ -87,8 +88,8 @@ fn behind(ray: &Ray, t: f32) -> Ray {
 /// The most rays along either side of a box.
 const MOST_ACROSS: f32 = 256.0;
 
-/// The shapes seen in a box of the picture, in the order of the scene. `corners` are film coordinates; `pixels` is its
-/// size on the screen, each of which is looked at unless there are very many.
+/// The visible shapes in a box of the picture, in the order of the scene. `corners` are film coordinates; `pixels` is
+/// its size on the screen. Every pixel is tested unless there are very many.
 pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Vec<Entity> {
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
         return Vec::new();
@@ -115,7 +116,7 @@ pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Ve
         for (ray, hit) in rays.iter().zip(&hits) {
             let Some(hit) = hit else { continue };
             instances.insert(hit.instance);
-            // What is seen through the border of a medium counts as well.
+            // A shape that is visible through the border of a medium counts as well.
             if is_border(scene, hit)
                 && let Some((_, hit, _)) = first_hit(packed, ray, |_| false)
             {
@@ -130,13 +131,13 @@ pub fn seen_in(packed: &PackedScene, corners: [Vec2; 2], pixels: [f32; 2]) -> Ve
     entities.copied().filter(|entity| known.insert(*entity)).collect()
 }
 
-/// A place on a surface.
+/// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSurface {
     pub position: Vec3,
-    /// The bound on how far `position` is off the surface, per coordinate.
+    /// The error bound of `position`, per coordinate.
     error: f32,
-    /// The geometric one on the side that was seen, unit length.
+    /// The unit geometric normal on the visible side.
     pub normal: Vec3,
     pub entity: Entity,
     /// The shape or placement, as [`Hit::instance`] counts them.
@@ -144,20 +145,20 @@ pub struct SeenSurface {
 }
 
 impl SeenSurface {
-    /// A place before the surface, `distance` world units from it or as far as it takes to be clear of it.
+    /// A point in front of the surface, `distance` world units from it, or farther if the rounding error requires it.
     pub fn before(&self, distance: f32) -> Vec3 {
         offset_origin(self.position, self.error.max(distance), self.normal, self.normal)
     }
 }
 
-/// The most times that a ray is begun anew behind a surface that it passes.
+/// The most surfaces that a ray passes.
 const MOST_PASSED: usize = 256;
-/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates:
-/// well above rounding, and well below what is visible.
+/// The offset behind a surface at which a ray continues, as a share of its length so far and of the origin's
+/// coordinates: well above rounding, and well below what is visible.
 const BEHIND: f32 = 1e-5;
 
-/// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need
-/// not have unit length.
+/// The first surface along a ray, except for the entities that `is_passed` accepts. The ray's direction need not have
+/// unit length.
 pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     surface_of_items(packed, ray, |_, entity| is_passed(entity))
 }
@@ -181,16 +182,16 @@ pub fn surface_of_items(
     })
 }
 
-/// A place on a surface with its texture coordinates.
+/// A point on a surface with its texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedSurface {
-    /// The place, in world space.
+    /// The point, in world space.
     pub position: Vec3,
-    /// The geometric normal on the side that was seen, unit length.
+    /// The unit geometric normal on the visible side.
     pub normal: Vec3,
     /// The texture coordinates there.
     pub uv: Vec2,
-    /// The change of the place with u and with v, in world space.
+    /// The partial derivatives of the point by u and by v, in world space.
     pub dp_duv: [Vec3; 2],
     /// Whether there are texture coordinates: a mesh may have none.
     pub is_mapped: bool,
@@ -214,7 +215,7 @@ pub fn mapped_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity
     })
 }
 
-/// The first hit of [`surface`], with the ray that it is a hit of. Borders of media are passed.
+/// The first hit of [`surface`], with its ray. Borders of media are passed.
 pub fn first_hit(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<(Ray, Hit, Entity)> {
     first_hit_of_items(packed, ray, |_, entity| is_passed(entity))
 }
@@ -245,36 +246,36 @@ fn first_hit_of_items(
     None
 }
 
-/// The first surface that the camera sees along one of its rays. The ray passes what the camera does not see, and what
-/// `is_passed` names.
+/// The first visible surface along one of the camera's rays. The ray passes parts that are hidden in the view, and
+/// entities that `is_passed` accepts.
 pub fn seen_surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
     surface(packed, &narrowed(packed, ray)?, is_passed)
 }
 
-/// The part of a ray from the camera that it sees along; None without a scene.
+/// The visible part of a ray from the camera; None without a scene.
 pub fn narrowed(packed: &PackedScene, ray: &Ray) -> Option<Ray> {
     let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref());
     Some(view.map_or(*ray, |view| view.sight.narrow(&scene.geometry, *ray)))
 }
 
-/// The first place on a surface in the middle of the picture.
+/// The first point on a surface in the middle of the picture.
 pub fn ahead(packed: &PackedScene) -> Option<SeenSurface> {
     let camera = &packed.view.as_ref()?.camera;
     seen_surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
 }
 
-/// The distance from the camera, not from where it begins to see.
+/// The distance of that point from the camera itself, not from the near clipping plane.
 pub fn distance_ahead(packed: &PackedScene) -> Option<f32> {
     let camera = &packed.view.as_ref()?.camera;
     ahead(packed).map(|seen| camera.project(seen.position).1)
 }
 
-/// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a
-/// point; None without a view, and behind the camera. `pose`: world from camera.
+/// The height of the picture in world units, or its width if that is less, at the depth of a point; None without a
+/// view, and behind the camera. `pose`: world from camera.
 pub fn view_height(packed: &PackedScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
     let camera = &packed.view.as_ref()?.camera;
     let (place, depth) = camera.project(at);
-    // The segment is so short that both ends are seen alike.
+    // The segment is so short that both ends have nearly the same scale.
     let step = 1e-2 * depth;
     let across = [pose.matrix3.x_axis, pose.matrix3.y_axis].map(|axis| {
         let (beside, _) = camera.project(at + Vec3::from(axis).normalize_or_zero() * step);
@@ -300,8 +301,8 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
     (!bounds.is_empty()).then_some(bounds)
 }
 
-/// [`bounds_of`] the entity that has this shape or placement, as [`Hit::instance`] counts them. It takes no look at all
-/// shapes, since those of an entity stand together in the tables.
+/// [`bounds_of`] the entity that has this shape or placement, as [`Hit::instance`] counts them. It does not search all
+/// shapes, since the shapes of an entity are adjacent in the tables.
 pub fn bounds_of_item(packed: &PackedScene, item: u32) -> Option<Aabb> {
     let geometry = &packed.scene.as_ref()?.geometry;
     let entities = &packed.entity_of_instance;
@@ -314,7 +315,7 @@ pub fn bounds_of_item(packed: &PackedScene, item: u32) -> Option<Aabb> {
     (!bounds.is_empty()).then_some(bounds)
 }
 
-/// The world bounds of each of some shapes; None for those that are not in the picture.
+/// The world bounds of each of some shapes; None for a shape that is not in the picture.
 pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
     let mut bounds = vec![Aabb::EMPTY; entities.len()];
     if let Some(scene) = &packed.scene {
@@ -366,7 +367,7 @@ pub(crate) mod tests {
         (packed, entities)
     }
 
-    /// A scene of nothing but shapes at their places.
+    /// A scene that has only shapes at their places.
     pub fn scene_of(shapes: impl Iterator<Item = (Primitive, Affine3A)>) -> RenderScene {
         let instances = shapes.filter_map(|(primitive, pose)| Instance::new(primitive, pose));
         RenderScene {

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
-/// The pose of the camera in use, flown away or not: world from camera.
+/// The pose of the view, which may have left the camera in use: world from camera.
 pub(crate) fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
     let sensor = poses.get(active.0?).ok()?;
     Some(free.pose.unwrap_or(sensor.0))
@@ -28,8 +28,8 @@ pub(crate) fn is_orthographic(world: &World) -> bool {
     lens(world) == Some(Lens::Orthographic)
 }
 
-/// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera is so
-/// itself.
+/// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera's own
+/// is right.
 pub(crate) fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
     let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
     sensor.lens.for_projection(orthographic)

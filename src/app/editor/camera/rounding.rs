@@ -1,11 +1,11 @@
-//! Rounds what tools place to short decimal numbers, so that a file says 2 where arithmetic gives 1.999999. What the
-//! user types is kept as it is.
+//! Rounds results of tools to short decimal numbers, so that a file says 2 where arithmetic gives 1.999999. Typed
+//! numbers are kept as they are.
 
 use bevy::math::Vec3;
 
-/// The finest share of a scene's extent to which tools without a pointer place things.
+/// The finest unit of positions for tools without a pointer, as a share of the scene's extent.
 const OF_SCENE: f32 = 1e-4;
-/// The share of a length that is the rounding of arithmetic, and nothing that a user asked for.
+/// The share of a length below which a difference is rounding error, not the user's intent.
 const RESIDUE: f32 = 1e-6;
 
 /// The largest power of ten that is at most `size`; 0 if `size` is not a positive number. Rounding to 0 changes
@@ -18,23 +18,23 @@ pub fn unit_below(size: f32) -> f64 {
     }
 }
 
-/// The unit of places that a pointer chooses: at most half a pixel, whose width is given in world units.
+/// The unit of positions chosen by a pointer: at most half a pixel, whose width is given in world units.
 pub(crate) fn unit_of_pixel(pixel: f32) -> f64 {
     unit_below(0.5 * pixel)
 }
 
-/// The unit of places in a scene of this extent.
+/// The unit of positions in a scene of this extent.
 pub fn unit_of_scene(extent: f32) -> f64 {
     unit_below(OF_SCENE * extent)
 }
 
-/// The unit of places that are computed from other places, such as those of aligned things. It is a hundredth of
+/// The unit of positions computed from other positions, such as those of aligned things. It is a hundredth of
 /// [`unit_of_scene`], because a gap of a whole unit would be visible.
 pub fn fine_unit(extent: f32) -> f64 {
     1e-2 * unit_of_scene(extent)
 }
 
-/// The multiple of `unit` that is nearest; never a negative zero.
+/// The nearest multiple of `unit`; never a negative zero.
 pub fn rounded(number: f32, unit: f64) -> f32 {
     let multiple = (f64::from(number) / unit).round() * unit;
     match multiple.is_finite() {
@@ -53,17 +53,17 @@ pub fn with_digits(number: f32, digits: i32) -> f32 {
     rounded(number, unit_below(number.abs()) * 10f64.powi(1 - digits))
 }
 
-/// The sum of numbers as they are written: 0.1 and 0.2 are 0.3.
+/// The sum of numbers in decimal: 0.1 and 0.2 are 0.3.
 pub fn sum(one: f32, other: f32) -> f32 {
     (decimal(one) + decimal(other)) as f32 + 0.0
 }
 
-/// A multiple of a number as it is written.
+/// A multiple of a number in decimal.
 pub fn multiple(number: f32, times: u32) -> f32 {
     (decimal(number) * f64::from(times)) as f32 + 0.0
 }
 
-/// The shortest decimal that stands for a number, which is the one that was written.
+/// The shortest decimal that rounds to a number, which is the one that was written.
 fn decimal(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
@@ -73,13 +73,12 @@ pub fn sum_of_places(one: Vec3, other: Vec3) -> Vec3 {
     Vec3::new(sum(one.x, other.x), sum(one.y, other.y), sum(one.z, other.z))
 }
 
-/// A move without the errors of rounding: if the axis of the move has been turned to x, its y and z become exactly
-/// zero.
+/// A move without rounding errors: if the axis of the move has been turned to x, its y and z become exactly zero.
 pub(crate) fn without_residue(by: Vec3) -> Vec3 {
     rounded_place(by, unit_below(RESIDUE * by.abs().max_element()))
 }
 
-/// A place that was moved by `by`, rounded to `unit` in the coordinates that were moved.
+/// A position moved by `by`, rounded to `unit` in the coordinates that changed.
 pub(crate) fn moved(place: Vec3, by: Vec3, unit: f64) -> Vec3 {
     let sum = sum_of_places(place, by);
     Vec3::select(by.cmpne(Vec3::ZERO), rounded_place(sum, unit), place)

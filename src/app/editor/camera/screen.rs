@@ -1,4 +1,5 @@
-//! Maps between the world and the window: the place in points where something is seen, and the ray behind a point.
+//! Maps between the world and the window: the point of the window for a position, and the ray through a point of the
+//! window.
 
 use bevy::math::{Vec2, Vec3};
 use bevy_egui::egui::{Pos2, Rect};
@@ -26,13 +27,13 @@ impl Screen {
         self.picture.min + bevy_egui::egui::vec2(film.x, film.y) * self.picture.size()
     }
 
-    /// The place where a point of the world is seen; None behind the camera.
+    /// The point of the window for a position in world space; None behind the camera.
     pub fn project(&self, world: Vec3) -> Option<Pos2> {
         let (film, depth) = self.camera.project(world);
         (depth > 0.0 && film.is_finite()).then(|| self.point_of_film(film))
     }
 
-    /// The part of a segment that is before the camera.
+    /// The part of a segment that is in front of the camera.
     pub(crate) fn segment(&self, a: Vec3, b: Vec3) -> Option<[Pos2; 2]> {
         segment(&self.camera, a, b).map(|ends| ends.map(|film| self.point_of_film(film)))
     }
@@ -53,7 +54,7 @@ impl Screen {
         Ray::new(origin, self.unproject(at, 1.0) - origin)
     }
 
-    /// The unit direction in which the camera looks: across the image plane, whatever part of it the picture is.
+    /// The unit view direction: the normal of the image plane, whatever crop of it the picture is.
     pub fn forward(&self) -> Vec3 {
         let [corner, right, below] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|film| self.camera.unproject(film, 1.0));
         let normal = (right - corner).cross(below - corner).normalize_or_zero();
@@ -61,7 +62,7 @@ impl Screen {
         normal * normal.dot(ahead).signum()
     }
 
-    /// The unit direction from the viewer to a point of the world.
+    /// The unit direction from the viewer to a point in world space.
     pub fn direction_to(&self, world: Vec3) -> Vec3 {
         let (film, _) = self.camera.project(world);
         (self.camera.unproject(film, 1.0) - self.camera.unproject(film, 0.0)).normalize_or_zero()
@@ -74,7 +75,7 @@ impl Screen {
     }
 }
 
-/// A segment of the world as film coordinates; None if all of it is behind the camera.
+/// A segment in world space as film coordinates; None if all of it is behind the camera.
 pub(crate) fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
     let ((film_a, depth_a), (film_b, depth_b)) = (camera.project(a), camera.project(b));
     let nearest = 1e-3 * depth_a.abs().max(depth_b.abs());

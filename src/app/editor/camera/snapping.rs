@@ -1,4 +1,4 @@
-//! Finds the corners, edges and surfaces near the pointer to which things snap.
+//! Finds the corners, edges and surfaces near the pointer for snapping.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
@@ -12,24 +12,24 @@ use crate::engine::PackedScene;
 use crate::geometry::mesh::MeshData;
 use crate::math::Ray;
 
-/// A place to snap to.
+/// A point to snap to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnapPoint {
-    /// The place in the world.
+    /// The position in world space.
     pub place: Vec3,
-    /// The kind of place, for its mark.
+    /// Its kind, for its mark.
     pub of: SnapTo,
-    /// The normal of a surface, towards the viewer; zero for other places.
+    /// The normal of a surface, towards the viewer; zero for other kinds.
     pub normal: Vec3,
 }
 
-/// The distance from the pointer up to which corners and edges are found, in points.
+/// The distance from the pointer within which corners and edges are found, in points.
 const REACH: f32 = 14.0;
-/// The number of triangles up to which edges inside of flat faces are found and left out; in larger meshes they count
-/// as edges, too.
+/// The number of triangles up to which edges inside of flat faces are found and skipped; in larger meshes they count as
+/// edges, too.
 const LARGEST_SEARCHED: usize = 20_000;
 
-/// The nearest place of this kind around the pointer, on what `is_passed` does not leave out.
+/// The nearest snapping point of this kind around the pointer, on entities that `is_passed` does not accept.
 pub fn find(
     packed: &PackedScene,
     screen: &Screen,
@@ -47,7 +47,7 @@ pub fn find(
     }
     let geometry = &packed.scene.as_ref()?.geometry;
     let ray = screen.ray(pointer);
-    // Corners and edges of an outline are beside what the pointer is on.
+    // Corners and edges of a silhouette lie beside the surface under the pointer.
     let around = (0..8).map(|eighth| Vec2::angled(std::f32::consts::FRAC_PI_4 * eighth as f32) * (0.7 * REACH));
     let seen = std::iter::once(Vec2::ZERO)
         .chain(around)
@@ -73,12 +73,12 @@ pub fn find(
 #[derive(Default)]
 struct Face {
     corners: Vec<Vec3>,
-    /// Whether the edge from each corner to the next is one that is seen.
+    /// Whether the edge from each corner to the next is a visible one.
     is_edge: Vec<bool>,
 }
 
 impl Face {
-    /// The face that was hit; none of a round shape.
+    /// The face of a hit; without corners for a round shape.
     fn of(geometry: &Tlas, hit: &Hit) -> Self {
         let shape = geometry.shape_at(hit);
         let placement = (hit.instance as usize).checked_sub(geometry.instances().len());
@@ -123,7 +123,7 @@ impl Face {
     }
 }
 
-/// Whether the edge from corner `k` of a triangle to the next lies between it and another one of the same plane.
+/// Whether the edge from corner `k` of a triangle to the next is shared with a coplanar triangle.
 fn is_within_plane(mesh: &MeshData, triangle: usize, k: usize) -> bool {
     let own = mesh.corners(triangle);
     let (a, b) = (own[k], own[(k + 1) % 3]);
@@ -137,7 +137,7 @@ fn is_within_plane(mesh: &MeshData, triangle: usize, k: usize) -> bool {
         })
 }
 
-/// The point of a segment that is nearest to a ray.
+/// The point of a segment nearest to a ray.
 pub(crate) fn nearest_on([a, b]: [Vec3; 2], ray: &Ray) -> Vec3 {
     let (along, dir, from) = (b - a, ray.dir, a - ray.origin);
     let (aa, ad, dd) = (along.dot(along), along.dot(dir), dir.dot(dir));

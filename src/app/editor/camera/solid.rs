@@ -1,4 +1,4 @@
-//! The extent of a shape in the world: its corners, and how far it reaches in a direction.
+//! The extent of a shape in the world: its corners, and its support in a direction.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use crate::accel::{Instance, Primitive};
 use crate::engine::PackedScene;
 use crate::math::Aabb;
 
-/// A shape that is placed in the world.
+/// A convex body in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
     form: Form,
@@ -18,7 +18,7 @@ pub struct Solid {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// A mesh, by its bounds.
+    /// The bounds of a mesh.
     Box(Aabb),
     Sphere,
     Square,
@@ -41,7 +41,7 @@ impl Solid {
         }
     }
 
-    /// The box in the world.
+    /// The solid of a box in the world.
     pub fn of_bounds(bounds: Aabb) -> Self {
         Self {
             form: Form::Box(bounds),
@@ -49,8 +49,8 @@ impl Solid {
         }
     }
 
-    /// The points by which it is put onto others: corners, or where round shapes reach farthest along their axes, and
-    /// the middle.
+    /// The points used to snap it to others: corners, or the extreme points of round shapes along their axes, and the
+    /// middle.
     pub fn corners(&self) -> Vec<Vec3> {
         let local: Vec<Vec3> = match self.form {
             Form::Box(Aabb { min, max }) => (0..8)
@@ -78,7 +78,7 @@ impl Solid {
         local.iter().map(world).collect()
     }
 
-    /// The largest value of `direction` times a point of it.
+    /// The support: the largest dot product of `direction` and a point of it.
     pub fn reach(&self, direction: Vec3) -> f32 {
         let matrix = self.world_from_local.matrix3;
         let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| Vec3::from(axis).dot(direction));
@@ -95,12 +95,12 @@ impl Solid {
     }
 }
 
-/// The solids of these things that are in the picture. An instance counts as the box around its group.
+/// The solids of those of these things that are in the picture. An instance counts as the box around its group.
 pub fn solids_of(packed: &PackedScene, entities: &[Entity]) -> Vec<Solid> {
     solids_of_each(packed, entities).concat()
 }
 
-/// The [`solids_of`] each of these things by itself, found in one pass over the scene.
+/// The [`solids_of`] each of these things, found in one pass over the scene.
 pub fn solids_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Vec<Solid>> {
     let mut found = vec![Vec::new(); entities.len()];
     let Some(scene) = &packed.scene else {
