@@ -2,11 +2,11 @@
 
 use crate::scene::decimal;
 
-/// The longest text that is read. Nothing that is typed by hand is longer, and parentheses cannot nest deeper.
+/// The longest text that is read. No text typed by hand is longer, and the limit bounds the nesting of parentheses.
 const LONGEST: usize = 200;
 
-/// The value of a text such as `0,5`, `1/4` or `2*(3+1)`. `operand` reads what stands between the signs: a number, and
-/// the factor by which the unit behind it multiplies it. None if the text is no number.
+/// The value of a text such as `0,5`, `1/4` or `2*(3+1)`. `operand` parses the text between the signs: a number, and
+/// the factor of the unit behind it. None if the text is no number.
 pub fn value(text: &str, operand: impl Fn(&str) -> Option<(f64, f64)>) -> Option<f64> {
     if text.len() > LONGEST {
         return None;
@@ -43,7 +43,7 @@ struct Term {
 }
 
 impl<F: Fn(&str) -> Option<(f64, f64)>> Reader<'_, F> {
-    /// Whether the text goes on with one of these signs; if so, it is read.
+    /// Reads the next letter if it is one of these signs; returns it.
     fn takes(&mut self, signs: &[char]) -> Option<char> {
         let first = self.rest.chars().next().filter(|first| signs.contains(first))?;
         self.rest = &self.rest[first.len_utf8()..];
@@ -104,7 +104,7 @@ impl<F: Fn(&str) -> Option<(f64, f64)>> Reader<'_, F> {
     }
 }
 
-/// The length of the operand that a text begins with. The sign of an exponent, as in `1e-3`, belongs to it.
+/// The length of the operand at the start of a text. The sign of an exponent, as in `1e-3`, belongs to it.
 fn operand_end(text: &str) -> usize {
     let mut before = [' '; 2];
     for (place, letter) in text.char_indices() {

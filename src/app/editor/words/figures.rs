@@ -1,4 +1,4 @@
-//! Numbers with words.
+//! Numbers as texts, with their nouns.
 
 use std::ops::RangeInclusive;
 
@@ -55,7 +55,7 @@ pub(crate) fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
 /// The decimals of numbers that stand side by side, at most.
 pub(crate) const MOST_DECIMALS: usize = 3;
 
-/// The decimals that it takes to show a number as exactly as [`MOST_DECIMALS`] do.
+/// The number of decimals that shows a number as exactly as [`MOST_DECIMALS`] do.
 pub(crate) fn decimals(number: f32) -> usize {
     let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
     (0..MOST_DECIMALS)

@@ -1,4 +1,4 @@
-//! Texts about files: the extensions of their names, and messages about files that are gone.
+//! Texts about files: the extensions of their names, and messages about missing files.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -14,12 +14,12 @@ pub(crate) const PICTURES: [&str; 10] = ["hdr", "exr", "png", "jpg", "jpeg", "pf
 /// The extensions of grids of voxels.
 pub(crate) const VOLUMES: [&str; 2] = ["vol", "vdb"];
 
-/// The extension in small letters; empty without one.
+/// The extension in lower case; empty without one.
 pub fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// A path that was typed: `~` at its beginning, alone or before a `/`, stands for the user's own folder.
+/// A typed path: `~` at its beginning, alone or before a `/`, is replaced by the user's home folder.
 pub fn home_for_tilde(path: &str) -> PathBuf {
     match (path.strip_prefix('~'), std::env::home_dir()) {
         (Some(rest), Some(home)) if rest.is_empty() || rest.starts_with(['/', '\\']) => {
@@ -29,7 +29,7 @@ pub fn home_for_tilde(path: &str) -> PathBuf {
     }
 }
 
-/// A message without the numbers that the system has for its errors.
+/// A message without the system's error numbers.
 pub fn without_numbers(message: &str) -> String {
     let mut parts = message.split(" (os error ");
     let mut text = parts.next().unwrap_or_default().to_owned();
@@ -48,8 +48,7 @@ pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
 }
 
-/// The place of the picture as sampled beside that of the denoised one, with which it is saved: `room-noisy.exr` beside
-/// `room.exr`.
+/// The path of the noisy picture that is saved with a denoised one: `room-noisy.exr` beside `room.exr`.
 pub fn noisy_beside(path: &Path) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push("-noisy");
@@ -60,8 +59,8 @@ pub fn noisy_beside(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The folder of each file, as far as it tells the files of one name apart: its last part as a rule, and more where
-/// these are the same.
+/// For each file, as much of its folder as tells files of one name apart: usually the last part, and more if these are
+/// equal.
 pub(crate) fn folders_apart<P: AsRef<Path>>(paths: &[P]) -> Vec<String> {
     let parents = |path: &Path| -> Vec<String> {
         let parts = path.parent().into_iter().flat_map(Path::components);

@@ -12,7 +12,7 @@ pub fn clock_of(seconds: u64) -> Option<String> {
     clock(seconds, false)
 }
 
-/// The same with seconds, which tell times within a minute apart.
+/// The same with seconds, for times within a minute.
 pub(crate) fn exact_clock_of(seconds: u64) -> Option<String> {
     clock(seconds, true)
 }
@@ -34,7 +34,7 @@ fn clock(seconds: u64, is_exact: bool) -> Option<String> {
     })
 }
 
-/// How long ago something was, such as `2 hours ago`.
+/// The age of a time, such as `2 hours ago`.
 pub(crate) fn ago(seconds: u64) -> String {
     let count = |number: u64, unit: &str| match number {
         1 => format!("1 {unit} ago"),
@@ -48,13 +48,13 @@ pub(crate) fn ago(seconds: u64) -> String {
     }
 }
 
-/// Seconds since 1970 when the file was written last.
+/// The time of a file's last change, in seconds since 1970.
 pub(crate) fn changed_at(file: &Path) -> Option<u64> {
     let changed = std::fs::metadata(file).and_then(|data| data.modified()).ok()?;
     Some(changed.duration_since(UNIX_EPOCH).ok()?.as_secs())
 }
 
-/// When a file was saved last, such as `Last saved at 14:32, 5 minutes ago.` None if it is not there.
+/// The time of a file's last save, such as `Last saved at 14:32, 5 minutes ago.` None if there is no file.
 pub(crate) fn last_saved(file: &Path) -> Option<String> {
     let changed = changed_at(file)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?.as_secs();
