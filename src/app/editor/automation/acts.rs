@@ -1,4 +1,4 @@
-//! The edits after which the picture is measured. They come in turns that leave the scene about as it was.
+//! The edits that measurements repeat. They alternate so that the scene stays about the same.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -18,7 +18,7 @@ use crate::scene::{
     AreaLight, Emitter, Hidden, Material, MeshHandle, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
 };
 
-/// The sign, -1 and 1 in turn, so that the scene stays about what it was.
+/// The sign, -1 and 1 alternately, so that the scene stays about the same.
 fn sign(time: usize) -> f32 {
     if time.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
@@ -46,7 +46,7 @@ pub fn read_mesh(world: &mut World) -> Option<()> {
     Some(())
 }
 
-/// Saves the scene into this folder, which is made if there is none yet.
+/// Saves the scene into this folder, which is created on the first call.
 pub fn save(world: &mut World, folder: &mut Option<TempDir>) -> Option<()> {
     if folder.is_none() {
         *folder = tempfile::tempdir().ok();
@@ -115,7 +115,7 @@ pub fn change_light(world: &mut World, time: usize) -> Option<Command> {
     })
 }
 
-/// Undoes the edits that are left in the history.
+/// Undoes or redoes a step of the history, alternately.
 pub fn undo(world: &mut World, time: usize) -> Option<Command> {
     if world.resource::<History>().len() == (0, 0) {
         return None;
@@ -127,7 +127,7 @@ pub fn undo(world: &mut World, time: usize) -> Option<Command> {
     })
 }
 
-/// A shape from the middle of the list, another one each time.
+/// A shape from the middle of the list, a different one each time.
 pub fn middle_shape(world: &mut World, time: usize) -> Option<Entity> {
     let mut shapes = world.query_filtered::<Entity, (With<Shape>, Without<Hidden>)>();
     let count = shapes.iter(world).count();

@@ -17,11 +17,11 @@ pub struct ExitDoor {
 
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Step {
-    /// It waits for the samples, or for the measurement.
+    /// Waits for the samples, or for the measurement.
     Waiting,
-    /// It waits for exactly this number of samples.
+    /// Waits for exactly this number of samples.
     Sampling(u32),
-    /// The picture is ready; a few frames more, so that the panels show it too.
+    /// The picture is finished; some more frames let the panels show it too.
     Settling(u32),
     Capturing,
     Done,
@@ -39,7 +39,7 @@ impl ExitDoor {
         }
     }
 
-    /// The samples per pixel that it waits for: exactly so many once it samples, and at least so many before.
+    /// The awaited samples per pixel: exactly so many in `Sampling`, at least so many before.
     pub(super) fn wanted_samples(&self) -> u32 {
         match self.step {
             Step::Sampling(samples) => samples,
@@ -47,7 +47,7 @@ impl ExitDoor {
         }
     }
 
-    /// Stops waiting. Returns the picture that will not be written.
+    /// Stops waiting. Returns the path of the screenshot that will not be written.
     pub fn give_up(&mut self) -> Option<PathBuf> {
         let before = std::mem::replace(&mut self.step, Step::Done);
         self.screenshot.take().filter(|_| before != Step::Done)

@@ -58,7 +58,7 @@ pub(crate) fn drive_exit_door(
     }
     let is_scripted = script.is_some_and(|script| !script.is_done());
     let waits = matches!(door.step, Step::Waiting | Step::Sampling(_));
-    // A script says itself which of its lines that was.
+    // A script reports the line itself.
     if door.exit && waits && scene.state == SceneState::Failed && !is_scripted {
         error!("The scene could not be loaded");
         exit.write(AppExit::error());
@@ -69,7 +69,7 @@ pub(crate) fn drive_exit_door(
             if is_scripted || settling.is_some() || probe.is_some_and(|probe| !probe.done) {
                 return;
             }
-            // A script may have waited for more.
+            // A script may have waited for more samples.
             let samples = door.after_spp.max(control.exact_samples.unwrap_or(1));
             let exact = match (&door.screenshot, door.exit) {
                 (Some(_), _) => Some(samples),
@@ -136,7 +136,7 @@ pub(crate) fn drive_exit_door(
     }
 }
 
-/// The figures of this run, once, when it ends.
+/// Logs the figures of this run, once, when it ends.
 pub(crate) fn log_at_exit(mut exits: MessageReader<AppExit>, status: Res<RenderStatus>, frames: Res<FrameTimes>) {
     if exits.read().next().is_none() {
         return;

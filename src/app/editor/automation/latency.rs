@@ -18,7 +18,7 @@ use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::CommandQueue;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
 
-/// The measurement that the command line asks for: this many edits of each kind, one after the other.
+/// The measurement of the command line: this many edits of each kind, one after the other.
 #[derive(Resource)]
 pub struct LatencyProbe {
     /// Edits of each kind.
@@ -29,19 +29,19 @@ pub struct LatencyProbe {
     frames: Vec<Frame>,
     /// The present frame.
     watch: Stopwatch,
-    /// The milliseconds that the last frame's systems took, without the time in which other threads had the cores.
+    /// The milliseconds of the last frame's systems, without the time in which other threads had the cores.
     unhindered: f32,
     all_unhindered: Vec<f32>,
-    /// The folder that the scene is saved in.
+    /// The folder for saves of the scene.
     folder: Option<TempDir>,
-    /// The edits of this kind that have changed nothing.
+    /// The number of edits of this kind that have changed nothing.
     skipped: usize,
     pub done: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum Phase {
-    /// Lets the picture run so that the edit interrupts real work.
+    /// Lets the picture render for a while, so that the edit interrupts real work.
     Rest(Instant),
     Waiting {
         since: Instant,
@@ -52,10 +52,10 @@ enum Phase {
     },
 }
 
-/// The longest wait for an edit to show. After it the edit is taken to have changed nothing.
+/// The longest wait for an edit to show. After it the edit counts as one that changed nothing.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// After so many edits of a kind that have changed nothing the next kind is measured.
+/// The number of edits of a kind without a change after which the next kind is measured.
 const MOST_SKIPPED: usize = 2;
 
 /// The rest between two edits that are independent.
@@ -66,7 +66,7 @@ enum Act {
     Command(fn(&mut World, usize) -> Option<Command>),
     /// The command that performs the act on one shape, which is selected first.
     OnShape(fn(Entity, usize) -> Command),
-    /// The command for an act on one shape that only the panels show, and not the picture.
+    /// The command for an act on one shape that shows only in panels, not in the picture.
     InPanels(fn(Entity, usize) -> Command),
     /// Saves the scene into a temporary file.
     Save,
@@ -99,7 +99,7 @@ const KINDS: [(&str, Act, Duration); 15] = [
 ];
 
 impl Act {
-    /// Does it; false where there is nothing to do it to.
+    /// Performs the act; returns false if the scene has nothing to apply it to.
     fn begin(&self, world: &mut World, time: usize, folder: &mut Option<TempDir>) -> bool {
         match self {
             Self::Command(command) => {
@@ -124,7 +124,7 @@ impl Act {
         }
     }
 
-    /// Whether it changes the picture.
+    /// Whether the act changes the picture.
     fn shows_in_picture(&self) -> bool {
         !matches!(self, Self::InPanels(_) | Self::Save)
     }
@@ -157,17 +157,17 @@ impl LatencyProbe {
     }
 }
 
-/// Begins to measure a frame. To run on the thread of the other systems.
+/// Starts the stopwatch of a frame. To run on the thread of the other systems.
 pub(crate) fn begin_frame(mut probe: ResMut<LatencyProbe>) {
     probe.watch = Stopwatch::start();
 }
 
-/// Ends what [`begin_frame`] began.
+/// Stops the stopwatch of [`begin_frame`].
 pub(crate) fn end_frame(mut probe: ResMut<LatencyProbe>) {
     probe.unhindered = 1e3 * probe.watch.elapsed().own.as_secs_f32();
 }
 
-/// Says the next command, as a panel would.
+/// Queues the next command, as a panel would.
 pub fn act_for_probe(world: &mut World) {
     let Some(mut probe) = world.remove_resource::<LatencyProbe>() else {
         return;
@@ -197,8 +197,7 @@ pub fn act_for_probe(world: &mut World) {
     world.insert_resource(probe);
 }
 
-/// Stops the clock when the new picture's first pixels are in the texture, or when the panels have shown what is new in
-/// them.
+/// Stops the clock when the new picture's first pixels are in the texture, or when the panels have shown the change.
 pub fn watch_probe(
     mut probe: ResMut<LatencyProbe>,
     film: Res<RenderFilm>,
@@ -223,12 +222,12 @@ pub fn watch_probe(
     let (since, ended_before) = (*since, *ended);
     let is_shown = match in_picture {
         true => film.job != *job && film.is_lit && picture.revision != *revision,
-        // The panels are of the frame after the one in which a command is applied.
+        // Panels show a command in the frame after the one that applies it.
         false => ended_before > 0 && !history.is_saving(),
     };
     *ended += 1;
     if since.elapsed() > PATIENCE && !history.is_saving() {
-        // The value was there already, or the thing is hidden: nothing has changed.
+        // The value was set already, or the thing is hidden: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
         probe.skipped += 1;
         if probe.skipped > MOST_SKIPPED {
@@ -274,7 +273,7 @@ pub fn watch_probe(
     probe.next_kind();
 }
 
-/// Prints a line. A closed pipe is no reason to fail.
+/// Prints a line, and ignores a closed pipe.
 fn say(line: std::fmt::Arguments) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }

@@ -1,4 +1,4 @@
-//! What acts in the window without a user: the exit door, a script, measurements and the monkey.
+//! Automation of the window without a user: the exit door, a script, measurements and the monkey.
 
 use std::fmt::Display;
 use std::io;
@@ -16,7 +16,7 @@ use crate::app::editor::session::options::WindowOptions;
 use crate::app::editor::session::systems::EditorSystems;
 use crate::app::terminal;
 
-/// Adds what the options ask for.
+/// Adds the automation in the options.
 pub(crate) fn add_to(app: &mut App, options: &WindowOptions, monkey: io::Result<Option<Monkey>>) {
     app.insert_resource(ExitDoor::new(
         options.screenshot.clone(),

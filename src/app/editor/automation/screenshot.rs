@@ -14,15 +14,15 @@ use crate::scene::SceneWatch;
 /// on a busy machine they may take minutes.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 
-/// Waits until all that belongs into a picture of the window is in it: previews of materials come last.
+/// Waits until the window is complete for a screenshot: previews of materials come last.
 #[derive(Debug, Default)]
 pub(crate) struct WindowWait {
     since: Option<Instant>,
 }
 
 impl WindowWait {
-    /// Whether the window is complete, or was waited for long enough. To be asked in every frame once all else is
-    /// there.
+    /// Whether the window is complete, or the wait was too long. To be called in every frame once all other parts are
+    /// complete.
     pub fn is_over(&mut self, pacing: &Pacing, previews: &Previews) -> bool {
         let is_complete = pacing.rests() && previews.are_done();
         let is_over = self.ends(is_complete, Instant::now());
@@ -71,7 +71,7 @@ mod tests {
         assert!(!wait.ends(false, start));
         assert!(!wait.ends(false, start + LONGEST_WAIT / 2));
         assert!(wait.ends(false, start + LONGEST_WAIT));
-        // The next one is as long.
+        // The next wait is as long.
         assert!(!wait.ends(false, start + LONGEST_WAIT));
         assert!(!wait.ends(false, start + LONGEST_WAIT * 3 / 2));
         assert!(wait.ends(true, start + LONGEST_WAIT * 3 / 2));

@@ -1,5 +1,5 @@
-//! Measures how near the picture in the window is to the converged one soon after edits, with and without what is
-//! carried over from the picture before. It follows the frames as they come, so that what is compared is what a user
+//! Measures the error of the picture in the window against the converged one soon after edits, with and without
+//! carrying over the last picture. It follows the frames as they come, so that it compares the pictures that a user
 //! would have seen.
 
 mod edits;
@@ -39,26 +39,26 @@ use edits::EDITS;
 use figures::{Figures, Shot};
 use table::{EditRows, PICTURES, Report, Row, TIMES};
 
-/// The longest wait for an edit to begin the picture anew. After it the edit is taken to have changed nothing.
+/// The longest wait for an edit to restart the picture. After it the edit counts as one that changed nothing.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// An edit that changes nothing is tried once more, with another value.
+/// The number of attempts at an edit, with different values, if it changes nothing.
 const ATTEMPTS: usize = 2;
 
-/// The measurement that the command line asks for.
+/// The measurement of the command line.
 #[derive(Resource)]
 pub(crate) struct SettlingProbe {
     options: SettlingOptions,
     stage: Stage,
-    /// The place in [`EDITS`].
+    /// The index in [`EDITS`].
     edit: usize,
     attempt: usize,
-    /// The commands of this edit once they are chosen: with and without what is carried over the very same is done.
+    /// The chosen commands of this edit: with and without carrying over the same ones are applied.
     commands: Vec<Command>,
-    /// The ways in which it was done so far.
+    /// The results so far, with or without carrying over.
     played: Vec<Played>,
     report: Report,
-    /// The settings that are put back at the end.
+    /// The settings to restore at the end.
     before: Option<(RenderControl, bool)>,
     pub done: bool,
 }
@@ -66,14 +66,14 @@ pub(crate) struct SettlingProbe {
 enum Stage {
     /// A script may have to end first.
     New,
-    /// Waits for the converged picture, which is a later one than this job's if there is one.
+    /// Waits for the converged picture, of a later job than this one if there is one.
     Converging(Option<u64>),
     /// The picture has converged, and the edit comes next.
     Ready(Shot),
     Acting(Acting),
-    /// What was edited is put back, once the next way is set. It begins the picture anew if the edit did.
+    /// The edit is reverted after carrying over is switched. This restarts the picture if the edit did.
     Returning(Start, bool),
-    /// What was edited is put back next.
+    /// The edit is reverted next.
     Switched(Start, bool),
     Over,
 }
@@ -82,16 +82,16 @@ enum Stage {
 struct Acting {
     since: Instant,
     start: Start,
-    /// The pictures of [`PICTURES`] that were taken so far, in their order.
+    /// The pictures of [`PICTURES`] taken so far, in their order.
     pictures: Vec<Timed>,
 }
 
-/// What there was before an edit.
+/// The state before an edit.
 #[derive(Clone, Copy)]
 struct Start {
     job: u64,
     pose: Option<Affine3A>,
-    /// Steps of the history.
+    /// The steps of the history.
     steps: usize,
 }
 
@@ -103,7 +103,7 @@ struct Timed {
 
 struct Played {
     carries_over: bool,
-    /// One for each of [`PICTURES`].
+    /// The pictures, one for each of [`PICTURES`].
     pictures: Vec<Timed>,
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn add_to(app: &mut App, options: &SettlingOptions, scene: Option<&Pa
     );
 }
 
-/// Says the next commands, as a panel would.
+/// Queues the next commands, as a panel would.
 fn act(world: &mut World) {
     let Some(mut probe) = world.remove_resource::<SettlingProbe>() else {
         return;
@@ -142,8 +142,7 @@ fn act(world: &mut World) {
         Stage::New => probe.begin(world),
         Stage::Ready(kept) => probe.play(world, kept),
         Stage::Returning(start, restarts) => {
-            // A frame before the picture begins from which the next edit is carried over: it may have to keep something
-            // for that.
+            // One frame before the picture from which the next edit is carried over: it may have to be kept for that.
             probe.set_way(world);
             Stage::Switched(start, restarts)
         }
@@ -153,7 +152,7 @@ fn act(world: &mut World) {
     world.insert_resource(probe);
 }
 
-/// Looks at what the window shows in this frame.
+/// Takes the picture that the window shows in this frame.
 fn watch(mut probe: ResMut<SettlingProbe>, seen: Seen, scene: Res<SceneWatch>, mut exit: MessageWriter<AppExit>) {
     let probe = &mut *probe;
     if let Err(error) = probe.look(&seen, &scene) {
@@ -187,7 +186,7 @@ impl Seen<'_> {
         Ok(Shot { size, rgba })
     }
 
-    /// Whether this is the best picture of so many samples per pixel, and of a later job than `left`.
+    /// Whether this is the final picture at so many samples per pixel, and of a later job than `left`.
     fn is_converged(&self, samples: u32, left: Option<u64>) -> bool {
         let is_later = left.is_none_or(|job| self.film.job != job);
         let is_there = self.status.state == RenderState::Done
@@ -208,7 +207,7 @@ impl Seen<'_> {
 }
 
 impl SettlingProbe {
-    /// What is being done, for a message that it was given up.
+    /// The present activity, for a message about a timeout.
     pub fn awaited(&self) -> String {
         match EDITS.get(self.edit) {
             Some((name, _)) => format!("while the edit `{name}` was measured"),
@@ -216,8 +215,8 @@ impl SettlingProbe {
         }
     }
 
-    /// Every edit is done in both ways, and the one that comes first changes from edit to edit: what is known from the
-    /// first time, such as a guide of paths, then favours neither.
+    /// Whether this run of the edit is carried over. Every edit runs with and without, in an order that alternates from
+    /// edit to edit: data kept from the first run, such as a guide of paths, then favours neither.
     fn carries_over(&self) -> bool {
         !(self.edit + self.played.len()).is_multiple_of(2)
     }
@@ -241,7 +240,7 @@ impl SettlingProbe {
         self.before = Some((before, world.resource::<Preferences>().carries_over));
         let mut settings = world.resource_mut::<ViewSettings>();
         if settings.resolution == Resolution::AfterRest {
-            // The picture would begin anew with more pixels while it is followed.
+            // The picture would restart with more pixels while it is followed.
             settings.resolution = Resolution::View;
         }
         self.set_way(world);
@@ -276,7 +275,7 @@ impl SettlingProbe {
 
     fn put_back(&mut self, world: &mut World, start: Start, restarts: bool) -> Stage {
         let left = Some(world.resource::<RenderFilm>().job);
-        // The picture from which the next edit is carried over has to be made in the way that was set.
+        // The picture from which the next edit is carried over has to be made with the new setting.
         world.resource_mut::<RenderControl>().restart_requested |= !restarts;
         let is_edited = world.resource::<History>().len().0 > start.steps;
         let view = start.pose.filter(|pose| view_pose(world) != Some(*pose));
@@ -372,7 +371,7 @@ impl SettlingProbe {
         (self.commands, self.played) = (Vec::new(), Vec::new());
     }
 
-    /// Compares the pictures of both ways with the converged one that has nothing from before.
+    /// Compares the pictures of both runs with the converged one made without carrying over.
     fn judge(&mut self, scene: &SceneWatch) -> Result<(), String> {
         let of = |carries_over| {
             let mut played = self.played.iter();
@@ -431,7 +430,7 @@ fn write(shot: &Shot, path: &Path, scene: &SceneWatch) -> Result<(), String> {
     write_atomically(path, png).map_err(|error| named(&error))
 }
 
-/// Prints lines. A closed pipe is no reason to fail.
+/// Prints lines, and ignores a closed pipe.
 fn say(lines: impl Display) {
     let _ = writeln!(std::io::stdout(), "{lines}");
 }

@@ -12,34 +12,34 @@ use crate::app::editor::command::Command;
 pub enum Act {
     /// Lines of a script.
     Say(Vec<String>),
-    /// A command that scripts have no word for.
+    /// A command without a verb in scripts.
     Do(Command),
     /// Another program writes a file.
     Write {
         path: PathBuf,
         content: Vec<u8>,
         how: Writing,
-        /// It is the open scene's file: the next act waits until the editor has read this content.
+        /// Whether it is the open scene's file: the next act waits until the editor has read this content.
         awaited: bool,
     },
     /// Another program deletes a file.
     Remove(PathBuf),
-    /// The window's content, as shares of its first width and height.
+    /// The size of the window's content, as shares of its first width and height.
     Resize(Vec2),
     CloseSheet,
-    /// The next act waits until the engine has packed all edits, and the picture is of the scene as it is.
+    /// The next act waits until the engine has packed all edits, and the picture is of the present scene.
     AwaitPicture,
-    /// Nothing happens for this many frames.
+    /// No act for this many frames.
     Rest(usize),
 }
 
 /// A change of the scene's own file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OwnFile {
-    /// It is not written, neither here nor elsewhere.
+    /// It is written neither by the editor nor by the monkey.
     Untouched,
     /// The change leaves the scene in the file as it is.
     Harmless,
-    /// The change is one of the scene.
+    /// The change edits the scene in the file.
     Changes,
 }

@@ -1,4 +1,4 @@
-//! Chooses the monkey's next acts at random among what a user can do.
+//! Chooses the monkey's next acts at random among those of a user.
 
 use bevy::prelude::*;
 
@@ -32,7 +32,8 @@ const KINDS: [(&str, usize); 12] = [
     ("rest", 1),
 ];
 
-/// The kind's name, and acts for as many frames. The list is empty where the scene has nothing to do the chosen act to.
+/// The kind's name, and acts for as many frames. The list is empty if the scene has nothing that the chosen act applies
+/// to.
 pub fn next_acts(world: &mut World, random: &mut Random, folder: &Folder, own: OwnFile) -> (&'static str, Vec<Act>) {
     let total: usize = KINDS.iter().map(|(_, share)| share).sum();
     let mut ticket = random.below(total);
@@ -84,7 +85,7 @@ const FROM_PACKED: [&str; 9] = [
     "view-",
 ];
 
-/// Lets such acts wait until the engine has packed all edits, so that a run can be repeated.
+/// Delays such acts until the engine has packed all edits, so that a run can be repeated.
 fn after_packing(acts: Vec<Act>) -> Vec<Act> {
     let depends = |line: &String| FROM_PACKED.iter().any(|start| line.starts_with(start));
     let depends = |act: &Act| matches!(act, Act::Say(lines) if lines.iter().any(depends));
@@ -129,14 +130,14 @@ fn edit(world: &mut World, random: &mut Random, folder: &Folder) -> Vec<Act> {
 fn undo_or_redo(world: &World, random: &mut Random) -> Vec<Act> {
     let (done, undone) = world.resource::<History>().len();
     let kind = random.below(12);
-    // Several follow each other, as with a key that is held.
+    // Several in a row, as with a held key.
     let rows = match kind {
         0 => return say(format!("go-to {}", random.below(done + undone + 1))),
         1 | 2 => 1 + random.below(30),
         _ => 1,
     };
     let (line, possible) = match (done, undone, kind % 2) {
-        // This also happens now and then when there is nothing to undo.
+        // This also happens now and then when the history is empty.
         (0, 0, _) => ("undo", 1),
         (0, ..) => ("redo", undone),
         (_, 0, _) | (.., 0) => ("undo", done),
@@ -266,7 +267,7 @@ fn selection(world: &mut World, random: &mut Random) -> Vec<Act> {
         1 => vec![Act::Say(vec![select, "copy".to_owned()])],
         2 => vec![Act::Say(vec![select, "nudge-left".to_owned()])],
         3 => vec![Act::Say(vec![select, "frame-selection".to_owned()])],
-        // A click may hit something else while the picture is coarse, and what follows must not depend on it.
+        // A click may hit another thing while the picture is coarse, and later acts must not depend on it.
         4 => vec![Act::Say(vec![
             format!("pick {},{}", random.fraction(), random.fraction()),
             select,

@@ -1,4 +1,4 @@
-//! Random edits of the scene, as lines of a script. The property tests of undo and redo use the same ones.
+//! Random edits of the scene, as lines of a script. The property tests of undo and redo use them as well.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use super::random::Random;
 use crate::app::editor::command::uv_projection::ProjectedFrom;
 use crate::scene::{Emitter, Material, Medium, Shape};
 
-/// A scene of every kind of thing that [`random_edit`] may import.
+/// A scene with every kind of thing that [`random_edit`] may import.
 pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-plastic'/>
     <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
     <emitter type='point' id='part-light'/></scene>";
 
-/// Above this number of things, edits delete some. It is small enough to be quick, and large enough for several of each
-/// kind.
+/// The number of things above which edits delete some. It is small enough to be quick, and large enough for several of
+/// each kind.
 const MOST_THINGS: usize = 60;
 
 /// The sorted names of all things that pass the filter.
@@ -29,8 +29,8 @@ pub fn names<F: QueryFilter>(world: &mut World) -> Vec<String> {
     names
 }
 
-/// One edit as the lines of a script that make it, of which the last is the edit itself. None: the scene has nothing to
-/// do the chosen edit to. `part` is a scene file to import.
+/// A random edit as lines of a script, the last of which is the edit itself. None if the scene has nothing that it
+/// applies to. `part` is a scene file to import.
 pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Option<Vec<String>> {
     let shapes = names::<With<Shape>>(world);
     let materials = names::<With<Material>>(world);

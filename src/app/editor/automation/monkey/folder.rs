@@ -1,5 +1,4 @@
-//! The monkey's folder: copies of the scenes, files to import, and what the editor remembers. Nothing outside of it is
-//! written.
+//! The monkey's folder: copies of the scenes, files to import, and the editor's settings. No other files are written.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +11,7 @@ use crate::files::{LARGEST_NOTE, read_text, write_atomically};
 use crate::math::Aabb;
 use crate::medium::{VolumeGrid, Voxels, write_vol};
 
-/// A temporary folder that goes with this value.
+/// A temporary folder that is removed with this value.
 pub struct Folder {
     temporary: TempDir,
     copies: Vec<SceneCopy>,
@@ -25,14 +24,14 @@ pub struct SceneCopy {
     text: String,
 }
 
-/// The way in which a program puts new content into a file.
+/// The procedure by which a program writes a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Writing {
     /// The file is emptied and written.
     InPlace,
     /// The file is emptied, half of the content is written, and then all of it.
     Halting,
-    /// A new file takes its place.
+    /// A new file replaces it by renaming.
     ByRename,
 }
 
@@ -84,7 +83,7 @@ impl Folder {
         self.path().join("imports").join(name)
     }
 
-    /// A scene file of a few things.
+    /// The path of a scene file with a few things.
     pub fn part(&self) -> PathBuf {
         self.import(IMPORTS[0])
     }
@@ -97,7 +96,7 @@ impl Folder {
         self.import(PICTURE)
     }
 
-    /// A mesh or a picture, and new content for it, which is sometimes cut off.
+    /// The path of a mesh or a picture, and new content for it, which is sometimes truncated.
     pub fn changed_import(&self, random: &mut Random) -> (PathBuf, Vec<u8>) {
         let name = ["hills.obj", "hills.ply", "sky.pfm", "smoke.vol", PICTURE][random.below(5)];
         let mut content = content(name, random);
@@ -123,7 +122,7 @@ impl Folder {
         self.path().join(format!("scene-{number}.xml"))
     }
 
-    /// Takes a copy in, with the scene that is in its file.
+    /// Adds a copy, with the scene that is in its file.
     pub fn add_copy(&mut self, path: PathBuf) -> std::io::Result<()> {
         let text = read_text(&path, LARGEST_NOTE)?;
         self.copies.push(SceneCopy { path, text });
@@ -134,7 +133,7 @@ impl Folder {
         &self.copies
     }
 
-    /// Keeps the folder after the end, to look for the cause of a failure.
+    /// Keeps the folder after the end, to debug a failure.
     pub fn keep(&mut self) -> PathBuf {
         self.temporary.disable_cleanup(true);
         self.path().to_owned()
@@ -142,7 +141,7 @@ impl Folder {
 }
 
 impl SceneCopy {
-    /// Writes it as it was first.
+    /// Writes the original text.
     pub fn restore(&self) -> std::io::Result<()> {
         write_atomically(&self.path, &self.text)
     }

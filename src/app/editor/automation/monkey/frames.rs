@@ -1,4 +1,4 @@
-//! Time that a thread has used, on a machine that others use too.
+//! The processor time of a thread, on a machine with other load.
 
 use std::ops::{Add, AddAssign, Sub};
 use std::time::{Duration, Instant};
@@ -9,8 +9,8 @@ use super::gauge::ThreadTimes;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
     pub wall: Duration,
-    /// The time without that in which the thread was ready to run and other threads had the cores. Waiting for locks
-    /// and disks counts.
+    /// The time without the time in which the thread was ready to run and other threads had the cores. Waiting for
+    /// locks and disks counts.
     pub own: Duration,
     /// The time on a core.
     pub computed: Duration,

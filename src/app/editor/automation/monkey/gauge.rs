@@ -1,9 +1,9 @@
-//! Measures what the process uses of the machine: memory, threads, open files, and how long a thread has waited for a
-//! core. It reads Linux's `/proc`; on other systems nothing is known, and nothing is judged.
+//! Measures the resources of the process: memory, threads, open files, and how long a thread has waited for a core. It
+//! reads Linux's `/proc`; on other systems nothing is known, and nothing is judged.
 
 use std::time::Duration;
 
-/// One look at the process.
+/// A measurement of the process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Gauge {
     /// Resident memory in kB.
@@ -14,14 +14,14 @@ pub(crate) struct Gauge {
 }
 
 impl Gauge {
-    /// Reads the present values. None where the system does not say.
+    /// Reads the present values. None on other systems.
     pub fn read() -> Option<Self> {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
         let of = |name: &str| {
             let line = status.lines().find_map(|line| line.strip_prefix(name))?;
             line.split_whitespace().next()?.parse().ok()
         };
-        // The listing itself has one open.
+        // The listing itself has one file open.
         let files = std::fs::read_dir("/proc/self/fd").ok()?.count().saturating_sub(1);
         Some(Self {
             memory_kb: of("VmRSS:")?,
@@ -31,7 +31,7 @@ impl Gauge {
     }
 }
 
-/// Times of one thread since it began. Zero where the system does not say.
+/// The times of a thread since it began. Zero on other systems.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ThreadTimes {
     /// The time on a core.
@@ -55,8 +55,8 @@ impl ThreadTimes {
     }
 }
 
-/// Threads of the whole machine that run or are ready to run, for each core, as a mean over the last minute. Zero where
-/// the system does not say.
+/// The number of running or ready threads of the whole machine, for each core, as a mean over the last minute. Zero on
+/// other systems.
 pub(crate) fn threads_per_core() -> f32 {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = text.split_whitespace().next().and_then(|load| load.parse().ok());

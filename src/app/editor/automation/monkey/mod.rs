@@ -1,11 +1,11 @@
 //! A monkey that uses the editor: random commands, camera flights, changed and broken files, resizing, undo and redo,
-//! for hours if need be. It finds what tests of single features do not: memory, threads and files that grow, frames
-//! that take long, and histories that do not lead back.
+//! for hours if need be. It finds faults that tests of single features do not: memory, threads and files that grow,
+//! frames that take long, and histories that do not lead back.
 //!
 //! A run is a sequence of rounds. Each opens a copy of one of the scenes, does some hundred acts, undoes all of them,
-//! compares the scene with the start of the round, does them again, compares with the end, saves, and opens what was
-//! saved. All decisions come from one seed, and what depends on another thread's time is waited for before anything is
-//! decided by it: the same seed gives the same acts.
+//! compares the scene with the start of the round, redoes them, compares with the end, saves, and opens the saved
+//! scene. All decisions come from one seed, and results of other threads are awaited before a decision depends on them:
+//! the same seed gives the same acts.
 
 mod act;
 mod acts;

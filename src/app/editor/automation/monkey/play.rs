@@ -28,12 +28,12 @@ use crate::scene::{SceneState, SceneStatus};
 
 /// The number of acts of most rounds. It is so small that the history has room for all of them.
 const SHORT: std::ops::Range<usize> = 30..150;
-/// The number of acts of one round in [`LONG_EVERY`]. The history gets full then and forgets entries.
+/// The number of acts of one round in [`LONG_EVERY`]. The history gets full then and drops entries.
 const LONG: std::ops::Range<usize> = 1500..2500;
 const LONG_EVERY: usize = 20;
-/// The least number of rounds in a run of some time, even if frames are slow: memory is compared between their starts.
+/// The least number of rounds in a timed run, even if frames are slow: memory is compared between their starts.
 const LEAST_ROUNDS: u32 = 12;
-/// Time between two marks of a run of this number of parts.
+/// The number of marks in a run: the time between two is the run's length over this.
 const PARTS: u32 = 60;
 
 /// Does the monkey's work of this frame.
@@ -285,8 +285,8 @@ impl Monkey {
         }
     }
 
-    /// Compares without what saving and reading renew: saving gives ids to things and reading the file again renews
-    /// their order, and undo reverts neither.
+    /// The first difference of two scenes, ignoring data that saving and reading renew: saving gives ids to things and
+    /// reading the file again renews their order, and undo reverts neither.
     fn difference(&self, one: &Snapshot, other: &Snapshot) -> Option<String> {
         match self.round.own_file {
             OwnFile::Untouched => one.difference(other),
@@ -378,7 +378,7 @@ impl Monkey {
         }
     }
 
-    /// The error is what the user would be told.
+    /// Applies a command. The error is the message that a user would see.
     fn attempt(&mut self, world: &mut World, command: impl Into<Command>) -> Result<(), CommandError> {
         let watch = Stopwatch::start();
         let outcome = commands::apply_now(world, command);

@@ -1,4 +1,4 @@
-//! The measurements of the monkey, and whether they are good enough.
+//! The measurements of the monkey, and the verdict on them.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::frames::Span;
 use super::gauge::Gauge;
 
-/// One look at the process.
+/// A measurement of the process at a time of the run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark {
     pub at: Duration,
@@ -16,9 +16,9 @@ pub(crate) struct Mark {
     pub gauge: Gauge,
     pub entities: usize,
     pub steps: usize,
-    /// The longest frame since the mark before.
+    /// The longest frame since the last mark.
     pub longest_frame: Duration,
-    /// A scene has just been opened and nothing has been edited yet: such marks can be compared with each other.
+    /// Whether a scene has just been opened and not edited yet: such marks are comparable.
     pub at_start_of_round: bool,
 }
 
@@ -36,7 +36,7 @@ pub struct Frame {
 }
 
 /// The number of threads ready to run for each core above which a frame is judged by its time on a core: threads that
-/// hold what the window waits for have to wait as well then.
+/// hold locks of the window have to wait as well then.
 const BUSY: f32 = 2.0;
 
 impl Frame {
@@ -59,13 +59,13 @@ pub(crate) struct Record {
     pub frames: u64,
     pub rounds: usize,
     pub done: BTreeMap<&'static str, usize>,
-    /// The number of commands that the editor refused with a sentence. That is no fault: many random commands make no
+    /// The number of commands that the editor refused with a message. That is no fault: many random commands make no
     /// sense.
     pub refused: usize,
     pub marks: Vec<Mark>,
     /// The longest frames, the longest first.
     pub longest: Vec<Frame>,
-    /// Frames above the limit.
+    /// The number of frames above the limit.
     pub frames_too_long: u64,
     /// The number of times that the scene was undone to its start and compared.
     pub undone_to_start: usize,
@@ -102,9 +102,9 @@ const MEMORY_KB: u64 = 32 * 1024;
 /// half. Pictures of materials are made on threads that come and go.
 const MORE_THREADS: u64 = 3;
 const MORE_FILES: u64 = 4;
-/// The frames that are listed.
+/// The number of listed frames.
 const FRAMES_LISTED: usize = 8;
-/// Lines of the table of marks.
+/// The number of lines in the table of marks.
 const MARKS_LISTED: usize = 60;
 
 /// The result of one criterion.
@@ -138,7 +138,7 @@ impl Record {
         self.done.values().sum()
     }
 
-    /// One for each criterion.
+    /// The verdicts, one for each criterion.
     pub fn verdicts(&self, bounds: &Bounds) -> Vec<Verdict> {
         let of = |what, criterion, text: String| {
             let mut faults = self.faults.iter().filter(|(of, _)| *of == criterion);
@@ -198,7 +198,7 @@ impl Record {
             return not_judged(what);
         };
         let allowed = |before: u64| (MEMORY_SHARE * before as f64) as u64 + MEMORY_KB;
-        // What is allocated once, such as the memory of the denoiser when it is first used, is no leak: a leak goes on.
+        // A single allocation, such as the memory of the denoiser when it is first used, is no leak: a leak continues.
         let rises = |from: u64, to: u64| to > from + allowed(from) / 2;
         let goes_on = rises(second, third) && rises(third, last);
         Verdict {

@@ -6,7 +6,8 @@ use crate::scene::description::{Identity, SceneDescription};
 use crate::scene::write::gather;
 use crate::scene::{DocumentOrder, Hidden, Locked};
 
-/// The part of a scene that edits can change, without entities: two snapshots are equal if and only if the scenes are.
+/// The part of a scene that edits can change, without entities: two snapshots are equal if and only if their scenes
+/// are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     scene: SceneDescription,
@@ -30,7 +31,7 @@ impl Snapshot {
     }
 
     /// The shapes with their materials, the lights, sensors and all other materials, each as a text, sorted. It leaves
-    /// out what saving and reloading renew: names and ids that files give to things, the numbers of their order,
+    /// out data that saving and reloading renew: names and ids that files give to things, the numbers of their order,
     /// and the text that the file has for each.
     pub fn contents(&self) -> Vec<String> {
         let scene = &self.scene;
@@ -74,7 +75,7 @@ impl Snapshot {
         all
     }
 
-    /// A material with those inside of it, which form no circle.
+    /// A material with nested ones, which form no cycle.
     fn material(&self, index: usize) -> String {
         let material = &self.scene.materials[index];
         let inside = [material.first, material.second].map(|inside| inside.map(|inside| self.material(inside)));

@@ -1,4 +1,4 @@
-//! The state of the monkey: its options, what it waits for, and what it has seen.
+//! The state of the monkey: its options, the awaited event, and its record.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -18,38 +18,38 @@ use super::snapshot::Snapshot;
 use crate::app::editor::session::options::{Length, MonkeyOptions};
 use crate::files::{LARGEST_DATA, open};
 
-/// The purpose of the next frame.
+/// The work of the next frame.
 pub(super) enum Phase {
     /// Copies the scene of this number.
     Copy(usize),
-    /// A copy is written once its scene is open.
+    /// Writes a copy once its scene is open.
     Copying(usize),
     Begin,
     Play,
     Close,
-    /// The saved scene is open; it must have as many things of each kind.
+    /// Compares the saved scene, once it is open, with these numbers of things of each kind.
     Compare([usize; 4]),
     Over,
 }
 
-/// The event that has to happen before the next step.
+/// The event that must happen before the next step.
 pub(super) enum Waiting {
     Nothing,
     Frames(usize),
-    /// A scene is read after this many loads and failures.
+    /// A scene is read: more loads or failures are counted than these.
     Scene(u64, u64),
-    /// The picture of the scene as it is has a sample of every pixel, or is not going to have one.
+    /// The picture of the present scene has a sample of every pixel, or will never have one.
     Picture,
     /// The open scene's file is read with this text.
     Text(String),
 }
 
-/// The longest wait. A longer one is a fault.
+/// The longest wait, above which it is a fault.
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
-/// Scenes may be large.
+/// The longest wait for a scene, which may be large.
 pub(super) const PATIENCE_FOR_SCENES: Duration = Duration::from_secs(600);
 
-/// One opened scene and what is done to it.
+/// A round: an opened scene and the acts on it.
 pub(super) struct Round {
     pub own_file: OwnFile,
     pub steps_left: usize,
@@ -68,16 +68,16 @@ pub struct Monkey {
     pub(super) waiting: Waiting,
     pub(super) waiting_since: Instant,
     pub(super) round: Round,
-    /// Points, before the monkey has changed it.
+    /// The size in points before the monkey has changed it.
     pub(super) window_size: Option<Vec2>,
-    /// The acts that are planned, one for each of the next frames.
+    /// The planned acts, one for each of the next frames.
     pub(super) coming: VecDeque<Act>,
     /// The present activity, for the list of long frames.
     pub(super) doing: String,
     pub(super) begun: Instant,
     /// The time of the monkey's own work in this frame, which does not count as the window's.
     pub(super) own_work: Span,
-    /// The time that the editor has taken of this frame for the monkey's commands.
+    /// The time of this frame that the editor spent on the monkey's commands.
     pub(super) editing: Span,
     pub(super) frame: Stopwatch,
     pub(super) next_mark: Duration,
@@ -85,7 +85,7 @@ pub struct Monkey {
     pub(super) record: Record,
 }
 
-/// The folder in which an editor that a monkey uses keeps its settings.
+/// The settings folder of an editor with this monkey.
 pub(crate) fn settings_folder(monkey: &Monkey) -> PathBuf {
     monkey.folder.path().join("settings")
 }
@@ -93,7 +93,7 @@ pub(crate) fn settings_folder(monkey: &Monkey) -> PathBuf {
 /// The first line of a log.
 const LOG: &str = "# The acts of a monkey";
 
-/// Creates the file of the log. It replaces another log, but no other file: that might be one that the scenes need.
+/// Creates the file of the log. It replaces another log, but no other file, which the scenes might need.
 fn create_log(path: &Path) -> std::io::Result<File> {
     let mut begin = Vec::new();
     if path.is_file() {
@@ -110,7 +110,7 @@ fn create_log(path: &Path) -> std::io::Result<File> {
 }
 
 impl Monkey {
-    /// Prepares a run. An error if there is no place for its files.
+    /// Prepares a run. An error if its folder cannot be created.
     pub fn new(options: MonkeyOptions) -> std::io::Result<Self> {
         let mut random = Random::new(options.seed);
         let folder = Folder::new(&mut random)?;

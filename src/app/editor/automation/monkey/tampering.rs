@@ -43,7 +43,7 @@ pub fn acts(world: &World, random: &mut Random, own: OwnFile) -> Vec<Act> {
     }
 }
 
-/// The first part of the text, as of a program that has not written the rest.
+/// The first part of the text, as of a program that has not finished writing.
 fn cut(text: &str, random: &mut Random) -> String {
     let mut end = text.len() / 10 + random.below(text.len() * 8 / 10 + 1);
     while !text.is_char_boundary(end) {
@@ -54,13 +54,13 @@ fn cut(text: &str, random: &mut Random) -> String {
 
 const MARK: &str = "<!-- line ";
 
-/// The text with another comment after the scene, which moves no place in the file.
+/// The text with another comment after the scene, which shifts no position in the file.
 fn with_other_ending(text: &str, random: &mut Random) -> String {
     let kept = text.find(MARK).map_or(text, |place| &text[..place]);
     format!("{}\n{MARK}{} -->\n", kept.trim_end(), random.below(1000))
 }
 
-/// A new ball at the end of the scene, or the last such ball taken away.
+/// The text with a new ball at the end of the scene, or without the last such ball.
 fn with_or_without_ball(text: &str, random: &mut Random) -> String {
     const BALL: &str = "\n<shape type=\"sphere\" id=\"typed-";
     const END: &str = "</shape>";
@@ -79,7 +79,7 @@ fn with_or_without_ball(text: &str, random: &mut Random) -> String {
     format!("{}{}", &text[..place], &text[end..])
 }
 
-/// One number of the file times 0.8 to 1.2; None where the file has none.
+/// The text with one number multiplied by 0.8 to 1.2; None without a number.
 fn with_other_number(text: &str, random: &mut Random) -> Option<String> {
     const BEGIN: &str = "value=\"";
     let values = text.match_indices(BEGIN).filter_map(|(place, _)| {

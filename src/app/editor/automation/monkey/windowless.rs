@@ -29,7 +29,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
     let folder = settings_folder(&monkey);
     let mut app = App::new();
     let (preferences_file, preferences) = preferences::PreferencesFile::open(Some(&folder));
-    // The frames leave the cores to the other threads for a moment.
+    // The frames leave the cores to other threads for a moment.
     let runner = ScheduleRunnerPlugin::run_loop(Duration::from_millis(1));
     app.add_plugins((MinimalPlugins.set(runner), FileSourcePlugin, asset_plugin()))
         .add_plugins((ScenePlugin, EnginePlugin))

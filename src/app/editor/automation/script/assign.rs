@@ -18,7 +18,7 @@ use crate::scene::{
     PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture, Turned, VolumeFormat, VolumeParameter,
 };
 
-/// Says why a parameter was not set.
+/// The reason why a parameter was not set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum AssignError {
@@ -34,7 +34,7 @@ pub enum AssignError {
     Refused(String),
 }
 
-/// The parameter that is looked for, and whether it was there.
+/// The parameter to set, and whether it was found.
 struct Assign<'t> {
     wanted: &'t str,
     text: &'t str,
@@ -47,18 +47,19 @@ pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<
     assign(parameter, text, |visitor| visitor.declared(material))
 }
 
-/// Sets a parameter of what a shape emits, as [`material`] does.
+/// Sets a parameter of a shape's emission, as [`material`] does.
 pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| visitor.declared(light))
 }
 
-/// Sets a parameter of a light that is no surface, as [`material`] does.
+/// Sets a parameter of a light that is no shape, as [`material`] does.
 pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| visitor.declared(emitter))
 }
 
-/// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of that,
-/// `filename` the path of a grid in place of the extinction, and `mean_free_path` its inverse; lengths are in `unit`.
+/// Sets a parameter of a medium, or of its phase function, as [`material`] does. `phase` is the plugin of the phase
+/// function, `filename` the path of a grid in place of the extinction, and `mean_free_path` the inverse of the
+/// extinction; lengths are in `unit`.
 pub fn medium(medium: &mut Medium, parameter: &str, text: &str, unit: LengthUnit) -> Result<(), AssignError> {
     let (mut path, mut file) = (None, None);
     assign(parameter, text, |visitor| {
@@ -104,7 +105,7 @@ fn parse_phase(text: &str) -> Result<PhaseFunction, AssignError> {
     Err(AssignError::Refused(format!("expected {names}; found `{text}`")))
 }
 
-/// One length for all colours, or one for each, above 0.
+/// Parses one length for all colours, or one for each, above 0.
 fn parse_lengths(text: &str, unit: LengthUnit) -> Result<Rgb, AssignError> {
     let length = |text: &str| {
         unit.parse(text)
@@ -209,7 +210,7 @@ fn one_of<T: Copy>(text: &str, unsaid: &str, all: &[T], name: fn(T) -> &'static 
 }
 
 /// The pose with another position, rotation (degrees about x, then y, then z, from `rest`) or scale; and the angles, if
-/// these were set. `angles`: those that it has. A pose with shear gets others in its place.
+/// these were set. `angles` are its known ones. A pose with shear loses the shear.
 pub fn pose(
     pose: &Affine3A,
     parameter: &str,
@@ -230,7 +231,7 @@ pub fn pose(
     })?;
     let degrees = from_rest(degrees, rest);
     Ok(match parameter {
-        // The others keep their bits.
+        // The other coordinates keep their bits.
         "position" => {
             let translation = position.into();
             (Affine3A { translation, ..*pose }, None)
@@ -266,7 +267,7 @@ impl Assign<'_> {
         }
     }
 
-    /// Sets a value that may be anything that can be read.
+    /// Sets a value of any type that `parse` reads.
     fn parsed<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, ValueError>) {
         self.value(name, value, |text| Ok(parse(text)?));
     }
@@ -280,7 +281,7 @@ pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, As
     if range.contains(&number) {
         return Ok(number);
     }
-    // The least and the greatest number there are say nothing to people.
+    // The smallest and the largest number of the type are not worth naming.
     let expected = match (*range.start(), *range.end()) {
         (f32::MIN_POSITIVE, f32::MAX) => "more than 0".to_owned(),
         (f32::MIN_POSITIVE, end) => format!("more than 0, up to {end}"),

@@ -1,4 +1,4 @@
-//! The words of scripts about the bake of lightmaps.
+//! The verbs about the bake of lightmaps.
 
 use bevy::prelude::World;
 
@@ -26,7 +26,7 @@ verbs! {
     "show-lightmap" "NUMBER (from 0)" [number] => page(number)?;
 }
 
-/// Parses the event that a script waits for: a number of samples, or `done`.
+/// Parses the event to wait for: a number of samples, or `done`.
 fn wait(text: &str) -> Result<BakeWait, ScriptError> {
     match text {
         "done" => Ok(BakeWait::End),
@@ -34,7 +34,7 @@ fn wait(text: &str) -> Result<BakeWait, ScriptError> {
     }
 }
 
-/// Whether the event has come. The error says that the bake has failed.
+/// Whether the awaited event has come. An error if the bake has failed.
 pub fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
     let Some(baking) = world.get_resource::<Baking>() else {
         return Ok(true);
@@ -49,8 +49,8 @@ pub fn has_come(world: &World, wait: BakeWait) -> Result<bool, ScriptError> {
     })
 }
 
-/// Whether the level is seen by its lightmaps as the window wants it, if it does: from the present camera, and by the
-/// finished lightmaps once the bake has ended.
+/// Whether the view of the lit level, if it is shown, is up to date: from the present camera, and with the finished
+/// lightmaps once the bake has ended.
 pub fn is_lit_level_seen(world: &World) -> bool {
     let resources = (world.get_resource::<Baking>(), world.get_resource::<Comparison>());
     let (Some(baking), Some(comparison)) = resources else {
@@ -70,7 +70,7 @@ pub fn is_lit_level_seen(world: &World) -> bool {
     lit.is_some_and(|lit| lit.is_finished || news.ended.is_none())
 }
 
-/// The command that sets how lightmaps are baked: what is not named stays.
+/// The command that sets the settings of bakes: unnamed ones stay.
 fn choices(world: &World, words: &[&str]) -> Result<BakeCommand, ScriptError> {
     let mut choices = world
         .get_resource::<BakePlan>()

@@ -28,7 +28,7 @@ verbs! {
         [kind, wall, from, options @ ..] => cut(world, wall, kind, from, options)?;
 }
 
-/// The heights of what is drawn without one, world units.
+/// The default heights of drawings, in world units.
 const HEIGHT: f32 = 2.5;
 const FLOOR_HEIGHT: f32 = 0.1;
 const THICKNESS: f32 = 0.2;
@@ -139,7 +139,7 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
             _ => return Err(format!("expected name=, at= or size=, found `{option}`").into()),
         }
     }
-    // The same whatever the camera sees.
+    // The size must not depend on the camera.
     if addition.at.is_some() {
         addition.size.get_or_insert(known.usual_size());
     }

@@ -1,4 +1,4 @@
-//! [`ScriptError`] says why a script ends early, and [`ScriptNotBegun`] why it does not begin.
+//! [`ScriptError`], the reason why a script ends early, and [`ScriptNotBegun`], the reason why it does not begin.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -9,13 +9,13 @@ use crate::app::editor::picture::awaited_image::ImageNotSaved;
 use crate::document::value::ValueError;
 use crate::files::FileError;
 
-/// Says why a script is not begun.
+/// The reason why a script is not begun.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ScriptNotBegun {
     #[error("{}: {error}", path.display())]
     File { path: PathBuf, error: FileError },
-    /// The line has a fault that no scene could mend. `line` counts from 1.
+    /// The line has a fault that does not depend on the scene. `line` counts from 1.
     #[error("{}:{line}: {error}", path.display())]
     Line {
         path: PathBuf,
@@ -24,14 +24,14 @@ pub enum ScriptNotBegun {
     },
 }
 
-/// Says why a line of a script is not carried out, without the place of the line.
+/// The reason why a line of a script is not carried out, without the number of the line.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ScriptError {
-    /// A word of the line names nothing, or is in the wrong place.
+    /// A word of the line is unknown, or in the wrong position.
     #[error("{0}")]
     Words(Cow<'static, str>),
-    /// The line could be done in another scene, or with other things selected.
+    /// The line could be carried out in another scene, or with another selection.
     #[error("{0}")]
     OfScene(Box<ScriptError>),
     #[error(transparent)]
@@ -48,10 +48,10 @@ pub enum ScriptError {
     Command(#[from] CommandError),
     #[error(transparent)]
     Image(#[from] ImageNotSaved),
-    /// The picture could not be saved; `kept` says where it is instead.
+    /// The picture could not be saved; `kept` names its temporary file.
     #[error("{error}; {kept}")]
     Kept { error: CommandError, kept: String },
-    /// The log says why.
+    /// The scene could not be loaded, for a reason in the log.
     #[error("the scene cannot be read")]
     Scene,
     #[error("{0}: no samples can be waited for")]
@@ -64,7 +64,7 @@ impl ScriptError {
         Self::OfScene(Box::new(self))
     }
 
-    /// Whether the line could be done in another scene.
+    /// Whether the line could be carried out in another scene.
     pub(super) fn depends_on_scene(&self) -> bool {
         match self {
             Self::OfScene(_) => true,

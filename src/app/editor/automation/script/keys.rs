@@ -25,7 +25,7 @@ fn tutorial_step(number: &str) -> Result<ShellCommand, ScriptError> {
     Ok(ShellCommand::ShowTutorial(Some(step)))
 }
 
-/// Gives an action a key. If another action has that key, the two exchange their keys.
+/// Binds a key to an action. An action that has that key gets the former key of this one.
 fn choose(preferences: Option<&Preferences>, action: &str, key: &str) -> Result<ShellCommand, ScriptError> {
     let own = bindables().find(|own| own.name == action);
     let own = own.ok_or_else(|| format!("no action is called `{action}`"))?;

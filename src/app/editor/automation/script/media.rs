@@ -47,7 +47,7 @@ fn new_medium(world: &mut World, thing: &str, side: Option<&str>) -> Result<Medi
 }
 
 fn fill(world: &mut World, with: &str, shapes: &[&str]) -> Result<MediumEdit, ScriptError> {
-    // A medium of the scene is meant if there is one of this name.
+    // A medium of the scene takes precedence if it has this name.
     let known = named(world, with).ok();
     let known = known.filter(|thing| world.get::<Medium>(*thing).is_some());
     let with = match (known, with) {

@@ -1,10 +1,10 @@
 //! Replays a script: a file of named commands, one a line, which are applied one after the other as a user would.
 //!
-//! No line is done if one has a fault that no scene could mend, such as a misspelt verb. A line begins when everything
-//! that the one before asked for is loaded and in the picture. The first that fails ends the run. After
-//! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or
-//! measure it wait for that again if the scene was changed in between, as they do after `wait done`. What a script
-//! saves therefore does not depend on the speed of the machine.
+//! No line is carried out if one has a fault that does not depend on the scene, such as a misspelt verb. A line begins
+//! when the effects of the one before are loaded and in the picture. The first error ends the run. After `wait N` the
+//! picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it
+//! repeat that wait if the scene was changed in between, as they do after `wait done`. Saved files therefore do not
+//! depend on the speed of the machine.
 
 pub mod assign;
 pub mod baking;
@@ -49,10 +49,10 @@ use baking::BakeWait;
 use error::{ScriptError, ScriptNotBegun};
 use parse::{Step, Wait};
 
-/// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
+/// Frames after which the effect of a command has begun: it is applied in one, noticed in the next.
 const FRAMES_TO_BEGIN: u32 = 3;
 
-/// The words for what a line waits for that has to do with [`Script::wait`].
+/// The name of the obstacle of lines that wait because of [`Script::wait`].
 const SAMPLES: &str = "samples";
 
 #[derive(Resource, Debug)]
@@ -62,29 +62,29 @@ pub(crate) struct Script {
     lines: VecDeque<(usize, String)>,
     /// Frames since the last command.
     frames: u32,
-    /// A line that was read and has to wait for something.
+    /// A parsed line that has to wait.
     step: Option<Step>,
     wait: Option<Wait>,
     /// Whether the last `wait` was for the end of the picture.
     waited_for_end: bool,
-    /// What keeps the next line from being begun, in words.
+    /// The obstacle that the next line waits for, in words.
     obstacle: Option<&'static str>,
-    /// The bake that the next line waits for.
+    /// The event of the bake that the next line waits for.
     bake: Option<BakeWait>,
     screenshot_awaited: bool,
     /// The wait before a screenshot.
     window_wait: WindowWait,
-    /// The full film is traced for an image that is to be saved.
+    /// Whether the full film is being rendered for an image to save.
     image_awaited: bool,
     failed: bool,
-    /// The line that was begun last.
+    /// The number of the last line begun.
     number: usize,
-    /// It opens a scene.
+    /// Whether it opens a scene.
     opens: bool,
 }
 
 impl Script {
-    /// Reads a script. An error if a line has a fault that no scene could mend: then none is done.
+    /// Reads a script. An error if a line has a fault that does not depend on the scene: then no line is carried out.
     pub fn read(path: &Path) -> Result<Self, ScriptNotBegun> {
         let path = path.to_owned();
         let text = match read_text(&path, LARGEST_NOTE) {
@@ -113,7 +113,7 @@ impl Script {
         })
     }
 
-    /// Whether all lines are done and their pictures saved. The effects of the last line may still be pending.
+    /// Whether all lines are carried out and their pictures saved. The effects of the last line may still be pending.
     pub fn is_done(&self) -> bool {
         self.lines.is_empty()
             && self.step.is_none()
@@ -124,7 +124,7 @@ impl Script {
             && self.frames >= FRAMES_TO_BEGIN
     }
 
-    /// What is waited for, in words: the line, and what the picture has of it.
+    /// The pending wait in words: the line, and the progress of the picture.
     pub fn awaited(&self, status: &RenderStatus) -> String {
         let place = format!("{}:{}", self.path.display(), self.number);
         let samples = counted(status.samples.into(), "sample");
@@ -147,9 +147,9 @@ impl Script {
     }
 }
 
-/// The first line with a fault that no scene could mend, and its number.
+/// The first line with a fault that does not depend on the scene, and its number.
 fn first_fault(lines: &VecDeque<(usize, String)>) -> Option<(usize, ScriptError)> {
-    // No scene is in this world, so that what depends on one is an error that says so.
+    // This world has no scene, so that lines that depend on one give errors marked as such.
     let mut world = bare_world();
     lines.iter().find_map(|(number, line)| {
         let error = parse::line(&mut world, line).err()?;
@@ -157,7 +157,7 @@ fn first_fault(lines: &VecDeque<(usize, String)>) -> Option<(usize, ScriptError)
     })
 }
 
-/// Does the next line when its time has come.
+/// Carries out the next line when its obstacles are gone.
 pub(crate) fn run_script(world: &mut World) {
     let Some(mut script) = world.remove_resource::<Script>() else {
         return;
@@ -178,7 +178,7 @@ pub(crate) fn run_script(world: &mut World) {
     world.insert_resource(script);
 }
 
-/// What the next line has to wait for, in words. The error: it never will come.
+/// The obstacle of the next line, in words. An error if it will never go away.
 fn obstacle(world: &World, script: &mut Script) -> Result<Option<&'static str>, ScriptError> {
     if script.frames < FRAMES_TO_BEGIN {
         return Ok(Some("the next frame of the window"));
@@ -240,7 +240,7 @@ fn obstacle(world: &World, script: &mut Script) -> Result<Option<&'static str>, 
     Ok(None)
 }
 
-/// The last wait for samples, if the picture has not or no longer what it was for.
+/// The last wait for samples, if the picture does not, or no longer, fulfil it.
 fn lost_wait(world: &World, waited_for_end: bool) -> Option<Wait> {
     let status = world.resource::<RenderStatus>();
     let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
@@ -280,7 +280,7 @@ impl Script {
         }
     }
 
-    /// The next line that says something; None after the last one.
+    /// The next line that is neither empty nor a comment; None after the last one.
     fn read_line(&mut self, world: &mut World) -> Option<Result<Step, ScriptError>> {
         while let Some((number, text)) = self.lines.pop_front() {
             match parse::line(world, &text) {
@@ -429,7 +429,7 @@ mod tests {
             std::fs::write(&path, format!("# Begins well.\nadd cube name=box at=0,0,0\n{line}\n")).expect("a file");
             Script::read(&path).err().map(|error| error.to_string())
         };
-        // The third to fifth would be wrong in this scene, and the sixth with nothing selected.
+        // The third to fifth would be wrong in this scene, and the sixth without a selection.
         for line in [
             "",
             "wait 4",

@@ -1,4 +1,4 @@
-//! What the words of a line stand for: things by their names, and counts.
+//! The meaning of words in a line: things by their names, and counts.
 
 use bevy::prelude::*;
 
@@ -12,9 +12,8 @@ pub(super) fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item 
     format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-/// Looks among ids first, then among names. Several things of one name are an error, because otherwise the wrong one
-/// could be changed unnoticed. Errors depend on the scene: values that are written in the line are better parsed
-/// before.
+/// The thing of this id, or else of this name. Several things of one name are an error, because otherwise the wrong one
+/// could be changed unnoticed. Errors depend on the scene, so that literal values should be parsed before.
 pub(super) fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
     let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
@@ -44,7 +43,7 @@ fn ambiguous(name: &str, count: usize) -> ScriptError {
     ScriptError::from(message).of_scene()
 }
 
-/// A place of the picture.
+/// Parses a point of the picture.
 pub(super) fn parse_place(text: &str) -> Result<Vec2, ScriptError> {
     match parse_floats(text)?[..] {
         [x, y] => Ok(Vec2::new(x, y)),
@@ -56,7 +55,7 @@ pub(super) fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>
     names.iter().map(|name| named(world, name)).collect()
 }
 
-/// A material itself, or that of a shape.
+/// A material itself, or the material of a shape.
 pub(super) fn material_of(world: &World, entity: Entity) -> Option<Entity> {
     match world.get::<Material>(entity) {
         Some(_) => Some(entity),
@@ -64,7 +63,7 @@ pub(super) fn material_of(world: &World, entity: Entity) -> Option<Entity> {
     }
 }
 
-/// A medium itself, or that inside of a shape.
+/// A medium itself, or the interior medium of a shape.
 pub(super) fn medium_of(world: &World, entity: Entity) -> Option<Entity> {
     match world.get::<Medium>(entity) {
         Some(_) => Some(entity),
@@ -72,7 +71,7 @@ pub(super) fn medium_of(world: &World, entity: Entity) -> Option<Entity> {
     }
 }
 
-/// A number of samples per pixel, as films have it.
+/// Parses a number of samples per pixel, in the range of films.
 pub(super) fn sample_count(text: &str) -> Result<u32, ScriptError> {
     let (number, most) = (count(text)?, Film::LARGEST_SAMPLE_COUNT);
     match (1..=most).contains(&number) {

@@ -16,7 +16,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::action_context;
 use crate::engine::RenderControl;
 
-/// The verbs beside the actions by topic, in the order of `docs/scripts.md`.
+/// The verbs besides the actions by topic, in the order of `docs/scripts.md`.
 pub const VERBS: [&[Verb]; 16] = [
     files::SCENES,
     baking::VERBS,
@@ -44,8 +44,8 @@ verbs! {
     "screenshot" "FILE" [path] => Step::Screenshot(path.into());
 }
 
-/// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it
-/// is now.
+/// Reads one line of a script; None for a comment or an empty line. Names are looked up in the present scene of
+/// `world`.
 pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> {
     let text = text.trim();
     if text.is_empty() || text.starts_with('#') {
@@ -58,7 +58,7 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     };
     let (name, arguments) = words.split_first().ok_or("expected a command")?;
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    // The state that a switch of the menus is to have.
+    // The wanted state of a toggle.
     let wanted = match arguments[..] {
         ["on"] => Some(true),
         ["off"] => Some(false),
@@ -124,7 +124,7 @@ fn unknown_verb(name: &str) -> ScriptError {
     unknown("command", name, verbs.chain(actions))
 }
 
-/// Blanks separate words; quotes keep them together, `key=value` needs none around the whole.
+/// Splits a line at blanks; quotes keep words together, `key=value` needs none around the whole.
 fn words(text: &str) -> Result<Vec<String>, ScriptError> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;

@@ -78,7 +78,7 @@ fn distribute(axis: &str, by: &str) -> Result<ArrangeEdit, ScriptError> {
     Ok(ArrangeEdit::Distribute(axis_of(axis)?, known))
 }
 
-/// Whether nothing but `instances` follows.
+/// Whether the only word is `instances`, if any.
 fn is_series(how: &[&str]) -> bool {
     matches!(how, [] | ["instances"])
 }
@@ -99,7 +99,7 @@ fn series(count: &str, way: Way, how: &[&str]) -> Result<SceneEdit, ScriptError>
     }))
 }
 
-/// The number of an axis, in capitals or not.
+/// The index of an axis, in either case.
 pub(super) fn axis_of(name: &str) -> Result<usize, ScriptError> {
     let found = AXES.iter().position(|axis| axis.eq_ignore_ascii_case(name));
     found.ok_or_else(|| unknown("axis", name, AXES))

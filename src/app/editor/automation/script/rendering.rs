@@ -1,4 +1,4 @@
-//! The words of scripts about rendering and the finished picture.
+//! The verbs about rendering and the finished picture.
 
 use std::ops::RangeInclusive;
 
@@ -106,7 +106,7 @@ fn seeing(world: &World, change: impl FnOnce(&mut Seeing)) -> ViewCommand {
     ViewCommand::SetSeeing(seeing)
 }
 
-/// A part of the width or the height of the picture.
+/// The range of a coordinate of the picture, as a share of its width or height.
 const SHARE: RangeInclusive<f32> = 0.0..=1.0;
 
 pub fn switch(text: &str) -> Result<bool, ScriptError> {
@@ -158,7 +158,7 @@ fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
     }
 }
 
-/// The settings with these layers alone.
+/// The settings with exactly these layers.
 fn layers(world: &World, names: &[&str]) -> Result<SettingsEdit, ScriptError> {
     let layers = match names {
         [] => return Err("expected `none` or names of layers".into()),

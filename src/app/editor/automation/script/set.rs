@@ -22,8 +22,8 @@ verbs! {
         };
 }
 
-/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the
-/// known ones.
+/// Returns the command that sets a parameter of any component of the thing. The error for an unknown parameter names
+/// the known ones.
 fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<ValueEdit, ScriptError> {
     let mut known = Vec::new();
     if let Some(pose) = pose_of(world, entity) {
@@ -43,7 +43,7 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
             });
         }
     }
-    // This error tells more than that another component has no such parameter.
+    // This error is more informative than that of a component without the parameter.
     let mut wrong_value = None;
     macro_rules! attempt {
         ($of:expr, $component:ty, $assign:expr, $command:expr) => {
@@ -92,7 +92,7 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
     })
 }
 
-/// The message where a thing has parameters called `known`, and `material`, but no such parameter.
+/// The message about a thing with parameters called `known`, and `material`, but no such parameter.
 fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
     if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
         return format!("there is no `{parameter}`; {help}");

@@ -1,4 +1,4 @@
-//! The verbs that select things, and those about their names, groups and marks.
+//! The verbs that select things, and the verbs about names, groups and marks.
 
 use super::names::{all_named, named, parse_place};
 use super::rendering::switch;

@@ -1,4 +1,4 @@
-//! The words of scripts about time and key frames.
+//! The verbs about time and key frames.
 
 use bevy::prelude::*;
 
@@ -31,13 +31,13 @@ verbs! {
     "interpolate" "NAME PROPERTY linear|ease|step" [name, path, way] => interpolate(world, name, path, way)?;
 }
 
-/// A number of double precision, as times are. Its range is that of other numbers.
+/// Parses a number of double precision, for times. Its range is that of other numbers.
 fn precise(text: &str) -> Result<f64, ScriptError> {
     parse_float(text)?;
     text.trim().parse().map_err(|_| "expected a number".into())
 }
 
-/// The number of a frame, perhaps with a part of the next.
+/// Parses the number of a frame, perhaps with a fraction.
 fn frame(text: &str) -> Result<f64, ScriptError> {
     let (frame, most) = (precise(text)?, Timeline::MOST);
     match (0.0..=f64::from(most)).contains(&frame) {

@@ -1,4 +1,4 @@
-//! Verbs of scripts: each is one row with its name, its words and their meaning.
+//! Verbs of scripts: each is one row with its name, its words and its command.
 
 use std::path::PathBuf;
 
@@ -12,13 +12,13 @@ use crate::app::editor::command::Command;
 pub enum Step {
     /// A command for this frame.
     Do(Command),
-    /// The lines after it wait.
+    /// A wait for the lines after it.
     Wait(Wait),
-    /// A bake into this folder. The lines after it wait for the end of it.
+    /// A bake into this folder, whose end the lines after it wait for.
     Bake(PathBuf),
-    /// The lines after it wait for the bake that is under way.
+    /// A wait for the running bake.
     AwaitBake(BakeWait),
-    /// The whole window, as PNG.
+    /// A screenshot of the whole window as PNG.
     Screenshot(PathBuf),
 }
 
@@ -47,13 +47,13 @@ impl<C: Into<Command>> From<C> for Step {
     }
 }
 
-/// A verb beside the actions.
+/// A verb besides the actions.
 pub struct Verb {
     /// The first word of its lines.
     pub name: &'static str,
     /// The words that follow, for messages and `docs/scripts.md`.
     pub usage: &'static str,
-    /// Reads the words; None for other words than these.
+    /// Parses the words; None if they do not match the usage.
     pub parse: fn(&mut World, &[&str]) -> Result<Option<Step>, ScriptError>,
 }
 
@@ -61,7 +61,7 @@ pub struct Verb {
 macro_rules! verbs {
     ($table:ident($world:ident): $($name:literal $usage:literal $($words:pat $(if $guard:expr)? => $step:expr),+;)*) => {
         /// The verbs of this topic.
-        // Not every verb looks into the scene, and some take all words.
+        // Not every verb uses the scene, and some take all words.
         #[allow(unused_variables, unreachable_patterns)]
         pub const $table: &[$crate::app::editor::automation::script::verb::Verb] =
             &[$($crate::app::editor::automation::script::verb::Verb {

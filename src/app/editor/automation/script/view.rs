@@ -1,4 +1,4 @@
-//! The verbs that move the view and walk through the history.
+//! The verbs that move the view, and undo and redo.
 
 use bevy::math::{Affine3A, Mat3};
 use bevy::prelude::*;

@@ -1,4 +1,4 @@
-//! The edits after which it is measured.
+//! The edits of the measurement.
 
 use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use bevy::prelude::*;
@@ -27,7 +27,7 @@ pub(super) const EDITS: [(&str, Choose); 6] = [
     ("delete a thing", delete),
 ];
 
-/// How far the camera goes, as a share of the scene's size, and how far it turns, in radians.
+/// The move of the camera, as a share of the scene's size, and its turn, in radians.
 const STEP: (f32, f32) = (0.02, 0.05);
 
 fn one(command: Option<Command>) -> Option<Vec<Command>> {
@@ -56,10 +56,10 @@ fn delete(world: &mut World, attempt: usize) -> Option<Vec<Command>> {
     ])
 }
 
-/// The part of the picture in which a thing is looked for, and the number of places either way.
+/// The region of the picture in which a thing is searched, and the number of points along each side.
 const MIDDLE: [Vec2; 2] = [Vec2::splat(0.25), Vec2::splat(0.75)];
 const PLACES: f32 = 64.0;
-/// The share of the scene's size above which a thing is rather a wall or the ground.
+/// The share of the scene's size above which a thing counts as a wall or the ground.
 const LARGEST: f32 = 0.5;
 
 /// The largest thing in the middle of the picture that is no wall and no light: without its only lamp a picture is
@@ -72,14 +72,14 @@ fn seen_thing(world: &World) -> Option<Entity> {
         .iter()
         .map(|solids| size(solids))
         .collect();
-    // The size of the view counts the way to the camera, and the bounds count ground that reaches far beyond what is
-    // seen.
+    // The size of the view includes the distance of the camera, and the bounds include ground far beyond the visible
+    // part.
     let extent = scene_bounds(packed)?.extent().length();
     let limit = LARGEST * extent.min(world.resource::<ViewSettings>().navigation.scene_size);
     Some(seen[largest_within(&sizes, limit)?])
 }
 
-/// The diagonal of the box around these.
+/// The diagonal of the box around these solids.
 fn size(solids: &[Solid]) -> f32 {
     let reach = |direction| {
         solids
@@ -91,7 +91,7 @@ fn size(solids: &[Solid]) -> f32 {
     Vec3::from_array(sides).length()
 }
 
-/// The place of the largest size that is within the limit, or else of the smallest.
+/// The index of the largest size within the limit, or else of the smallest.
 fn largest_within(sizes: &[f32], limit: f32) -> Option<usize> {
     let places = || 0..sizes.len();
     let by_size = |a: &usize, b: &usize| sizes[*a].total_cmp(&sizes[*b]);

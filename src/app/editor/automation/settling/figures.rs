@@ -1,4 +1,4 @@
-//! Pictures as the window shows them, and how far they are from a converged one.
+//! Pictures as the window shows them, and their errors against a converged one.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -20,8 +20,8 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// The linear colours in [0, 1], enlarged to this size as the window enlarges them: the picture has fewer pixels
-    /// while something moves.
+    /// The linear colours in [0, 1], enlarged to this size as the window does: during motion the picture has fewer
+    /// pixels.
     fn linear(&self, size: UVec2) -> Vec<Rgb> {
         let rgba = match self.size == size {
             true => Cow::Borrowed(&self.rgba),
@@ -45,10 +45,10 @@ impl Shot {
     }
 }
 
-/// How far a shown picture is from the converged one.
+/// The error of a shown picture against the converged one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Figures {
-    /// The seconds from the command to the picture; None for one that was there before.
+    /// The seconds from the command to the picture; None for one from before the command.
     pub seconds: Option<f32>,
     /// The mean of FLIP over the pixels.
     pub flip: f32,
@@ -72,8 +72,8 @@ impl Figures {
         })
     }
 
-    /// The means; the decibels are those of the mean squared error, so that equal pictures count as well. None of
-    /// nothing.
+    /// The means; the decibels are those of the mean squared error, so that equal pictures count as well. None for an
+    /// empty list.
     pub fn mean(all: &[Self]) -> Option<Self> {
         let of = |figure: fn(&Self) -> f32| mean(&all.iter().map(figure).collect::<Vec<f32>>());
         let seconds: Option<Vec<f32>> = all.iter().map(|figures| figures.seconds).collect();
@@ -116,7 +116,7 @@ mod tests {
         );
     }
 
-    /// The numbers are worked out by hand.
+    /// The expected numbers are worked out by hand.
     #[test]
     fn known_differences_have_their_figures() {
         let [black, white] = [0, 255].map(|grey| shot([4, 4], &[grey; 16]));

@@ -1,26 +1,26 @@
-//! What is reported: the figures of each edit at each time, and their means.
+//! The report: the figures of each edit at each time, and their means.
 
 use serde::Serialize;
 
 use super::figures::Figures;
 
-/// The pictures that are compared with the converged one, in the order in which they are shown: that from before the
-/// edit, which is what would be seen had it stayed, those soon after it, and the one with all samples.
+/// The pictures that are compared with the converged one, in the order in which they are shown: the one from before the
+/// edit, as if it had stayed, some soon after it, and the one with all samples.
 pub(super) const PICTURES: [&str; 6] = ["kept", "0.1s", "0.3s", "1s", "3s", "end"];
 
-/// The seconds after the command of those of [`PICTURES`] between the first and the last.
+/// The seconds after the command of the inner [`PICTURES`].
 pub(super) const TIMES: [f32; PICTURES.len() - 2] = [0.1, 0.3, 1.0, 3.0];
 
-/// A picture, with and without what is carried over.
+/// The figures of a picture, with and without carrying over.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Row {
     pub picture: &'static str,
     pub carried: Option<Figures>,
-    /// None of the last one, which is the converged picture itself.
+    /// Without carrying over; None for the last picture, which is the converged one itself.
     pub anew: Option<Figures>,
 }
 
-/// The [`PICTURES`] of an edit.
+/// The rows of an edit, one for each of [`PICTURES`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct EditRows {
     pub edit: &'static str,
@@ -40,7 +40,7 @@ pub(super) struct Report {
     pub edits: Vec<EditRows>,
     /// The means over all edits.
     pub means: Vec<Row>,
-    /// The edits that the scene has nothing for, or that changed nothing.
+    /// The edits that do not apply to the scene, or that changed nothing.
     pub skipped: Vec<&'static str>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn header() -> String {
     )
 }
 
-/// Lines of the table.
+/// The lines of the table for an edit.
 pub(super) fn lines(name: &str, rows: &[Row]) -> String {
     let cells = |figures: Option<Figures>| match figures {
         Some(found) => format!("{:8.4} {:9.5} {:6.1}", found.flip, found.relative_error, found.psnr),
