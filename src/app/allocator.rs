@@ -1,12 +1,12 @@
-//! Makes the C library of Linux give memory back to the system. No other module sets it.
+//! Makes the C library of Linux return memory to the system. No other module sets this.
 #![allow(unsafe_code)]
 
-/// Larger pieces of memory go back to the system when they are freed, in bytes.
+/// The size in bytes above which freed allocations are returned to the system.
 ///
-/// Left to itself glibc raises this bound to the largest piece that was ever freed, at most 32 MB. Films, textures and
-/// hierarchies of the sizes that follow then come from the heaps of single threads, and what lies behind them keeps
-/// these heaps from shrinking: in a long session the program grew though nothing more was in use. The pieces above the
-/// bound are few, so that asking the system for each costs nothing that could be measured.
+/// Left to itself glibc raises this bound to the largest piece that was ever freed, at most 32 MB. Later films,
+/// textures and hierarchies below that size then come from the heaps of single threads, and allocations behind them
+/// keep these heaps from shrinking: in a long session the program grew though no more memory was in use. Allocations
+/// above the bound are few, so that asking the system for each costs nothing that could be measured.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const GIVEN_BACK_ABOVE: libc::c_int = 1 << 20;
 
@@ -18,8 +18,8 @@ pub fn keep_memory_low() {
     let _ = unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, GIVEN_BACK_ABOVE) };
 }
 
-/// Gives the pages of freed pieces back to the system, of all threads' heaps. It takes milliseconds for each 100 MB:
-/// for after something large that lay there in small pieces.
+/// Returns freed pages in all threads' heaps to the system. It takes milliseconds for each 100 MB: to be called after
+/// large data in small allocations was freed.
 pub fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: `malloc_trim` moves nothing that is in use, and glibc guards it by the locks of its heaps.

@@ -1,4 +1,4 @@
-//! What `sunroom bake` and the window bake of a scene: its level and its probes.
+//! The parts of a scene that `sunroom bake` and the window bake: its level and its probes.
 
 use std::path::{Path, PathBuf};
 
@@ -17,16 +17,16 @@ use crate::scene::{Emitter, EmitterKind, ToWorld};
 /// The part of a [`crate::bake::job::BakeSource`] that comes from the description of a scene.
 #[derive(Debug)]
 pub struct BakedLevel {
-    /// The level as a glTF file that is being made.
+    /// The writer of the level as a glTF file.
     pub writer: GltfWriter,
     /// The probes of the scene.
     pub probes: Vec<AskedProbe>,
-    /// One sentence for each thing of the level that the file does not say as the scene does.
+    /// One sentence for each thing of the level that the file cannot hold as the scene does.
     pub messages: Vec<String>,
 }
 
-/// Makes the level that will be written to `output`, a folder or the file of a share. It may not replace files that the
-/// scene is made of. `hidden` is left out; meshes and pictures are read as far as `access` permits.
+/// Makes the level that will be written to `output`, a folder or the file of a share. It may not replace files of the
+/// scene. Entities in `hidden` are left out; meshes and pictures are read as far as `access` permits.
 pub fn baked_level(
     scene: &SceneDescription,
     hidden: &Hidden,
@@ -55,7 +55,7 @@ pub fn baked_level(
     })
 }
 
-/// The probe that an emitter is; None if it is a light.
+/// The probe that an emitter stands for; None if it is a light.
 fn asked_probe(name: &str, emitter: &Emitter, to_world: &Affine3A) -> Option<AskedProbe> {
     let kind = match emitter.kind {
         EmitterKind::ReflectionProbe { parallax } => AskedKind::Reflection { parallax },
@@ -70,8 +70,7 @@ fn asked_probe(name: &str, emitter: &Emitter, to_world: &Affine3A) -> Option<Ask
     })
 }
 
-/// What is wrong with the probes of a scene that is open, as far as it can be told without tracing rays: a sentence for
-/// each.
+/// The problems with the probes of an open scene that can be found without tracing rays: a sentence for each.
 pub fn probe_faults(world: &mut World) -> Vec<String> {
     let scene = world.resource::<PackedScene>().scene.as_ref();
     let bounds = scene

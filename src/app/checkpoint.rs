@@ -1,4 +1,4 @@
-//! The picture that is rendered as a file with its exact sums, from which rendering goes on or parts are merged.
+//! The file of an unfinished picture with its exact sums, from which rendering resumes or parts are merged.
 
 use std::path::Path;
 
@@ -11,24 +11,24 @@ use crate::render::image_io::{ExrCompression, FileFormat, FileOptions, ImageIoEr
 use crate::render::layered_image::{Attribute, LayeredImage};
 use crate::render::part::{About, Crop, Origin, PartFile, PartHeader, write_part};
 
-/// A picture that is rendered, or a share of one, without its samples.
+/// A picture to render, or a share of one, without its samples.
 pub struct Piece {
-    /// What the whole picture is of.
+    /// The origin of the whole picture.
     pub origin: Origin,
     /// Width and height of the whole picture in pixels.
     pub size: [u32; 2],
     /// The pixels of the piece.
     pub crop: Crop,
-    /// The first sample of each pixel, and the end of its samples as they are asked for.
+    /// The first sample of each pixel, and the end of the requested samples.
     pub samples: [u32; 2],
-    /// The samples of each pixel of the whole picture; None where they are not known.
+    /// The samples per pixel of the whole picture; None if they are not known.
     pub samples_of_whole: Option<u32>,
 }
 
 impl Piece {
-    /// Has the next picture go on with what a file has. The scene is packed as it was then. The error is a sentence
-    /// that says why the picture is another one, or why the file cannot be read; it does not name the file. Returns
-    /// the number of samples that every pixel of the piece has.
+    /// Makes the next picture resume from a file. The scene is packed as it was then. Returns the number of samples
+    /// that every pixel of the piece has. The error is a sentence on the difference of the pictures, or on the failure
+    /// to read the file, without the file's name.
     pub fn take_up(&self, world: &mut World, file: &PartFile) -> Result<u32, String> {
         let header = file.header();
         let view = world.resource::<PackedScene>().view.as_ref();
@@ -59,7 +59,7 @@ impl Piece {
         Ok(samples)
     }
 
-    /// Whether every pixel of the piece has exactly its samples.
+    /// Whether every pixel of the piece has exactly the requested samples.
     fn is_finished(&self, film: &Film) -> bool {
         let samples = self.samples[1] - self.samples[0];
         self.counts(film).all(|count| count == samples)
@@ -79,7 +79,7 @@ impl Piece {
         rows.flat_map(move |y| columns.clone().map(move |x| film.samples(x, y)))
     }
 
-    /// The part of the picture that is the piece.
+    /// The crop of the picture to the piece.
     pub fn cut(&self, picture: LayeredImage) -> LayeredImage {
         let Crop { x, y, width, height } = self.crop;
         match self.crop == Crop::whole(self.size[0], self.size[1]) {
@@ -100,7 +100,7 @@ impl Piece {
         self.write_state(world, path, &content, picture)
     }
 
-    /// Writes a checkpoint. `described`: a picture with the attributes that the finished one will have.
+    /// Writes a checkpoint. `described`: a picture with the attributes of the finished one.
     pub fn write_checkpoint(&self, world: &World, path: &Path, described: &LayeredImage) -> Result<(), ImageIoError> {
         let film = &world.resource::<RenderFilm>().film;
         let mut picture = LayeredImage::from(&ImageRgb {
@@ -155,11 +155,11 @@ impl Piece {
     }
 }
 
-/// What is needed to write the picture later.
+/// The data for writing the picture later.
 fn about(world: &World, described: &LayeredImage) -> About {
     let names = PictureNames::of(world);
     let text = |(name, attribute): &(String, Attribute)| match attribute {
-        // Manifests of cryptomattes list what is in these pixels; the finished picture has others.
+        // Manifests of cryptomattes list the objects in these pixels; the finished picture has others.
         Attribute::Text(value) if !name.starts_with("cryptomatte/") => Some((name.clone(), value.clone())),
         _ => None,
     };

@@ -23,8 +23,8 @@ pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
     app
 }
 
-/// An app like that of [`headless`], for a scene that is rendered and neither edited nor written. It does not keep what
-/// editing and writing need of the file, and it does not follow changes of the file.
+/// An app like that of [`headless`], for a scene that is rendered and neither edited nor written. It does not keep the
+/// file's data for editing and writing, and it does not follow changes of the file.
 pub fn render_only(scene: OpenScene, threads: Option<i32>) -> App {
     keep_memory_low();
     let mut app = headless(scene, threads);

@@ -1,4 +1,4 @@
-//! Signals that ask the program to end in order: SIGINT, SIGTERM and SIGHUP (on other systems what corresponds to
+//! Signals that ask the program to end in order: SIGINT, SIGTERM and SIGHUP (on other systems the equivalents of
 //! Ctrl+C).
 
 /// Calls `handler` on a thread of its own for each such signal. SIGHUP stays ignored if it was, so that `nohup` keeps a

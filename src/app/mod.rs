@@ -1,4 +1,4 @@
-//! The application: drives the scene and the engine, with or without a window.
+//! The application: runs the scene and the engine, with or without a window.
 
 mod allocator;
 pub mod baking;

@@ -1,4 +1,4 @@
-//! What a picture is rendered of, for parts and checkpoints: digests of the scene's files, and the settings.
+//! The origin of a picture, for parts and checkpoints: digests of the scene's files, and the settings.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -17,12 +17,12 @@ use crate::scene::assets::parts_cache::is_cached_part;
 use crate::scene::{IntegratorSettings, SceneWatch};
 
 /// Digests of the files that were read so far: each file is hashed once, however many frames are rendered. None stands
-/// for a file whose content follows from that of others.
+/// for a file that is derived from others.
 #[derive(Resource, Default)]
 struct Digests(BTreeMap<PathBuf, Option<FileDigest>>);
 
-/// What the picture of the packed scene depends on. The files are those that were [recorded](files::record_reads);
-/// paths are relative to the folder of `scene`. Parts of glTF files in the user's cache are left out: they follow from
+/// The inputs of the picture of the packed scene. The files are those that were [recorded](files::record_reads); paths
+/// are relative to the folder of `scene`. Parts of glTF files in the user's cache are left out: they are derived from
 /// the glTF files, and lie elsewhere on another machine. `others` are further settings by name. An error names a file
 /// that cannot be read any more.
 pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
@@ -38,7 +38,7 @@ pub fn origin(world: &mut World, scene: &Path, others: Vec<(String, String)>) ->
     Ok(assemble(world, digests, others))
 }
 
-/// The same for a scene that is open in a window: the files are those of it that are there, as they are now.
+/// The same for a scene that is open in a window: its existing files are hashed as they are now.
 pub fn origin_of_open(world: &World, scene: &Path, others: Vec<(String, String)>) -> Result<Origin, String> {
     let folder = folder_of(scene);
     let files = world.resource::<SceneWatch>().files().filter(|file| file.is_file());
@@ -46,13 +46,13 @@ pub fn origin_of_open(world: &World, scene: &Path, others: Vec<(String, String)>
     Ok(assemble(world, digests?.into_iter().flatten().collect(), others))
 }
 
-/// The name of the setting that is there where `auto` has chosen another integrator than `path`.
+/// The name of the setting that exists if `auto` has chosen another integrator than `path`.
 const CHOICE: &str = "the choice of the integrator auto";
-/// What it says of guided paths.
+/// Its value for guided paths.
 const GUIDED: &str = "guided path";
 
-/// Has `auto` stand for what it has stood for in a picture of this origin, so that the picture can go on. Returns false
-/// where `auto` is not asked for.
+/// Makes `auto` choose the same integrator as in a picture of this origin, so that the picture can resume. Returns
+/// false if `auto` is not set.
 pub fn take_choice(world: &mut World, then: &Origin) -> bool {
     if world.resource::<RenderStatus>().auto.is_none() {
         return false;
@@ -80,7 +80,7 @@ fn folder_of(scene: &Path) -> PathBuf {
     scene.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// The digest of a file by its name from a folder on; None for a file that follows from others.
+/// The digest of a file by its path relative to a folder; None for a file derived from others.
 fn digest_within(folder: &Path, path: &Path) -> Result<Option<FileDigest>, String> {
     let full = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if is_cached_part(&full) {

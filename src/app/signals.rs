@@ -1,5 +1,4 @@
-//! Signals that a farm sends to a render: SIGTERM, which asks for a checkpoint, and SIGUSR1, which asks for the picture
-//! so far.
+//! Signals of a render farm: SIGTERM, which requests a checkpoint, and SIGUSR1, which requests the picture so far.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -8,13 +7,13 @@ static SHOW: AtomicBool = AtomicBool::new(false);
 static TERMINATED: AtomicBool = AtomicBool::new(false);
 static CANCEL: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Has SIGUSR1 noted for [`take_show`] from now on. Other systems have no such signal.
+/// Records SIGUSR1 for [`take_show`] from now on. Other systems have no such signal.
 pub fn note_show() {
     #[cfg(unix)]
     handlers::note_show();
 }
 
-/// Has SIGTERM set this flag from now on, and be noted for [`is_terminated`]. On other systems, and after the first
+/// Makes SIGTERM set this flag from now on, and records it for [`is_terminated`]. On other systems, and after the first
 /// call, this does nothing.
 pub fn note_termination(cancel: Arc<AtomicBool>) {
     if CANCEL.set(cancel).is_ok() {
@@ -51,7 +50,7 @@ mod handlers {
         set(Signal::SIGTERM, terminate);
     }
 
-    /// A signal that has no such handler afterwards acts as it did before.
+    /// Sets a handler. If this fails, the signal acts as before.
     fn set(signal: Signal, handler: extern "C" fn(c_int)) {
         let action = SigAction::new(SigHandler::Handler(handler), SaFlags::SA_RESTART, SigSet::empty());
         // SAFETY: the handlers may be called at any moment. They load and store atomic values, and do nothing else.

@@ -1,4 +1,4 @@
-//! Decides how many threads trace rays, and how many cores are left to others. No other place decides it: neither
+//! Decides the number of threads that trace rays, and the cores left to others. No other module decides it: neither
 //! Bevy's task pools nor rayon's global pool trace rays.
 
 use std::num::NonZeroUsize;
@@ -25,7 +25,7 @@ pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
 }
 
 /// Lets the systems of a frame run one after the other on the thread that drives the app: most take microseconds, which
-/// is less than to wake another thread for them, and the other threads' cores trace rays.
+/// is less than waking another thread takes, and the other threads' cores trace rays.
 pub(crate) fn run_systems_in_turn(app: &mut App) {
     let mut schedules = app.world_mut().resource_mut::<Schedules>();
     for (_, schedule) in schedules.iter_mut() {

@@ -1,4 +1,4 @@
-//! The program with a window: Bevy's window and renderer around the scene, the engine and the editor.
+//! The program with a window: Bevy's window and renderer, the scene, the engine and the editor.
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -120,8 +120,9 @@ fn log_layer() -> BoxedFmtLayer {
     Box::new(layer.log_internal_errors(false))
 }
 
-/// Keeps the graphics driver loaded until the process ends, because drivers leave functions to be called then. One that
-/// is unloaded before, with the last of what it has made, would be called where nothing is any more: it stays.
+/// Keeps the graphics driver loaded until the process ends, because drivers register functions for that moment. A
+/// driver that is unloaded before, with the last of its objects, would be called at addresses that are no longer
+/// mapped.
 fn keep_driver(adapter: Option<Res<RenderAdapter>>) {
     std::mem::forget(adapter.map(|adapter| adapter.clone()));
 }
@@ -152,7 +153,7 @@ fn explain_startup_panics() {
     }));
 }
 
-/// A part of the message, and what it means.
+/// A part of the panic's message, and its meaning for the user.
 const STARTUP_PANICS: [(&str, &str); 3] = [
     (
         "Unable to find a GPU",

@@ -1,10 +1,10 @@
 //! The editor: a window with the picture being rendered, and panels that change the scene and see it follow.
 //!
-//! A frame goes one way: the world is gathered into a plain [`model::Model`]; panels show it and say what the user did
-//! as [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture
-//! follows the film.
+//! Data flow one way in a frame: the world is gathered into a plain [`model::Model`]; panels show it and return the
+//! user's input as [`command::Command`]s; `commands` applies them to the world; the engine reacts in the same frame;
+//! the texture follows the film.
 //!
-//! The modules from the lowest to the highest, each of which imports only what stands before it: [`command`] and
+//! The modules from the lowest to the highest, each of which imports only the ones before it: [`command`] and
 //! [`words`]; [`camera`] and [`input`]; [`session`]; [`picture`]; [`model`]; [`commands`], [`viewport`] and [`panels`];
 //! [`window`]; [`automation`]. This file puts their systems and resources together. `tests/layering` has the table.
 
@@ -37,7 +37,7 @@ use session::plugin::SessionPlugin;
 use session::systems::EditorSystems;
 use window::plugin::WindowPlugin;
 
-/// The longest part of a frame in which entities of a scene that is being opened are made.
+/// The time per frame for spawning the entities of a scene that is being opened.
 const LONGEST_OPENING: Duration = Duration::from_millis(20);
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.
