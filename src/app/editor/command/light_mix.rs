@@ -1,5 +1,6 @@
-//! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Nothing is
-//! rendered anew; the film keeps each light in a layer. Baking writes strengths and colours to the lights themselves.
+//! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Changes
+//! need no new samples; the film keeps each light in a layer. Baking writes strengths and colours to the lights
+//! themselves.
 
 use bevy::prelude::{Entity, Res, ResMut, Resource};
 

@@ -70,7 +70,7 @@ pub fn upright(is_turned: bool) -> Affine2 {
     }
 }
 
-/// Textures of a material, and of those nested in it, that have the same transform of uv.
+/// Textures of a material, and of its nested ones, with the same transform of uv.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureGroup {
     /// The transform.

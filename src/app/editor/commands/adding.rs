@@ -54,7 +54,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
         }
     };
     let Spot { foot, size, on } = spot;
-    // A light that is not placed hangs above what it shines on.
+    // A light without a given place hangs above the surface that it shines on.
     let above = match addition.at {
         None if is_light && has_spot(addition.kind) => foot + up * spot::headroom(edit.world, &spot, ABOVE * size),
         _ => foot,
@@ -65,7 +65,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
         None => spot::rounded_place(place, size),
     };
     let above = placed(above);
-    // A flat thing must not coincide with what it lies on.
+    // A flat thing must not coincide with the surface below it.
     let ground = match on {
         Some(_) => foot + up * (FLAT * size),
         None => foot,

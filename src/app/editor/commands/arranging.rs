@@ -1,4 +1,4 @@
-//! Aligns and distributes what is selected, by the bounds of each thing along an axis of the world.
+//! Aligns and distributes the selection, by the bounds of each thing along an axis of the world.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Bakes the scene on a thread of its own while the user goes on. The bake is of the scene as it was when it began;
+//! Bakes the scene on a thread of its own while the user continues to edit. The bake is of the scene at its begin;
 //! another scene may be opened meanwhile.
 
 use std::path::Path;
@@ -90,7 +90,7 @@ fn begin(world: &mut World, folder: &Path) -> Result<(), CommandError> {
         show_lit(&mut comparison, None);
     }
     let mut requests = world.resource_mut::<Requests>();
-    // The form would cover what is to be seen.
+    // The form would cover the result.
     requests.sheet = requests.sheet.filter(|sheet| *sheet != Sheet::Bake);
     Ok(())
 }
@@ -104,7 +104,7 @@ pub(super) fn check_view(world: &World, view: CompareView) -> Result<(), Command
     Ok(())
 }
 
-/// Goes on with the bake, in every frame after the engine has packed the scene.
+/// Continues the bake, in every frame after the engine has packed the scene.
 pub fn follow(world: &mut World) {
     let Some(mut baking) = world.get_resource_mut::<Baking>() else {
         return;
@@ -201,7 +201,7 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFo
         scene: scene.clone(),
         view: View {
             medium,
-            // What the window alone does.
+            // Display modes and filters of the window do not apply to the bake.
             integrator: Integrator::Path(view.integrator.settings()),
             shown: Shown::Radiance,
             sight: Sight::default(),
@@ -219,7 +219,7 @@ fn order(world: &mut World, folder: OutputFolder) -> Result<(BakeOrder, OutputFo
     Ok((order, folder))
 }
 
-/// Gives up a bake that waits for a scene, since another one takes its place. A running bake goes on, and its end does
+/// Discards a bake that waits for a scene, since another one takes its place. A running bake goes on, and its end does
 /// not concern the new scene.
 pub(super) fn leave_scene(world: &mut World) {
     let waits = |baking: &Baking| matches!(baking.work, Work::Waiting(_));

@@ -16,7 +16,7 @@ use crate::engine::{PackedScene, RenderControl, RenderFilm};
 use crate::scene::write::KnownTexts;
 use crate::scene::{ActiveSensor, FreeView, OpenScene, SceneFile, SceneStatus, Trust};
 
-/// A world without a scene that has what edits need, and nothing that draws.
+/// A world without a scene that has the resources of edits, and nothing that draws.
 pub fn bare_world() -> World {
     let mut world = World::new();
     world.init_resource::<ViewSettings>();

@@ -1,4 +1,4 @@
-//! Adds what was drawn, and changes shapes together with their poses.
+//! Adds drawn blocks, and changes shapes together with their poses.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -77,7 +77,7 @@ fn short(mut shape: Shape, mut pose: Affine3A) -> (Shape, Affine3A) {
     (shape, pose)
 }
 
-/// Joins a new wall to those that stand where it begins and ends.
+/// Joins a new wall to existing ones at its ends.
 fn join(edit: &mut Edit, block: &mut Block) -> Result<(), CommandError> {
     // The pose of a member of a group is not its place in the world, and hidden walls are not seen.
     type Free = (Without<MemberOf>, Without<Hidden>);

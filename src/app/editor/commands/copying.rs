@@ -1,4 +1,4 @@
-//! Copies what is selected: once, beside it, or as a series of copies or instances.
+//! Copies the selection: once, beside it, or as a series of copies or instances.
 
 use std::collections::HashMap;
 
@@ -25,8 +25,8 @@ use crate::scene::{
 #[derive(Component, Clone, Copy, Debug)]
 pub struct CopyOf(Entity);
 
-/// Copies what is selected; the copies are selected then, and use the same materials and groups. A copy stands beside
-/// its original, at a distance that suits its size. If what is selected was copied just before, and perhaps moved
+/// Copies the selection; the copies are selected then, and use the same materials and groups. A copy stands beside its
+/// original, at a distance that suits its size. If the selection was itself copied just before, and perhaps moved
 /// since, the copies continue that series.
 pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;

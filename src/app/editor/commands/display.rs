@@ -14,7 +14,7 @@ use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::ViewMode;
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: DisplayCommand) -> Result<(), CommandError> {
     match command {
         DisplayCommand::SetLightMix(mix) => {

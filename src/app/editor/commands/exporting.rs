@@ -1,5 +1,5 @@
-//! Exports the scene to glTF. It is described at once, and the files are made and written on another thread while the
-//! user goes on.
+//! Exports the scene to glTF. The scene is copied at once, and the files are made and written on another thread while
+//! the user continues to edit.
 
 use std::path::{Path, PathBuf};
 
@@ -76,7 +76,7 @@ pub(crate) fn export_now(world: &mut World, path: &Path) -> Result<(), CommandEr
     tell(world, path, exported)
 }
 
-/// Goes on with the export that is under way, in every frame.
+/// Continues the running export, in every frame.
 pub(crate) fn go_on(world: &mut World) {
     let Some(ExportUnderWay { path, mut task }) = world.remove_resource() else {
         return;

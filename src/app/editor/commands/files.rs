@@ -30,7 +30,7 @@ use crate::scene::{
     SceneState, SceneStatus, SceneWatch, insert,
 };
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: FileCommand) -> Result<(), CommandError> {
     match command {
         FileCommand::NewScene => {

@@ -22,8 +22,8 @@ const SHARE: f32 = 1.0 / 3.0;
 /// The number of significant digits of the factor.
 const DIGITS: i32 = 2;
 
-/// Scales things together so that their longest side is a third of the picture's height, and puts them onto what is
-/// seen in its middle.
+/// Scales things together so that their longest side is a third of the picture's height, and puts them onto the surface
+/// in its middle.
 pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandError> {
     let units = grouping::units_of(edit.world, entities.to_vec());
     let mut all: Vec<Entity> = units.into_iter().flat_map(|unit| unit.all).collect();

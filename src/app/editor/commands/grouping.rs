@@ -74,7 +74,7 @@ pub fn ungroup(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Puts things into a folder; groups keep what is in them.
+/// Puts things into a folder; groups keep their members.
 pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), CommandError> {
     if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
         return Err("The folder's name has a character that names cannot have.".into());

@@ -6,7 +6,7 @@ use crate::app::editor::command::HistoryCommand;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::{self, History};
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: HistoryCommand) -> Result<(), CommandError> {
     match command {
         HistoryCommand::Undo => history::undo(world)?,

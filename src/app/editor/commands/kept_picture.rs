@@ -110,7 +110,7 @@ fn keepable(world: &World) -> Result<PathBuf, CommandError> {
     }
     let control = world.resource::<RenderControl>();
     let is_plain = control.view_mode == ViewMode::Path && !control.strategy_split;
-    // No file has what is hidden.
+    // Files cannot hide things.
     let hides = world
         .try_query_filtered::<(), With<Hidden>>()
         .is_some_and(|mut hidden| hidden.iter(world).next().is_some());
@@ -245,8 +245,7 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
             "{name} was not kept by the window: resume it by `sunroom render --resume`"
         ))
     })?;
-    // A scene that was edited since keeps the view that it has. Settings follow from what is shown, so they are
-    // compared later.
+    // A scene that was edited since keeps its view. Settings depend on the view, so they are compared later.
     let (now, then) = (
         origin(world, &scene).map_err(CommandError::file)?,
         &file.header().origin,

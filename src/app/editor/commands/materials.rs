@@ -171,7 +171,7 @@ pub(super) fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
 }
 
 /// Replaces materials, or the materials of shapes, by the tree; a shape without one gets a new one. Shapes that share a
-/// material still share it afterwards. An error if the tree does not fit inside what is around the material.
+/// material still share it afterwards. An error if the tree cannot be nested in the material around.
 pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), CommandError> {
     let mut done = Vec::new();
     for &target in targets {

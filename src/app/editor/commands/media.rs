@@ -1,4 +1,4 @@
-//! Edits of media: which medium is inside and around things, and what shapes are filled with.
+//! Edits of media: the media inside and around things, and the fillings of shapes.
 
 use bevy::math::Vec3;
 use bevy::prelude::*;
@@ -200,7 +200,7 @@ pub fn lets_light_in(world: &World, shape: Entity) -> bool {
     used.is_some_and(|used| passes(world, used.0, DEEPEST))
 }
 
-/// A fog through which half of what is behind it is seen over seven tenths of this length, in world units.
+/// A fog that transmits half of the light over seven tenths of this length, in world units.
 pub fn fog(mean_free_path: f32) -> Medium {
     let albedo = Rgb::new(0.9, 0.94, 0.97);
     Medium {
@@ -227,7 +227,8 @@ fn scattering(mean_free_path: f32, albedo: Rgb) -> Medium {
     }
 }
 
-/// The mean extent of a shape along the axes, in world units. None for what is no shape, or one of unknown size.
+/// The mean extent of a shape along the axes, in world units. None for an entity that is no shape, or one of unknown
+/// size.
 fn size_of(world: &World, shape: Entity) -> Option<f32> {
     world.get::<Shape>(shape)?;
     let packed = world.get_resource::<PackedScene>();

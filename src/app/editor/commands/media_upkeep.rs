@@ -73,7 +73,7 @@ struct Carried {
     after: Affine3A,
 }
 
-/// Moves the volumes of media with the shapes that they fill, if all of those have moved alike.
+/// Moves the volumes of media with the shapes that they fill, if all these shapes have moved alike.
 fn carry_volumes(edit: &mut Edit) {
     let moved = edit.touched().filter_map(|(shape, before)| {
         let medium = edit.world.get::<InteriorMedium>(shape)?;

@@ -10,7 +10,7 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::view_settings::ViewSettings;
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: RenderCommand) -> Result<(), CommandError> {
     match command {
         RenderCommand::SetPaused(paused) => control(world, |control| control.paused = paused),

@@ -1,6 +1,6 @@
-//! Saves large scenes on another thread while the user goes on. The scene is copied over some frames first; what is
-//! saved is the scene as it was at the end of that, and later edits are edits of the new file. Commands that read or
-//! write files of the scene, and the end of the program, wait for it.
+//! Saves large scenes on another thread while the user continues to edit. The scene is copied over some frames first;
+//! its state at the end of the copy is saved, and later edits are edits of the new file. Commands that read or write
+//! files of the scene, and the end of the program, wait for it.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -133,7 +133,7 @@ fn copied(world: &mut World, request: Request, save: Save) {
     world.insert_resource(SaveUnderWay { request, stage });
 }
 
-/// Goes on with the save that is under way, in every frame.
+/// Continues the running save, in every frame.
 pub(crate) fn go_on(world: &mut World) {
     let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {
         return;
@@ -168,7 +168,7 @@ fn for_a_while(mut step: impl FnMut() -> bool) -> bool {
     false
 }
 
-/// Waits for the end of the save that is under way, if there is one. The error is that it failed.
+/// Waits for the end of the running save, if there is one. An error if it failed.
 pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
     while let Some(SaveUnderWay { request, stage }) = world.remove_resource() {
         match stage {
@@ -219,7 +219,7 @@ fn tell(world: &mut World, act: impl FnOnce(&mut World) -> Result<(), CommandErr
     }
 }
 
-/// Goes on after the files were written, or reports that they were not.
+/// Continues after the files were written, or reports that they were not.
 fn written(
     world: &mut World,
     mut request: Request,

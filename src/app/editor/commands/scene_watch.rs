@@ -57,7 +57,7 @@ pub fn follow_scene(
     mut seen: Local<(u64, u64)>,
     mut was_asked: Local<bool>,
 ) {
-    // A user who asked for a reload is also told that nothing has changed.
+    // A user who asked for a reload also gets a message if nothing has changed.
     let is_answer = std::mem::replace(&mut *was_asked, status.state == SceneState::Loading);
     if *seen == (status.revision, status.failures) {
         return;

@@ -12,7 +12,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::engine::PackedScene;
 use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: SelectionCommand) -> Result<(), CommandError> {
     match command {
         SelectionCommand::Copy => files::copy(world)?,

@@ -74,7 +74,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     let towards_eye = -ahead.reject_from(up).normalize_or_zero() * size;
     let stand = match surface {
         Some(surface) if surface.normal.dot(up) > STEEPEST => (surface.position, Some(surface)),
-        // If the surface does not face up, the thing goes before it, onto what is below.
+        // If the surface does not face up, the thing goes in front of it, onto the surface below.
         Some(surface) => {
             let before = surface.before(OFF * size);
             let step = match is_free(packed, before, towards_eye, |_| false) {
@@ -86,7 +86,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         None if has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
         None => (seen, None),
     };
-    // Beside a thing of similar size, whichever side of it is seen.
+    // Beside a thing of similar size, whichever side of it is visible.
     let start = match surface {
         Some(surface) if is_passed(surface.item) => (surface.position, Some(surface)),
         _ => stand,

@@ -16,7 +16,7 @@ use crate::document::paths::settle;
 use crate::scene::{AreaLight, ChosenPicture, Emitter, Material, MaterialUsers, Shape, SquarePath, UsesMaterial};
 use std::path::PathBuf;
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: TextureEdit) -> Result<(), CommandError> {
     match command {
         TextureEdit::SetPicture {
@@ -35,8 +35,8 @@ pub fn edit(edit: &mut Edit, command: TextureEdit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Gives all textures of a material, or of a shape's, that have one transform of uv another one. An error if there are
-/// none.
+/// Replaces the transform of all textures of a material, or of a shape's material, that have the transform `before`. An
+/// error if there are none.
 pub fn place(edit: &mut Edit, owner: Entity, before: Affine2, after: Affine2) -> Result<(), CommandError> {
     if !after.is_finite() {
         return Err("A texture cannot be placed by numbers that are not finite.".into());
@@ -64,7 +64,7 @@ pub fn place(edit: &mut Edit, owner: Entity, before: Affine2, after: Affine2) ->
     }
 }
 
-/// An error, with what to do, unless the active thing is a shape with textures that can be placed.
+/// An error, with advice, unless the active thing is a shape with textures that can be placed.
 pub(super) fn need_textures(world: &World) -> Result<(), CommandError> {
     let active = world.resource::<Selection>().active();
     let shape = active.filter(|active| world.get::<Shape>(*active).is_some_and(|shape| !shape.is_frame()));
@@ -75,7 +75,7 @@ pub(super) fn need_textures(world: &World) -> Result<(), CommandError> {
     }
 }
 
-/// A material, or that of a shape, with all that are nested in it.
+/// A material, or the material of a shape, with all nested ones.
 pub(crate) fn material_parts(world: &World, owner: Entity) -> Vec<Entity> {
     let outermost = world.get::<UsesMaterial>(owner).map_or(owner, |uses| uses.0);
     let mut found = vec![outermost];
@@ -94,8 +94,8 @@ pub(crate) fn material_parts(world: &World, owner: Entity) -> Vec<Entity> {
 /// The depth to which materials around a material are followed.
 const DEEPEST: usize = 8;
 
-/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture, upright on
-/// the shapes that have it. Lights have one parameter that may be a picture.
+/// Sets a picture, which keeps the parameters of the former bitmap; other textures become a plain bitmap, upright on
+/// the shapes that use it. Lights have one parameter that may be a picture.
 pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
     if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
         let picture = upright(path.clone(), &shapes_of(edit.world, owner, DEEPEST));
@@ -115,7 +115,7 @@ pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: Squar
     }
 }
 
-/// The picture turned over if all shapes would show it upside down.
+/// The picture flipped if all shapes would show it upside down.
 fn upright(path: PathBuf, shapes: &[Shape]) -> ChosenPicture {
     let is_turned = !shapes.is_empty() && shapes.iter().all(Shape::shows_pictures_upside_down);
     ChosenPicture {

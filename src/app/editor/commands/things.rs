@@ -83,7 +83,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
             edit.remove::<InMedium>(user);
         }
     }
-    // The material around it needs something in its place.
+    // The material around it needs a replacement.
     for outer in outer_materials(edit.world, entity) {
         let is_first = edit
             .world
@@ -107,7 +107,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
             || users_of_medium(edit.world, material).any(|user| ObjectState::is_in_scene(edit.world, user))
             || !outer_materials(edit.world, material).is_empty();
         if is_used {
-            // The material stands for itself from now on.
+            // The material is declared at the top level from now on.
             edit.remove::<DeclaredIn>(material);
         } else {
             delete(edit, material);
@@ -139,7 +139,7 @@ pub(crate) fn check_name(name: &str) -> Result<(), CommandError> {
     }
 }
 
-/// Whether ids cannot have this character.
+/// Whether the character is forbidden in ids.
 pub(crate) fn is_no_name(c: char) -> bool {
     c.is_control() || "$.\"<>&".contains(c)
 }
@@ -169,8 +169,8 @@ fn middle_of(world: &World, entity: Entity) -> Vec3 {
     world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle)
 }
 
-/// Gives a thing a pose, see [`pose_of`]. One without a transform that has a place of its own, such as a centre, is
-/// moved by that. Angles that do not give the new rotation follow it.
+/// Gives a thing a pose, see [`pose_of`]. A thing without a transform but with a position parameter, such as a centre,
+/// is moved by that. Angles that do not match the new rotation are updated.
 pub fn set_pose(edit: &mut Edit, entity: Entity, pose: Affine3A) {
     if let Some(shape) = moved_by_itself(edit.world, entity, &pose) {
         edit.set(entity, shape);
@@ -203,8 +203,8 @@ pub fn set_angles(edit: &mut Edit, entity: Entity, angles: Option<EulerAngles>) 
     }
 }
 
-/// The shape as it is moved to a pose by its own numbers. None if the pose does more than that, and if the shape has a
-/// transform, which is moved then.
+/// The shape moved to a pose by its own parameters. None if they do not suffice, or if the shape has a transform, which
+/// is edited then.
 fn moved_by_itself(world: &World, entity: Entity, pose: &Affine3A) -> Option<Shape> {
     let has_transform = match world.get::<Authored>(entity) {
         Some(authored) => authored
@@ -238,7 +238,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
             return Err("That is locked.".into());
         }
         set_pose(edit, entity, pose);
-        // A user who moves the camera wants to see from there.
+        // A user who moves the camera in use wants to see its new view.
         if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
             edit.world.insert_resource(FreeView::default());
         }
@@ -246,7 +246,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
     Ok(())
 }
 
-/// Selects what an edit has made.
+/// Selects the created things.
 pub(crate) fn select_new(edit: &mut Edit, made: Vec<Entity>) {
     edit.world.resource_mut::<Selection>().extend(made, Extend::Replace);
 }

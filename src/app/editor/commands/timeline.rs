@@ -1,4 +1,4 @@
-//! Times and keys: shows another moment, plays, sets keys and moves them.
+//! Times and keys: sets the displayed time, plays, sets keys and moves them.
 
 use std::time::Instant;
 
@@ -22,7 +22,7 @@ use crate::scene::{
     show_moment, shown_time,
 };
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: TimeCommand) -> Result<(), CommandError> {
     match command {
         TimeCommand::SetTime(time) => set_time(world, time)?,
@@ -34,7 +34,7 @@ pub fn apply(world: &mut World, command: TimeCommand) -> Result<(), CommandError
     Ok(())
 }
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: TimeEdit) -> Result<(), CommandError> {
     match command {
         TimeEdit::AddTurntable => add_turntable(edit)?,
@@ -43,7 +43,7 @@ pub fn edit(edit: &mut Edit, command: TimeEdit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Shows the scene at a time in seconds. Playing ends.
+/// Shows the scene at a time in seconds. Playback ends.
 pub fn set_time(world: &mut World, time: f64) -> Result<(), CommandError> {
     if !(-MOST_TIME..=MOST_TIME).contains(&time) {
         return Err("There is no such time.".into());
@@ -95,7 +95,7 @@ fn key_times(world: &mut World) -> Vec<f64> {
     }
 }
 
-/// Plays the frames, or holds.
+/// Starts or stops playback.
 pub fn play(world: &mut World, plays: bool) {
     let timeline = world.resource::<ViewSettings>().timeline;
     let mut now = shown_time(world);
@@ -110,7 +110,7 @@ pub fn play(world: &mut World, plays: bool) {
     }
 }
 
-/// Shows the frame that is due while the timeline plays. Frames are left out if the machine is slow.
+/// Shows the frame that is due during playback. Frames are skipped if the machine is slow.
 pub(crate) fn play_on(world: &mut World) {
     let is_opening = world
         .get_resource::<SceneStatus>()
@@ -131,7 +131,7 @@ pub(crate) fn play_on(world: &mut World) {
     }
 }
 
-/// Changes tracks. Without targets, keys are set of the places of the selection, and the other edits are of all its
+/// Changes tracks. Without targets, keys are set for the places of the selection, and other edits apply to all its
 /// tracks.
 fn change_keys(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> Result<(), CommandError> {
     let mut targets = match targets {
@@ -149,8 +149,8 @@ fn change_keys(edit: &mut Edit, targets: &[(Entity, KeyPath)], how: KeyEdit) -> 
     Ok(())
 }
 
-/// Adds the places of what moves with the groups whose places are among the targets: where these have keys that the
-/// edit is about, or all if it sets keys.
+/// Adds the places of members of groups whose places are among the targets: of members with keys that the edit changes,
+/// or of all if it sets keys.
 fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>, how: KeyEdit) {
     let places = targets.iter().filter(|(_, path)| path.is_place());
     let mut known: EntityHashSet = places.map(|(thing, _)| *thing).collect();
@@ -177,8 +177,7 @@ fn add_members(world: &mut World, targets: &mut Vec<(Entity, KeyPath)>, how: Key
     }
 }
 
-/// The path itself, or that by which the plugin of the thing says where it is, such as `position`, if the path is
-/// another one for a place.
+/// The path itself, or for a place without keys the path of the parameter that places the thing, such as `position`.
 fn own_place(world: &World, thing: Entity, path: KeyPath) -> KeyPath {
     let has_keys = world.get::<Keys>(thing).is_some_and(|keys| keys.track(&path).is_some());
     match path.is_place() && !has_keys {
@@ -187,8 +186,8 @@ fn own_place(world: &World, thing: Entity, path: KeyPath) -> KeyPath {
     }
 }
 
-/// Lets the camera in use go once around the middle of the selection, or of the scene, from the first frame on to the
-/// one after the last.
+/// Animates the camera in use once around the middle of the selection, or of the scene, from the first frame to the one
+/// after the last.
 pub fn add_turntable(edit: &mut Edit) -> Result<(), CommandError> {
     let of_selection = view::selected_bounds(edit.world);
     let bounds = match of_selection.is_empty() {
@@ -219,7 +218,7 @@ pub fn add_turntable(edit: &mut Edit) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Whether a track has what an edit changes. `time` is shown.
+/// Whether a track has keys that the edit changes. `time` is the displayed time.
 fn is_about(how: KeyEdit, track: &Track, time: f64) -> bool {
     match how {
         KeyEdit::Remove => track.has_key(time),

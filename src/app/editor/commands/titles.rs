@@ -1,4 +1,4 @@
-//! What the history calls the steps: the verb of the command, and the names of the things it was about.
+//! The titles of steps in the history: the verb of the command, and the names of its things.
 
 use bevy::math::Mat3A;
 use bevy::prelude::*;
@@ -8,12 +8,12 @@ use crate::app::editor::command::traits::{Object, Subject};
 use crate::app::editor::command::{EditCommand, SceneEdit, ValueEdit};
 use crate::scene::{Declared, Locked, Medium, ObjectState, ToWorld};
 
-/// The title of a step while the edit is made: names are read before it, because it may delete or rename things.
+/// The title of a step during the edit: names are read before it, because it may delete or rename things.
 pub struct Title {
     verb: String,
-    /// The things that the edit is about; None for things that it makes, which are selected after it.
+    /// The things in the title; None for things that the edit creates, which are selected after it.
     subject: Option<String>,
-    /// What they get, behind a colon; empty without any.
+    /// The object that they get, behind a colon; empty without any.
     object: String,
 }
 
@@ -51,7 +51,7 @@ impl Title {
     }
 }
 
-/// The name of one thing or the number of several, with a blank before it; empty for nothing and for a thing without a
+/// The name of one thing or the number of several, with a blank before it; empty for no thing and for one without a
 /// name.
 fn subject(world: &World, things: &[Entity]) -> String {
     match things {
@@ -64,7 +64,7 @@ fn subject(world: &World, things: &[Entity]) -> String {
     }
 }
 
-/// The material that things get, or their new name, or the parameter that is changed.
+/// The material that things get, or their new name, or the changed parameter.
 fn object(world: &World, command: &EditCommand, declared: Option<Object>) -> String {
     let name = match declared {
         Some(Object::Name(name)) => Some(name),
@@ -97,8 +97,8 @@ fn parameter_of_medium(before: &Medium, after: &Medium) -> Option<&'static str> 
     }
 }
 
-/// The verb of an edit: its label, with the kind of what is added. For a change of pose it tells what happens to the
-/// first thing.
+/// The verb of an edit: its label, with the kind of an added thing. For a change of pose it depends on the change of
+/// the first thing.
 fn verb(world: &World, command: &EditCommand, label: &str) -> String {
     if let EditCommand::Scene(SceneEdit::Add(addition)) = command {
         return format!("{label} {}", addition.kind.name());

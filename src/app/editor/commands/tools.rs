@@ -11,7 +11,7 @@ use crate::app::editor::command::tool::Tool;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::view_settings::ViewSettings;
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: ToolCommand) -> Result<(), CommandError> {
     match command {
         ToolCommand::SetTool(tool) => {
@@ -39,13 +39,14 @@ pub fn apply(world: &mut World, command: ToolCommand) -> Result<(), CommandError
     Ok(())
 }
 
-/// Keeps the step that suits the scene now, unless one was chosen: it stays as it is while this scene grows.
+/// Fixes the step that suits the scene now, unless one was chosen: it stays the same while this scene grows.
 fn keep_step(world: &mut World) {
     let mut settings = world.resource_mut::<ViewSettings>();
     settings.building_step = Some(settings.length_step());
 }
 
-/// A length of the steps that is no longer chosen is the one that suits the scene now.
+/// Sets the gizmo. Removing the chosen step of lengths also drops the fixed one, so that the step suits the scene as it
+/// is now.
 fn set_gizmo(world: &mut World, gizmo: GizmoSettings) {
     let mut settings = world.resource_mut::<ViewSettings>();
     if settings.gizmo.steps.length.is_some() && gizmo.steps.length.is_none() {

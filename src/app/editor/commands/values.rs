@@ -1,5 +1,4 @@
-//! Edits that give one component of a thing a new value. With the selection, everything of the same sort gets the same
-//! change.
+//! Edits that set one component of a thing. An edit of the selection makes the same change to all things of the kind.
 
 use std::collections::HashSet;
 
@@ -22,15 +21,15 @@ use crate::scene::{
     UsesMaterial,
 };
 
-/// The depth to which materials within materials are followed.
+/// The depth to which nested materials are followed.
 const DEEPEST: usize = 4;
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: ValueEdit) -> Result<(), CommandError> {
     set(edit, command, &[])
 }
 
-/// Makes the edit, and the same change to everything selected that is of the same sort.
+/// Applies the edit, and makes the same change to all selected things of the kind.
 pub fn edit_selection(edit: &mut Edit, command: ValueEdit) -> Result<(), CommandError> {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
     set(edit, command, &selected)
@@ -117,8 +116,8 @@ fn set_light(edit: &mut Edit, shape: Entity, light: Option<AreaLight>) -> Result
     Ok(())
 }
 
-/// Makes the change that `entity` is about to undergo to the same component of others, by a function of the component
-/// before and after it, and of the other one.
+/// Applies the coming change of a component of `entity` to the same component of others, by a function of its values
+/// before and after and of the other value.
 fn carry<C: Component + Clone + PartialEq>(
     edit: &mut Edit,
     entity: Entity,
@@ -141,7 +140,7 @@ fn carry_whole<C: PartialReflect>(before: &C, after: &C, other: &mut C) {
     carry_over(before, after, other, Vectors::Whole);
 }
 
-/// Makes the change of a shape's emission to the other shapes.
+/// Applies the change of a shape's emission to other shapes.
 fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others: &[Entity]) {
     let before = edit.world.get::<AreaLight>(shape).cloned();
     for &other in others.iter().filter(|other| **other != shape) {
@@ -161,8 +160,8 @@ fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others
     }
 }
 
-/// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and
-/// scaled about its own place.
+/// Applies a change of pose: changed coordinates are set to the same number, and each thing is turned and scaled about
+/// its own position.
 fn carry_pose(edit: &mut Edit, entity: Entity, after: Affine3A, others: &[Entity]) {
     let others: Vec<Entity> = others.iter().copied().filter(|other| *other != entity).collect();
     let others = moved_by_themselves(edit.world, entity, others);
@@ -196,8 +195,8 @@ fn carry_pose(edit: &mut Edit, entity: Entity, after: Affine3A, others: &[Entity
     }
 }
 
-/// The others, but not what moves with one of the groups among them anyway, and not groups that contain the thing
-/// itself.
+/// The others, without members of groups among them, which move with their group, and without groups that contain the
+/// thing itself.
 fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) -> Vec<Entity> {
     if others.is_empty() {
         return others;
@@ -217,7 +216,7 @@ fn moved_by_themselves(world: &mut World, thing: Entity, others: Vec<Entity>) ->
     others.into_iter().filter(|other| !left_out.contains(other)).collect()
 }
 
-/// The materials in the same place as this one within what other selected things are made of.
+/// The materials at the same path as this one within the materials of other selected things.
 fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<Entity> {
     let whole = |entity: Entity| match world.get::<UsesMaterial>(entity) {
         Some(uses) => Some(uses.0),
@@ -234,7 +233,7 @@ fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<E
     found
 }
 
-/// The other media that the selected things have in the same place as one of them has this medium.
+/// The media on the same side of other selected things as this one has on its own.
 fn media_like(world: &World, medium: Entity, selected: &[Entity]) -> Vec<Entity> {
     let in_place: [fn(&World, Entity) -> Option<Entity>; 4] = [
         |world, thing| world.get::<Medium>(thing).map(|_| thing),
@@ -252,7 +251,7 @@ fn media_like(world: &World, medium: Entity, selected: &[Entity]) -> Vec<Entity>
     found
 }
 
-/// The path from one material to another inside it.
+/// The path from one material to another nested in it.
 fn path_to(world: &World, from: Entity, to: Entity, deepest: usize) -> Option<Vec<usize>> {
     if from == to {
         return Some(Vec::new());

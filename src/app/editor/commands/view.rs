@@ -1,4 +1,4 @@
-//! Applies commands for the view of the scene, and for how it is shown.
+//! Applies commands that move the view or filter visible things.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -19,7 +19,7 @@ use crate::engine::{PackedScene, RenderControl};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, Film, FreeView, KnownBounds, Lens, Sensor, Shape, ShapeKind, ToWorld};
 
-/// Does what the command says.
+/// Applies the command.
 pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError> {
     match command {
         ViewCommand::FrameSelection => frame_selection(world)?,
@@ -39,7 +39,7 @@ pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError
     Ok(())
 }
 
-/// Makes the edit.
+/// Applies the edit.
 pub fn edit(edit: &mut Edit, command: CameraEdit) -> Result<(), CommandError> {
     match command {
         CameraEdit::MoveCameraToView => {
@@ -59,7 +59,7 @@ pub fn move_view(world: &mut World, pose: Affine3A) {
     }
 }
 
-/// The pose of the view with a place of few digits, for a camera that is put there.
+/// The pose of the view with a rounded position, for a camera that is put there.
 pub fn rounded_view(world: &World) -> Option<Affine3A> {
     let pose = view_pose(world)?;
     let unit = rounding::unit_of_scene(world.resource::<ViewSettings>().navigation.scene_size);
@@ -67,7 +67,7 @@ pub fn rounded_view(world: &World) -> Option<Affine3A> {
     Some(Affine3A { translation, ..pose })
 }
 
-/// Puts the camera in use to where the view is, with its lens.
+/// Moves the camera in use to the pose of the view, with its lens.
 pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
     let sensor = edit.world.resource::<ActiveSensor>().0;
     let (Some(sensor), Some(pose)) = (sensor, rounded_view(edit.world)) else {
@@ -83,7 +83,7 @@ pub fn move_camera_to_view(edit: &mut Edit) -> Result<Entity, CommandError> {
     Ok(sensor)
 }
 
-/// Moves the view as [`move_view`], but by a short flight, and sets the point that is looked at.
+/// Moves the view as [`move_view`], but by a short flight, and sets the centre of orbits.
 fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     if center.is_some() {
         world.resource_mut::<ViewSettings>().navigation.pivot = center;
@@ -94,8 +94,7 @@ fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     flight::go(world, from, FreeView { pose, lens }, center);
 }
 
-/// The distance along the view of the middle of the selection, of the point that the view was turned about, or of what
-/// is ahead.
+/// The depth of the middle of the selection, of the centre of orbits, or of the surface ahead.
 pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
     let selected = selected_bounds(world);
@@ -114,7 +113,7 @@ pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
         .unwrap_or(0.5 * navigation.scene_size)
 }
 
-/// Looks along an axis at the selection, else at the point that the view was turned about, or at what is ahead.
+/// Looks along an axis at the selection, else at the centre of orbits, or at the surface ahead.
 pub fn look_along(world: &mut World, axis: AxisView) {
     let Some(pose) = view_pose(world) else { return };
     let selected = selected_bounds(world);
@@ -171,7 +170,7 @@ pub fn look_through(world: &mut World, sensor: Entity) {
     }
 }
 
-/// Looks as [`look_through`]; None looks through no camera.
+/// Like [`look_through`]; None uses no camera.
 pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
     let pose = sensor.and_then(|sensor| world.get::<ToWorld>(sensor)).copied();
     if let Some(ToWorld(pose)) = pose {
@@ -188,7 +187,7 @@ pub fn selected_bounds(world: &World) -> Aabb {
     let bounds = selection.iter().filter_map(|entity| {
         let of_mesh = || stand_in_bounds(world, *entity);
         picking::bounds_of(packed, *entity).or_else(of_mesh).or_else(|| {
-            // A light or a camera: where it is.
+            // A light or a camera has no extent, but a position.
             let place = Vec3::from(world.get::<ToWorld>(*entity)?.0.translation);
             let half = 0.05 * world.resource::<ViewSettings>().navigation.scene_size;
             Some(Aabb::from_points([place - half, place + half]))
@@ -197,7 +196,7 @@ pub fn selected_bounds(world: &World) -> Aabb {
     bounds.fold(Aabb::EMPTY, Aabb::union)
 }
 
-/// World bounds of the box that stands for a mesh which is not in the picture.
+/// World bounds of the box in place of a missing mesh.
 fn stand_in_bounds(world: &World, entity: Entity) -> Option<Aabb> {
     let ShapeKind::Mesh(file) = &world.get::<Shape>(entity)?.kind else {
         return None;
@@ -238,11 +237,11 @@ fn frame(world: &mut World, bounds: Aabb) {
     }
 }
 
-/// The digits of a distance at which something is in focus: well within the depth of field.
+/// The digits of a focus distance: well within the depth of field.
 const FOCUS_DIGITS: i32 = 4;
 const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
-/// Focuses on what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
+/// Focuses on the surface at a point of the picture; the aperture of a pinhole becomes a two-hundredth of the distance.
 pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     let packed = edit.world.resource::<PackedScene>();
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
@@ -263,7 +262,7 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
         return Ok(());
     };
     match &mut sensor.lens {
-        // The view has another one.
+        // The view has a lens of its own.
         Lens::Orthographic => return Err(SHARP_EVERYWHERE.into()),
         Lens::Thin { focus_distance, .. } => *focus_distance = distance,
         Lens::Pinhole => {
@@ -279,8 +278,8 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Writes samples, limit of noise and adaptive sampling into the film of the camera. The limits of the window stay as
-/// they are: they are the same then, and still count if this is undone.
+/// Writes samples, limit of noise and adaptive sampling into the film of the camera. The limits of the window stay:
+/// they are the same then, and still apply after an undo.
 fn keep_limits(edit: &mut Edit) -> Result<(), CommandError> {
     let sensor = edit.world.resource::<ActiveSensor>().0;
     let film = sensor.and_then(|sensor| Some((sensor, *edit.world.get::<Film>(sensor)?)));

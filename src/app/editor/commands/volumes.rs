@@ -1,5 +1,5 @@
-//! Imports files with grids of voxels: each becomes a box that light does not notice, filled with a medium that is as
-//! dense as the grid says.
+//! Imports files with grids of voxels: each becomes a box with the material `null`, filled with a medium of the grid's
+//! density.
 
 use std::path::Path;
 
@@ -21,10 +21,11 @@ use crate::scene::{Coefficients, GridFile, Medium, PhaseFunction, VolumeFormat, 
 
 /// The largest `.vol` file that the window waits for, in bytes. The box of a larger one is a cube.
 const LARGEST: u64 = 64 << 20;
-/// The optical depth through a box whose voxels are all 1: a cloud is seen, and lamps in it are, too.
+/// The optical depth through a box whose voxels are all 1: a cloud is visible, and lamps in it are, too.
 const DEPTH: f32 = 8.0;
 
-/// Adds a volume file, which stands on `foot`; None: where new things go. The error names what is wrong with the file.
+/// Adds a volume file that stands on `foot`; None: in the place of new things. The error names the problem with the
+/// file.
 pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), CommandError> {
     let mut format = VolumeFormat::of_file(path);
     let content = match content_of(&format.asset_path(path)) {
@@ -76,12 +77,12 @@ pub fn import(edit: &mut Edit, path: &Path, foot: Option<Vec3>) -> Result<(), Co
     Ok(())
 }
 
-/// The sides of a grid in relation to the longest, and the space of its file from that in which it fills the unit cube.
-/// Voxels are cubes unless the file says more.
+/// The sides of a grid relative to the longest, and the transform from the unit cube of the grid to the space of its
+/// file. Voxels are cubes unless the file says otherwise.
 fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), VolumeMapError> {
     let (file, format) = VolumeFormat::of_asset(asset);
     let is_large = matches!(files::check(file, LARGEST), Err(FileError::TooLarge { .. }));
-    // The place of a `.vdb` grid is known only from its file.
+    // The place of a `.vdb` grid is given only by its file.
     if is_large && format == VolumeFormat::Vol {
         return Ok((Vec3::ONE, Affine3A::IDENTITY));
     }
@@ -94,7 +95,7 @@ fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), VolumeMapError> {
         .to_cols_array_2d()
         .map(|axis| Vec3::from_array(axis).length());
     let sides = match map.bounds {
-        // Mitsuba's own files name the unit cube, whatever the numbers of their voxels.
+        // Mitsuba's own files give the unit cube, whatever the numbers of their voxels.
         Some(bounds) if bounds.extent() != Vec3::ONE => bounds.extent(),
         _ if map.world_from_local != Affine3A::IDENTITY => Vec3::from_array(axes),
         _ => voxels,
@@ -102,7 +103,7 @@ fn content_of(asset: &Path) -> Result<(Vec3, Affine3A), VolumeMapError> {
     Ok((sides / sides.max_element(), map.world_from_local))
 }
 
-/// The first grid of a `.vdb` file with several, and a message that there are others.
+/// The first grid of a `.vdb` file with several, with a message about the others.
 fn first_of(edit: &mut Edit, path: &Path, names: &[String]) -> VolumeFormat {
     let grid = names.first().cloned();
     let others: Vec<String> = names.iter().skip(1).map(|name| format!("`{name}`")).collect();

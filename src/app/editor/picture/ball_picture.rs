@@ -181,7 +181,7 @@ mod tests {
                 .expect("it is one of them");
             let ball = MaterialBall::new(&looks[place], EDGE).expect("the material is there");
             let mut film = ball.film();
-            // Noise makes the mean of pixels on the screen darker, and light from below a surface has much of it.
+            // Noise makes the mean of displayed pixels darker, and subsurface scattering has much noise.
             let samples = if chunk[0].medium.is_some() { 256 } else { 16 };
             ball.refine(&mut film, samples, &AtomicBool::new(false))
                 .expect("not cancelled");

@@ -32,8 +32,8 @@ const TOGETHER: usize = 16;
 const FIRST_SAMPLES: u32 = 4;
 /// A picture of low resolution is not carried over while an earlier, sharper one covers more than this share of it.
 const ENOUGH: f32 = 0.7;
-/// The memory for a pixel in bytes: what it shows, and the light that is carried over to it and painted, in the earlier
-/// picture and in this one; and the coarse picture.
+/// The memory per pixel in bytes: the carried-over and the painted light in the earlier picture and in this one; and
+/// the coarse picture.
 const BYTES_OF_PIXEL: u64 = 2 * Carried::BYTES_OF_PIXEL + 48;
 
 /// The earlier picture, and its parts that are carried over.

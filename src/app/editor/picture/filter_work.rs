@@ -1,4 +1,4 @@
-//! A filter at work beside the window, on a thread of its own and those of the filter. During a quick filter the
+//! A running filter beside the window, on a thread of its own and those of the filter. During a quick filter the
 //! tracing threads begin nothing new: beside them it would take about ten times as long.
 
 use std::io;

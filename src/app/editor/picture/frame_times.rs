@@ -88,7 +88,7 @@ pub(crate) fn time_drawing(app: &mut App) {
     }
 }
 
-/// Takes the time of frames. Only those count that follow each other without a pause.
+/// Measures the time of frames. Only frames that follow each other without a pause count.
 pub(crate) fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
     let now = Instant::now();
     let last = frames.last.replace(now).filter(|_| pacing.is_lively());

@@ -84,7 +84,7 @@ fn without_nested(material: &Material) -> (Vec<MaterialId>, Material) {
     (ids, plain)
 }
 
-/// The scene with the ball, and the view of it.
+/// The scene with the ball, and its view.
 pub struct MaterialBall {
     scene: RenderScene,
     view: View,

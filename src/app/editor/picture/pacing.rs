@@ -127,8 +127,8 @@ pub fn pace(
     history: Res<History>,
     recovery: Option<Res<Recovery>>,
 ) {
-    // A save goes on by a slice in each frame, and so do the recovery copy, the copy of the film for the denoiser, and
-    // what is carried over.
+    // A save advances by a slice in each frame, and so do the autosave, the copy of the film for the denoiser, and
+    // carrying over.
     let is_copying = denoiser.is_copying() || recovery.is_some_and(|recovery| recovery.is_copying());
     let is_copying = is_copying || carrying.has_backlog();
     let in_use = !pacing.rests() || history.is_saving() || is_copying;

@@ -24,8 +24,7 @@ pub struct Scales {
     pub mix: Vec<Rgb>,
 }
 
-/// A range of depths stays as it is while the new one differs by less than this share of it: every sample moves it a
-/// little.
+/// The change of a range of depths, as a share, below which the old range stays: every sample moves it a little.
 const STEADY: f32 = 0.05;
 
 impl Scales {
@@ -368,7 +367,7 @@ mod tests {
         );
     }
 
-    /// One tile of 32 x 32 pixels: a preview of 4 x 4 blocks, each what `block` says of its number.
+    /// One tile of 32 x 32 pixels: a preview of 4 x 4 blocks, given by `block` for each number.
     fn preview(block: impl Fn(u32) -> (PixelSum, Option<FirstHit>)) -> Film {
         let mut film = Film::new(32, 32);
         let (blocks, first_hits) = (0..16).map(block).unzip();

@@ -111,7 +111,7 @@ mod tests {
         assert!(place.is_settled());
         place.note(UVec2::new(800, 600));
         assert!(!place.is_settled());
-        // There is no picture yet that would begin anew.
+        // There is no picture yet that would restart.
         place.settle(false, begin);
         assert_eq!(place.settled, Some(UVec2::new(800, 600)));
         for width in 801..900 {

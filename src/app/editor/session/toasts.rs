@@ -38,7 +38,7 @@ pub enum Topic {
 pub struct Toast {
     /// Errors stay until dismissed, all others disappear.
     pub tone: Tone,
-    /// What it is about.
+    /// The topic.
     pub topic: Topic,
     /// One or two sentences.
     pub text: String,

@@ -236,9 +236,8 @@ pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
     allow_folders(world, &new);
 }
 
-/// Lets scenes read those of the files that are in the folder of one that the user has chosen, which is absolute and
-/// has no links. The scene has named them, and it may lead anywhere: the user is asked about the others once the scene
-/// is refused them.
+/// Lets scenes read those of the files that are in the folder of a chosen one, which is absolute and has no links. The
+/// scene has named the files, which may be anywhere: the user is asked about the others once the scene is refused them.
 pub(crate) fn allow_beside<'f>(world: &mut World, folder: &Path, files: impl Iterator<Item = &'f PathBuf>) {
     let (Some(_), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
         return;

@@ -1,4 +1,4 @@
-//! Chooses the monkey's next acts at random among those of a user.
+//! Chooses the monkey's next acts at random among the acts of a user.
 
 use bevy::prelude::*;
 

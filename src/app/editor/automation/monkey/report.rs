@@ -109,7 +109,7 @@ const MARKS_LISTED: usize = 60;
 
 /// The result of one criterion.
 pub struct Verdict {
-    /// The criterion in words.
+    /// The name of the criterion.
     pub what: &'static str,
     /// Whether it holds. None: it was not judged.
     pub holds: Option<bool>,

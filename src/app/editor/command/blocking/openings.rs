@@ -376,7 +376,7 @@ mod tests {
             drawn((1.0, 1.2), (1.1, 1.1), &[1.5, 0.4], OpeningKind::Window),
             [1.0, 0.8, 1.5, 0.4],
         );
-        // What goes beyond the wall ends at its edge.
+        // A drawing beyond the wall ends at its edge.
         is(
             drawn((3.0, 1.0), (9.0, 9.0), &[], OpeningKind::Window),
             [3.0, 1.0, 1.0, 1.5],

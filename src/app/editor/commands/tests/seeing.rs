@@ -1,4 +1,4 @@
-//! What the view leaves out: it follows commands, and is told to the renderer.
+//! The filters of the view: they follow commands, and are passed to the renderer.
 
 use super::*;
 use crate::app::editor::camera::pose::view_pose;

@@ -12,7 +12,7 @@ fn step(app: &App) -> f32 {
     app.world().resource::<ViewSettings>().length_step()
 }
 
-/// What is spawned is in the picture.
+/// Waits until the spawned shapes are in the picture.
 fn wait_for(app: &mut App, shapes: &[Entity]) {
     update_until(app, |world| {
         let packed = &world.resource::<PackedScene>().entity_of_instance;
@@ -49,7 +49,7 @@ fn the_step_depends_on_nothing_but_the_scene() {
     let first = cube(&mut app, 1.0, Vec3::ZERO);
     wait_for(&mut app, &[first]);
     assert_eq!(step(&app), 0.1, "a cube");
-    // Neither flying nor what was there before counts.
+    // Neither flying nor the former scene counts.
     app.world_mut().resource_mut::<FreeView>().pose = Some(Affine3A::from_translation(Vec3::NEG_Z));
     let floor = cube(&mut app, 1000.0, Vec3::Y * -501.0);
     wait_for(&mut app, &[first, floor]);

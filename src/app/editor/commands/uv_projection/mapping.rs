@@ -1,4 +1,4 @@
-//! Texture coordinates from places in the world, in tiles: u to the right and v down, as a texture is looked at.
+//! Texture coordinates from world positions, in tiles: u to the right and v down, as seen in the texture.
 
 use std::collections::HashMap;
 use std::f32::consts::TAU;
@@ -9,17 +9,17 @@ use crate::geometry::attribute::{AttributeDomain, AttributeValues};
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
 
-/// A map from places of the world to tiles.
+/// A map from world positions to tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mapping {
     /// Each face from the side of a box that it faces most.
     Box {
         /// The upward direction.
         up: Vec3,
-        /// The edge of a tile.
+        /// The edge of a tile in world units.
         tile: f32,
     },
-    /// From one side.
+    /// From one direction.
     Plane(Plane),
     /// Around an upright axis.
     Around {
@@ -27,7 +27,7 @@ pub(super) enum Mapping {
         middle: Vec3,
         /// The upward direction.
         up: Vec3,
-        /// The tiles in a turn, a whole number, so that the texture closes.
+        /// The tiles around the axis, a whole number, so that the texture closes.
         turn: f32,
         /// The tiles from pole to pole of a sphere; None for a cylinder.
         poles: Option<f32>,
@@ -44,11 +44,11 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// The side that a normal points to. `top` is where the upper edge of the texture is, as far as the normal permits.
+    /// The plane that a normal points to. `top` is the direction of the texture's upper edge, projected into the plane.
     pub fn facing(normal: Vec3, top: Vec3, tile: f32) -> Self {
         let is_level = normal.dot(top).abs() >= 0.999 * normal.length() * top.length();
         let upright = top.reject_from(normal).try_normalize().filter(|_| !is_level);
-        // On level faces the upper edge points along -z, or along +y where z is up.
+        // On level faces the upper edge points along -z, or along +y if z is up.
         let top = upright.unwrap_or(match top.y.abs() > 0.5 {
             true => Vec3::NEG_Z,
             false => Vec3::Y,
@@ -113,9 +113,9 @@ impl Mapping {
     }
 }
 
-/// The axis of the world, or its opposite, that a face faces most.
+/// The axis of the world, or its opposite, nearest to a face's normal.
 pub(super) fn side(normal: Vec3) -> Vec3 {
-    // Among equal axes the first is taken, so that rounding does not decide.
+    // Among equal axes the first is taken, so that rounding errors do not matter.
     let steepness = normal.abs() * Vec3::new(1.0, 0.9999, 0.9998);
     let axis = steepness.max_position();
     let mut side = Vec3::ZERO;
@@ -123,7 +123,7 @@ pub(super) fn side(normal: Vec3) -> Vec3 {
     side
 }
 
-/// Angles in turns that are within half a turn of the first. A pole, which has none, gets the mean of the others.
+/// Angles in turns within half a turn of the first. A pole, which has no angle, gets the mean of the others.
 fn unwound(turns: [Option<f32>; 3]) -> [f32; 3] {
     let first = turns.into_iter().flatten().next().unwrap_or(0.0);
     let near = turns.map(|turn| turn.map(|turn| turn - (turn - first).round()));
@@ -132,13 +132,13 @@ fn unwound(turns: [Option<f32>; 3]) -> [f32; 3] {
     near.map(|turn| turn.unwrap_or(mean))
 }
 
-/// The mesh with texture coordinates: `uv_from_tiles` of the tiles at each place of the world. Vertices become several
-/// where faces that meet there differ.
+/// The mesh with texture coordinates: `uv_from_tiles` of the tiles at each world position. Vertices are split where the
+/// coordinates of adjacent faces differ.
 pub(super) fn mapped(mesh: &MeshData, pose: &Affine3A, mapping: &Mapping, uv_from_tiles: &Affine2) -> MeshData {
     let mut made = MeshData::default();
     let mut sources = Vec::new();
     let mut known: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
-    // A mirror turns normals around that were made from the triangles, but not those of a file.
+    // A mirroring pose flips normals that were computed from the triangles, but not those of a file.
     let side = match mesh.has_computed_normals && pose.matrix3.determinant() < 0.0 {
         true => -1.0,
         false => 1.0,
@@ -273,7 +273,7 @@ mod tests {
             panic!("{mapping:?}")
         };
         assert_eq!((turn, poles), (6.0, Some(3.0)));
-        // Across the place where the angle jumps, corners stay near each other.
+        // Across the seam of the angle, corners stay near each other.
         let angles = [3.1_f32, 3.2, 3.15];
         let corners = angles.map(|angle| Vec3::new(angle.cos(), 0.1 * angle, angle.sin()));
         let tiles = mapping.tiles(corners);

@@ -1,9 +1,9 @@
 //! Gives shapes new texture coordinates.
 //!
-//! Walls, stairs, prisms and boxes keep their numbers: their coordinates are lengths already, so that a transform of uv
-//! in the material suffices. For rectangles it suffices if no other shape has the material. All others become meshes,
-//! in a file of their own that goes along when the scene is saved. What other textures of the material do relative to
-//! the first one stays.
+//! Walls, stairs, prisms and boxes keep their parameters: their coordinates are lengths already, so that a transform of
+//! uv in the material suffices. For rectangles it suffices if no other shape has the material. All others become
+//! meshes, in a file of their own that is saved with the scene. Other textures of the material keep their transform
+//! relative to the first one.
 
 mod mapping;
 
@@ -39,20 +39,20 @@ struct Fitting {
     shape: Entity,
     /// Tiles from the shape's uv.
     to_uv: Affine2,
-    /// The wall that a box becomes, which has the same surface.
+    /// The wall with the same surface that replaces a box.
     wall: Option<(Solid, Affine3A)>,
-    /// Whether the shape's numbers are worth a material of its own.
+    /// Whether the shape should keep its parameters even if that takes a material of its own.
     is_part: bool,
 }
 
-/// What the user is told afterwards.
+/// The facts for the message to the user.
 #[derive(Default)]
 struct Notes {
     meshes: Vec<String>,
     copies: Vec<String>,
 }
 
-/// Projects. An error where a shape has no surface that can be given coordinates.
+/// Projects texture coordinates. An error if a shape has no surface that can have any.
 pub fn project(edit: &mut Edit, shapes: &[Entity], projection: Projection) -> Result<(), CommandError> {
     if !(projection.tile > 0.0 && projection.tile.is_finite()) {
         return Err("The tile needs a size above 0.".into());
@@ -127,7 +127,7 @@ fn fitting(world: &World, entity: Entity, projection: Projection) -> Option<Fitt
     }
 }
 
-/// The scale of a pose that has the same one in all directions and mirrors nothing.
+/// The scale of a pose that scales evenly and does not mirror.
 fn even_scale(pose: &Affine3A) -> Option<f32> {
     let columns = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis];
     let [x, y, z] = columns.map(|column| column.length());
@@ -140,7 +140,7 @@ fn up(world: &World) -> Vec3 {
     world.resource::<ViewSettings>().navigation.up
 }
 
-/// The side from which all shapes are projected alike.
+/// The plane of a projection with the same direction for all shapes.
 fn plane(world: &World, from: ProjectedFrom, tile: f32) -> Option<Plane> {
     match from {
         ProjectedFrom::View => {
@@ -154,8 +154,8 @@ fn plane(world: &World, from: ProjectedFrom, tile: f32) -> Option<Plane> {
     }
 }
 
-/// Places the textures for shapes for which that suffices. The shapes for which it does not, because others have their
-/// material, come back.
+/// Places the textures of shapes for which a transform suffices. Returns the shapes for which it does not, because
+/// others use their material.
 fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec<Entity>, CommandError> {
     let mut rest = Vec::new();
     let mut copies: Vec<(Entity, Affine2, Entity)> = Vec::new();
@@ -173,7 +173,7 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
         let (Some(material), Some(first)) = (used, first) else {
             return Err(format!("{} has no picture or checkerboard yet.", name_of(edit.world, shape)).into());
         };
-        // A texture that has lain so before, or lies so since a shape before this one, suits as it is.
+        // A texture with this transform, from before or for an earlier shape, needs no change.
         if !first.abs_diff_eq(to_uv, 1e-5 * to_uv.matrix2.x_axis.length().max(1.0)) {
             let suits_all = || {
                 let mut users = shapes_of(edit.world, material).into_iter();
@@ -211,14 +211,14 @@ fn fit(edit: &mut Edit, fittings: Vec<Fitting>, notes: &mut Notes) -> Result<Vec
     Ok(rest)
 }
 
-/// How the first texture of a material lies.
+/// The transform of the first texture of a material.
 fn first_placing(world: &World, material: Entity) -> Option<Affine2> {
     let parts = material_parts(world, material);
     let materials = parts.iter().filter_map(|part| world.get::<Material>(*part));
     texture_groups(materials).first().map(|group| group.to_uv)
 }
 
-/// Places the first texture of a material anew, and all others so that they lie as before relative to it.
+/// Replaces the transform of a material's first texture, and keeps all others fixed relative to it.
 fn place_first(edit: &mut Edit, material: Entity, before: Affine2, after: Affine2) {
     let back = before.inverse();
     let change = if back.is_finite() {
@@ -240,7 +240,7 @@ fn place_first(edit: &mut Edit, material: Entity, before: Affine2, after: Affine
     }
 }
 
-/// The shapes that have a material, also inside others.
+/// The shapes that use a material, also nested in others.
 fn shapes_of(world: &World, material: Entity) -> Vec<Entity> {
     let mut materials = vec![material];
     let mut found = Vec::new();
@@ -276,9 +276,9 @@ fn into_mesh(edit: &mut Edit, entity: Entity, projection: Projection) -> Result<
         .ok_or_else(|| format!("{name} has no extent to project a texture onto."))?;
     let first = material.and_then(|material| first_placing(edit.world, material));
     let to_uv = first.filter(|first| first.inverse().is_finite());
-    // Without a picture yet, one that is chosen later will be put upright.
+    // A picture that is chosen later will be put upright.
     let to_uv = to_uv.unwrap_or(Affine2::IDENTITY);
-    // A picture that was turned over for its shape is so for the mesh as well, and the other way round.
+    // A picture that was flipped for its shape is flipped for the mesh as well, and the other way round.
     let flip_tex_coords = to_uv.matrix2.determinant() > 0.0;
     let uv_from_tiles = upright(flip_tex_coords) * to_uv.inverse();
     let mapped = mapping::mapped(&mesh, &pose, &map, &uv_from_tiles);
@@ -344,7 +344,7 @@ fn name_of(world: &World, entity: Entity) -> String {
         .map_or_else(|| "it".to_owned(), Name::to_string)
 }
 
-/// A name as that of a file: letters, digits and dashes.
+/// A name as a file name: letters, digits and dashes.
 fn file_name(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let name: String = name.chars().map(plain).take(40).collect();

@@ -10,7 +10,7 @@ use bevy::prelude::Entity;
 
 use crate::app::editor::model::{Item, Outline};
 
-/// The kind of things that are the transforms of folders.
+/// The kind of an entity that holds a folder's transform.
 const GROUP: &str = "group";
 
 /// The depth below which nested materials and folders are shown at one level.

@@ -224,8 +224,8 @@ fn is_slab(height: f32, model: &BlockingModel) -> bool {
     height <= SLAB_STEPS * model.step
 }
 
-/// The places where the middle lines of walls meet, and the ends of those that meet no other. A joint lengthens one
-/// wall beyond the corner at which both were drawn, and shortens the other.
+/// The corners where middle lines of walls meet, and the ends of walls that meet no other. A joint lengthens one wall
+/// beyond the corner at which both were drawn, and shortens the other.
 fn ends_of_walls(walls: &[[Vec3; 2]], step: f32) -> Vec<Vec3> {
     /// The steps of the grid by which a joint lengthens or shortens walls: half the thickness of usual ones, and more
     /// at sharp angles.

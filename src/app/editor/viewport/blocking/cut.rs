@@ -161,7 +161,7 @@ fn usual(kind: OpeningKind, seen: &SeenSurface, model: &BlockingModel, step: f32
     openings::at(&target.shape.kind, &target.pose, &side, kind, step)
 }
 
-/// The opening's name, its size and place, and what has been typed.
+/// The opening's name, its size and place, and the typed text.
 fn caption(cut: &Cut, kind: OpeningKind, typed: &str, unit: LengthUnit) -> String {
     let of = |length: f32| unit.text(length);
     let [wide, high, from, sill] = cut.sizes().map(of);
