@@ -164,8 +164,8 @@ fn is_instance(world: &World, entity: Entity) -> bool {
         .is_some_and(|shape| shape.kind == ShapeKind::Instance)
 }
 
-/// Puts the selected shapes into a group of instances and an instance of it in their place. The origin is that of the
-/// active one. A folder's transform is no shape: it is deleted, and the members of the folder become part of the
+/// Moves the selected shapes into a group, and puts an instance of the group in their place. Its origin is that of the
+/// active thing. A folder's transform is no shape: it is deleted, and the members of the folder become part of the
 /// instance.
 fn as_instance(edit: &mut Edit) -> Result<Entity, CommandError> {
     let all = grouping::units(edit)?.into_iter().flat_map(|unit| unit.all);

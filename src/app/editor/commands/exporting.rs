@@ -21,7 +21,7 @@ const MOST_NAMED: usize = 8;
 /// The messages about data that glTF cannot hold, or the reason why nothing was written.
 type Exported = Result<Vec<String>, ExportError>;
 
-/// The export that is under way.
+/// The running export.
 #[derive(Resource)]
 pub(crate) struct ExportUnderWay {
     path: PathBuf,
@@ -93,7 +93,7 @@ pub(crate) fn go_on(world: &mut World) {
     }
 }
 
-/// Waits for the end of the export that is under way.
+/// Waits for the end of the running export.
 fn finish(world: &mut World) -> Result<(), CommandError> {
     match world.remove_resource() {
         Some(ExportUnderWay { path, task }) => tell(world, &path, block_on(task)),
@@ -101,7 +101,7 @@ fn finish(world: &mut World) -> Result<(), CommandError> {
     }
 }
 
-/// Lets an export that is under way end before the program does.
+/// Lets a running export end before the program does.
 pub(crate) fn finish_at_exit(world: &mut World) {
     if let Err(error) = finish(world) {
         error!("The scene could not be exported: {error}");

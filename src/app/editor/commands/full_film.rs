@@ -1,9 +1,9 @@
 //! Traces the full film on demand and before the picture is saved, where usually only the pixels of the window are
 //! traced.
 //!
-//! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had when it was
-//! to be saved. A change of the scene or the view in between begins the picture anew: then nothing is saved, and the
-//! user is told.
+//! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had at the
+//! command. A change of the scene or the view in between restarts the picture: then nothing is saved, and the user gets
+//! a message.
 
 use std::path::PathBuf;
 

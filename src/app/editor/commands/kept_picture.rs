@@ -1,8 +1,7 @@
-//! Keeps a picture that is not finished beside its scene, and resumes it later.
+//! Keeps an unfinished picture beside its scene, and resumes it later.
 //!
-//! The file is a checkpoint like those of the command line, which also says how the window showed the scene. The origin
-//! of the picture is compared before it is resumed: a picture of a scene that was changed begins anew, and the file
-//! stays.
+//! The file is a checkpoint like those of the command line, which also holds the window's view of the scene. The origin
+//! of the picture is compared before it is resumed: a picture of a changed scene starts again, and the file stays.
 
 use std::path::{Path, PathBuf};
 

@@ -26,7 +26,7 @@ const LONGEST: Duration = Duration::from_millis(10);
 /// The number of things that are copied or follow between two looks at the clock.
 const STEP: usize = 256;
 
-/// The save that is under way.
+/// The running save.
 #[derive(Resource)]
 pub(crate) struct SaveUnderWay {
     request: Request,
@@ -157,7 +157,7 @@ pub(crate) fn go_on(world: &mut World) {
     }
 }
 
-/// Takes steps until one is the last or a frame must not take longer. True after the last step.
+/// Repeats a step until it returns true or the time of a frame is over. Returns true after the last step.
 fn for_a_while(mut step: impl FnMut() -> bool) -> bool {
     let begun = Instant::now();
     while begun.elapsed() < LONGEST {
@@ -186,7 +186,7 @@ pub(crate) fn finish(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Lets a save that is under way end before the program does.
+/// Lets a running save end before the program does.
 pub(crate) fn finish_at_exit(world: &mut World) {
     let ended = finish(world).and_then(|()| files::unanswered(world, &Command::from(FileCommand::Quit)));
     if let Err(error) = ended {
@@ -274,7 +274,7 @@ pub(super) fn disturb(world: &mut World, change: impl FnOnce()) {
     world.insert_resource(SaveUnderWay { request, stage });
 }
 
-/// Copies more of the scene that is being saved; true once it is copied.
+/// Copies more of the scene that is being saved; returns true once it is copied.
 #[cfg(test)]
 pub(super) fn copy(world: &mut World, things: usize) -> bool {
     let Some(SaveUnderWay { request, stage }) = world.remove_resource() else {

@@ -62,7 +62,7 @@ impl CameraAngles {
     }
 }
 
-/// Shows the angles of a camera's pose; true if edited.
+/// Shows the angles of a camera's pose; returns true if edited.
 pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
     let mut angles = CameraAngles::of(pose);
     let mut row = |text: &str, angle: &mut f32, most: f32| {

@@ -26,7 +26,7 @@ const MIXED_WIDTH: f32 = 14.0;
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 58.0;
-/// The tick that tells the axes of a vector apart: its width and its distance from the edges, in points.
+/// The tick that distinguishes the axes of a vector: its width and its distance from the edges, in points.
 const TICK: egui::Vec2 = egui::vec2(2.0, 4.0);
 
 /// A row with any control; the control is named for assistive technology (and tests) after the row.

@@ -75,7 +75,7 @@ pub fn paths(
     });
 }
 
-/// A button in the colour that the path contributes; true when clicked.
+/// A button in the colour of the path's contribution; returns true when clicked.
 fn swatch(ui: &mut Ui, path: &NamedPath, chosen: bool) -> bool {
     let [r, g, b] = Display::default().encode(path.path.radiance);
     let (rect, response) = ui.allocate_exact_size(egui::vec2(18.0, 18.0), egui::Sense::click());

@@ -393,7 +393,7 @@ mod tests {
         }
     }
 
-    /// The numbers of samples at which a picture that goes on to 64 is denoised at once.
+    /// The numbers of samples at which a picture that renders up to 64 samples is denoised at once.
     fn stops(denoiser: &mut Denoiser) -> Vec<u32> {
         let mut stops = Vec::new();
         for samples in 0..=64 {

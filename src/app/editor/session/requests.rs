@@ -30,7 +30,7 @@ pub struct Requests {
     pub sheet: Option<Sheet>,
     /// A panel to bring to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
-    /// A text on its way to the system's clipboard.
+    /// A text for the system's clipboard.
     pub clipboard: Option<String>,
     /// Whether the user wants to close the window.
     pub closes: bool,

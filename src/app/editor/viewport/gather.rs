@@ -58,7 +58,7 @@ pub(crate) struct ViewportScene {
     pub pose: Option<Affine3A>,
     pub outline: SelectionOutline,
     pub wireframe: Wireframe,
-    /// The boxes of the volumes of what is selected, as world from the unit cube.
+    /// The boxes of the volumes of the selection's media, as world from the unit cube.
     pub volume_boxes: Vec<Affine3A>,
     pub locked: EntityHashSet,
     /// The selected things that can be moved, with their bounds.
@@ -284,7 +284,7 @@ impl Sources<'_, '_> {
     }
 }
 
-/// Gathers what the viewport shows. It must run after the panels' model has been gathered.
+/// Gathers the data of the viewport. It must run after the panels' model has been gathered.
 pub(crate) fn gather_viewport(
     mut seen: ResMut<ViewportScene>,
     mut sources: Sources,

@@ -1,4 +1,4 @@
-//! Drops of materials from the list or the library, and of files from the browser, onto what is seen in the picture.
+//! Drops of materials from the list or the library, and of files from the browser, onto the picture.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::engine::PackedScene;
 /// The data for drops on the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
-    /// The packed scene, to find what is under the pointer.
+    /// The packed scene, for picking.
     pub packed: &'a PackedScene,
     /// The outline, which knows the materials.
     pub things: &'a Outline,

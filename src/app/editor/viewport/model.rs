@@ -53,7 +53,7 @@ pub struct ViewportModel<'a> {
     pub outline: &'a SelectionOutline,
     /// The selection as lines, if they are shown.
     pub wireframe: &'a Wireframe,
-    /// The boxes of the volumes of what is selected, as world from the unit cube.
+    /// The boxes of the volumes of the selection's media, as world from the unit cube.
     pub volume_boxes: &'a [Affine3A],
     /// The icons of lights and cameras, and the boxes of missing meshes.
     pub icons: &'a [Icon],
@@ -77,13 +77,13 @@ pub struct ViewportModel<'a> {
     pub captions: &'a [Caption],
     /// The comparison that the picture shows.
     pub compared: CompareView,
-    /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
+    /// The region of the picture that is rendered, if not all; (0, 0) top left, (1, 1) bottom right.
     pub region: Option<bevy::math::Rect>,
     /// The speed and centre of the view's movements.
     pub navigation: Navigation,
-    /// What the denoiser is doing.
+    /// The state of the denoiser.
     pub denoiser: DenoiserState,
-    /// Whether some of what is shown is carried over from an earlier picture.
+    /// Whether parts of the picture are carried over from an earlier one.
     pub is_carried_over: bool,
     /// The preset that maps drags of the mouse to navigation.
     pub preset: NavigationPreset,

@@ -30,7 +30,7 @@ pub enum ToolIcon {
     Denoise,
     /// A grid.
     Grid,
-    /// Two squares over each other: what is drawn over the picture.
+    /// Two overlapping squares: the overlays.
     Overlays,
     /// A cube: draw a box.
     Box,

@@ -21,7 +21,7 @@ use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::picture::denoiser::DenoiserState;
 
 const HEIGHT: f32 = 32.0;
-/// The width before the first frame; afterwards it is what the buttons need.
+/// The width before the first frame; afterwards it is the width of the buttons.
 const WIDTH: f32 = 500.0;
 
 /// Shows the toolbar.

@@ -1,4 +1,4 @@
-//! The boxes of the volumes of what is selected, drawn into the picture.
+//! The boxes of the volumes of the selection's media, drawn into the picture.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy_egui::egui::{self, Color32, Shape, Stroke};

@@ -254,7 +254,7 @@ mod tests {
         assert_eq!(question, BakeQuestion::None);
     }
 
-    /// Runs a frame of egui with what is pressed at a place.
+    /// Runs a frame of egui with a press at a place.
     fn frame(
         context: &egui::Context,
         question: &mut BakeQuestion,

@@ -62,7 +62,7 @@ impl DroppedFiles {
     }
 }
 
-/// Shows over the picture what a drop will do.
+/// Shows the effect of a drop over the picture.
 pub fn hint(context: &egui::Context, place: Rect) {
     let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::new("dropped files"));
     let painter = context.layer_painter(layer).with_clip_rect(place);

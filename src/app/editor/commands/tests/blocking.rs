@@ -1,4 +1,4 @@
-//! What is drawn and cut, in a world without a window.
+//! Drawn and cut blocks, in a world without a window.
 
 use super::*;
 use crate::app::editor::command::blocking::block::Block;

@@ -1,4 +1,4 @@
-//! What an earlier picture tells is shown until the new one suffices, and is nowhere else.
+//! Carried-over pixels are shown until the new picture has enough samples, and are in no saved file.
 
 use super::full_film::{app, update_until};
 use super::*;

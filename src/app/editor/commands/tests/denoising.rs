@@ -39,7 +39,7 @@ fn job(world: &World) -> u64 {
     world.resource::<RenderFilm>().job
 }
 
-/// What the labels of a frame say, which are drawn before the commands and the tiles of the frame come in.
+/// The state in the labels of a frame, which are drawn before its commands are applied and its tiles arrive.
 #[derive(Resource, Default)]
 struct Labels(DenoiserState);
 
@@ -72,7 +72,7 @@ fn no_label_calls_a_picture_denoised_that_is_shown_as_sampled() {
         });
     };
     settle(&mut app);
-    // The picture is begun anew.
+    // The picture restarts.
     for turn in 1..4 {
         let pose = Affine3A::from_rotation_y(0.2 * turn as f32);
         apply(app.world_mut(), ViewCommand::MoveView(pose)).expect("moved");
@@ -129,7 +129,7 @@ fn fresher_pictures_follow_until_the_best_of_all_samples() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     assert!(seen.is_sorted(), "{seen:?}");
-    // It is what the command line would make of the film.
+    // The command line would make the same of the film.
     let denoised = app.world().resource::<Denoiser>().picture().expect("it is shown");
     let film = &app.world().resource::<RenderFilm>().film;
     let expected = denoise_film(film, Some(1), &AtomicBool::new(false)).expect("it can be denoised");

@@ -56,7 +56,7 @@ fn what_is_hidden_is_left_out_and_losses_are_told_until_they_are_dismissed() {
     }
     assert_eq!(names(&second), ["ball"]);
     assert!(!folder.path().join("third.glb").exists());
-    // The scene itself is what it was.
+    // The scene itself has not changed.
     let history = world.resource::<crate::app::editor::session::history::History>();
     assert_eq!(history.len(), steps);
 

@@ -129,7 +129,7 @@ fn a_mesh_stands_where_it_was_dropped() {
     let place = Vec3::from(world.get::<ToWorld>(made).expect("a pose").0.translation);
     // Its foot, at (2, -1, 2) of its own space, is in the middle of the floor.
     assert!(place.distance(Vec3::new(-2.0, 1.0, -2.0)) < 0.05, "{place}");
-    // One step takes all of it back.
+    // One undo reverts all of it.
     say(&mut world, HistoryCommand::Undo);
     assert!(!ObjectState::is_in_scene(&world, made));
     // Without a place it is where its file says.

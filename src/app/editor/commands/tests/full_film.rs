@@ -50,7 +50,7 @@ pub(super) fn app() -> App {
     app
 }
 
-/// What commands need beside the scene and the engine.
+/// The resources that commands need besides the scene and the engine.
 pub(super) fn add_resources(app: &mut App) {
     app.init_resource::<ViewSettings>()
         .init_resource::<Requests>()
@@ -190,7 +190,7 @@ fn a_picture_that_has_all_pixels_is_not_begun_anew_to_be_denoised() {
     });
     assert_eq!(app.world().resource::<RenderFilm>().job, job);
     assert!(app.world().resource::<RenderStatus>().samples >= 3);
-    // Nothing filters it in this test. Without the demand rendering goes on.
+    // Nothing filters it in this test. Without the awaited image rendering continues.
     apply(app.world_mut(), RenderCommand::StopFull).expect("it is stopped");
     update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
     assert!(!app.world().resource::<RenderControl>().paused);

@@ -111,8 +111,8 @@ fn bits(app: &App) -> Vec<[u32; 3]> {
     film.radiance().into_iter().map(bits).collect()
 }
 
-/// Shows what the file does not say: a view of its own through the other camera, a region, and another number of
-/// samples.
+/// Sets a view of its own through the other camera, a region, and another number of samples, none of which is in the
+/// file.
 fn look(app: &mut App) {
     let world = app.world_mut();
     let mut cameras = world.query_filtered::<(&DocumentOrder, Entity), With<Sensor>>();
@@ -182,7 +182,7 @@ fn all_samples_are_there_at_once() {
     tell(&mut first, KeptPicture::Keep).expect("it is kept");
     first.update();
     assert!(is_offered(&first));
-    // Without a user it goes on only when that is asked for.
+    // Without a user it is resumed only on request.
     let mut second = desk.open(false, [8, 8]);
     assert!(samples(second.world()) < MANY);
     // From wherever the user looks now.
@@ -224,7 +224,7 @@ fn a_picture_of_a_changed_scene_begins_anew_and_says_why() {
     std::fs::write(desk.scene(), endless().replace("diffuse", "conductor")).expect("a file");
     let kept = read(&desk.kept(), LARGEST_DATA).expect("a file");
     let mut second = desk.open(true, [50, 50]);
-    // What the user looks at stays.
+    // The user's view stays.
     let pose = Affine3A::from_translation(Vec3::Z);
     apply(second.world_mut(), ViewCommand::MoveView(pose)).expect("moved");
     assert!(tell(&mut second, KeptPicture::Continue).is_err_and(|error| error.contains("another content")));

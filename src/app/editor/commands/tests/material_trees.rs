@@ -166,7 +166,7 @@ fn a_preset_with_a_medium_fills_what_it_is_given_to_in_one_step() {
     undo(&mut world).expect("a step");
     assert_eq!((inside(&world, shapes[1]), media(&mut world)), (None, 0));
     assert_eq!(depth(&world), (PathPlugin::Path, Some(8)));
-    // What has no inside is left as it is.
+    // A flat shape is left as it is.
     let kind = ShapeKind::Disk;
     let disk = world
         .spawn(Shape {

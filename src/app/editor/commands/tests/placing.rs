@@ -106,7 +106,7 @@ fn a_copy_stands_beside_its_original_and_the_next_ones_go_on_like_it() {
     let second = selected(&world)[0];
     let step = places(&world, &[second])[0].abs();
     assert!(step > 1.0 && step < 1.5, "{step}");
-    // The copy is moved and turned, and the next copy is moved and turned from it in the same way.
+    // The copy is moved and turned, and the next copy is moved and turned from it by the same transform.
     let turn = Quat::from_rotation_y(0.5);
     let pose = Affine3A::from_scale_rotation_translation(Vec3::splat(0.5), turn, Vec3::new(2.0, 0.5, 0.0));
     say(&mut world, ValueEdit::Transform(vec![(second, pose)]));

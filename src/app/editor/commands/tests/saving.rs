@@ -72,7 +72,7 @@ impl Large {
         read_text(&self.path, LARGEST_DATA).expect("a file")
     }
 
-    /// What a reload of the file changes.
+    /// The changes of a reload of the file.
     fn reload(&mut self) -> ReloadSummary {
         let scene = Arc::new(read_scene(&self.path));
         spawn::update(&mut self.world, &scene)

@@ -143,7 +143,7 @@ impl History {
         }
     }
 
-    /// Whether a save is under way.
+    /// Whether a save is running.
     pub(crate) fn is_saving(&self) -> bool {
         self.being_saved.is_some()
     }

@@ -200,7 +200,7 @@ impl DrawState {
         }
     }
 
-    /// Goes on to the height, or adds the drawn block.
+    /// Continues with the height, or adds the drawn block.
     pub fn confirm(
         &mut self,
         kind: BlockKind,

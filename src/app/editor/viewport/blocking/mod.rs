@@ -106,8 +106,8 @@ impl BlockingState {
         let mut take_keys = |this: &mut Self, commands: &mut Vec<Command>| {
             rest.retain(|press| !this.take_key(press, screen, model, &end, commands));
         };
-        // Keys are told apart from the mouse. Before a drawing begins the tool uses no keys, so that they were pressed
-        // after its begin.
+        // Keys and mouse events come without a common order. Before a drawing begins the tool uses no keys, so that
+        // they count as pressed after its begin.
         let keys_first = self.is_busy() && !self.draw.is_dragging();
         if keys_first {
             take_keys(self, commands);

@@ -6,7 +6,7 @@ use crate::app::editor::command::gizmo_settings::Mode;
 use crate::app::editor::command::snapping::SnapTo;
 
 impl Drag {
-    /// The text about the change so far, with what Control would round it to.
+    /// The text about the change so far, with the step of Control.
     pub fn text(&self, change: Change, length_step: f32) -> String {
         const NAMES: [&str; 3] = ["X", "Y", "Z"];
         let axes = self.frame.axes;

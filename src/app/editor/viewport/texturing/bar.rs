@@ -13,7 +13,7 @@ use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::viewport::marks::bar_frame;
 
 const HEIGHT: f32 = 30.0;
-/// The width before the first frame; afterwards it is what the fields need.
+/// The width before the first frame; afterwards it is the width of the fields.
 const WIDTH: f32 = 560.0;
 
 /// Shows the row if there is a texture to place. `foot` is the distance from the foot of the picture.

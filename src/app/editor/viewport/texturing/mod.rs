@@ -48,7 +48,7 @@ pub struct TexturingModel<'a> {
     pub packed: &'a PackedScene,
     /// The locked entities, whose textures cannot be placed.
     pub locked: &'a EntityHashSet,
-    /// The unit of the scene, in which sizes are told.
+    /// The unit of the scene, in which sizes are shown.
     pub unit: LengthUnit,
 }
 

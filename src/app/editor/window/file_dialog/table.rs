@@ -16,7 +16,7 @@ pub(super) struct Clicked {
 const SIZE: f32 = 80.0;
 const CHANGED: f32 = 130.0;
 const ROW: f32 = 22.0;
-/// The width of the mark that tells folders from files.
+/// The width of the icon of folders and files.
 const MARK: f32 = 22.0;
 
 /// Shows the entries at these indices; `scrolls`: to the selected one.
