@@ -85,7 +85,7 @@ macro_rules! declare_topics {
         }
 
         impl $tree {
-            /// The properties of the command besides its effect.
+            /// The effect of the command, its title in the history, and its flags.
             pub fn traits(&self) -> Traits {
                 match self {
                     $(Self::$name(command) => command.traits(),)*

@@ -1,4 +1,4 @@
-//! The properties of a command besides its effect.
+//! The properties of commands: their effect, their title in the history, and flags.
 
 use bevy::prelude::Entity;
 
