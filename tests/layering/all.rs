@@ -5,9 +5,9 @@
 //! each other. The rooms of the editor and of the scene have tables of their own in `rooms`. The links of the
 //! documentation, which are read as text too, are held by `pages`.
 
-mod commands;
 mod imports;
 mod pages;
+mod recipes;
 mod rooms;
 
 use std::fs;

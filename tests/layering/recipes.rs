@@ -1,6 +1,9 @@
-//! Holds what a command of the editor costs: three files, and no catch-all that could forget it.
+//! Holds what a change costs: the numbers of source files in the recipes of CONTRIBUTING.md, and no catch-all that could
+//! forget a command.
 
-use super::{code_of, named_sources};
+use std::fs;
+
+use super::{ROOT, code_of, is_word, named_sources};
 
 const EDITOR: &str = "app/editor/";
 
@@ -62,4 +65,39 @@ fn a_command_costs_three_files() {
         own,
         ["automation/script/view.rs", "command/history.rs", "commands/history.rs"]
     );
+}
+
+/// Sample and number of the headings `### A SORT (`SAMPLE`): NUMBER source files`.
+fn recipes(page: &str) -> Vec<(&str, usize)> {
+    let headings = page.lines().filter_map(|line| line.strip_prefix("### "));
+    headings
+        .filter_map(|heading| {
+            let (_, rest) = heading.split_once("(`")?;
+            let (sample, rest) = rest.split_once("`): ")?;
+            let number = rest.strip_suffix(" source files")?;
+            Some((sample, number.parse().ok()?))
+        })
+        .collect()
+}
+
+/// A sample of each kind is named by as many source files as its recipe says.
+#[test]
+fn recipes_say_how_many_files_they_take() {
+    let page = fs::read_to_string(format!("{ROOT}/CONTRIBUTING.md")).expect("the page is text");
+    let sources = named_sources().into_iter();
+    let sources: Vec<_> = sources
+        .filter(|(file, _)| !file.ends_with("tests.rs") && !file.contains("/tests/"))
+        .map(|(file, text)| (file, code_of(&text)))
+        .collect();
+    let recipes = recipes(&page);
+    for (sample, number) in &recipes {
+        let names_sample = |code: &str| code.split(|c| !is_word(c)).any(|word| word == *sample);
+        let files: Vec<&String> = sources
+            .iter()
+            .filter(|(_, code)| names_sample(code))
+            .map(|(file, _)| file)
+            .collect();
+        assert_eq!(files.len(), *number, "{sample}: {files:#?}");
+    }
+    assert!(recipes.len() >= 5, "{recipes:?}");
 }
