@@ -1,4 +1,4 @@
-//! Everything about a bake but its light: what is needed to make its files of the sums of samples.
+//! The part of a bake that needs no light: all data with which its files can be made of the sums of samples.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,9 +22,9 @@ use crate::render::denoise::DenoiseError;
 /// A bake without its light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blueprint {
-    /// The content of the level's file.
+    /// The glTF file of the level.
     pub level: Vec<u8>,
-    /// The light that is in the lightmaps.
+    /// Which light the lightmaps hold.
     pub light: BakedLight,
     /// The seed of the random numbers.
     pub seed: u32,
@@ -34,11 +34,11 @@ pub struct Blueprint {
     pub texels_per_unit: f32,
     /// The nodes that have a place in a lightmap.
     pub nodes: Vec<BakedNode>,
-    /// The covered texels of the lightmaps.
+    /// The covered texels of the lightmaps, without receivers.
     pub places: Texels<()>,
     /// The seams of each lightmap.
     pub seams: Vec<Vec<Seam>>,
-    /// Reflection probes, and then volumes.
+    /// Reflection probes, then irradiance volumes.
     pub probes: Vec<Probe>,
 }
 
@@ -47,9 +47,9 @@ pub struct Blueprint {
 pub struct Baked {
     /// The lightmaps.
     pub lightmaps: Vec<LightmapPicture>,
-    /// The samples of each texel of a lightmap.
+    /// The number of samples of each texel of a lightmap.
     pub samples: u32,
-    /// The pictures of each probe; None of those that are not finished.
+    /// The filtered pictures of each probe; None for a probe that is not finished.
     pub probes: Vec<Option<ProbePicture>>,
 }
 
@@ -59,7 +59,7 @@ impl Blueprint {
         self.places.pages.len()
     }
 
-    /// A lightmap of the light so far.
+    /// The picture of page `page` made of the light gathered so far.
     pub fn lightmap(
         &self,
         page: usize,
@@ -69,7 +69,7 @@ impl Blueprint {
         finish(&self.places, page, light, &self.seams[page], denoising)
     }
 
-    /// The filter that removes noise, if it is asked for.
+    /// The denoiser, if denoising is asked for.
     fn denoising<'a>(&self, threads: usize, cancel: &'a AtomicBool) -> Option<Denoising<'a>> {
         self.denoise.then_some(Denoising {
             threads: Some(threads),
@@ -77,8 +77,8 @@ impl Blueprint {
         })
     }
 
-    /// All lightmaps. `watch` hears of the part that is done, from 0 to 1. An error soon after `discards` is set: an
-    /// interrupt alone does not set it, since what light there is shall be written after it.
+    /// The pictures of all lightmaps. `watch` gets the finished share, from 0 to 1. An error soon after `discards` is
+    /// set. An interrupt alone does not set it, since the light gathered by then shall be written.
     pub(super) fn lightmaps(
         &self,
         light: &Lightmaps,
@@ -97,7 +97,7 @@ impl Blueprint {
         (0..count).map(picture).collect()
     }
 
-    /// The pictures of a probe of its light; None if the work was cancelled.
+    /// The filtered pictures of a probe, made of its light; None if the work was cancelled.
     pub(super) fn probe(
         &self,
         number: usize,
@@ -107,7 +107,7 @@ impl Blueprint {
         self.probes[number].finished(light, self.denoise, work)
     }
 
-    /// Finishes everything of the light of the lightmaps and of each probe.
+    /// Makes the pictures of all lightmaps and probes.
     pub fn finished(&self, lights: &[Lightmaps], pool: &ThreadPool) -> Result<Baked, DenoiseError> {
         let work = &mut Work {
             pool,
@@ -124,12 +124,12 @@ impl Blueprint {
         })
     }
 
-    /// The number of texels of the lightmaps, and then that of each probe.
+    /// The number of texels of all lightmaps together, followed by that of each probe.
     pub(super) fn texel_counts(&self) -> impl Iterator<Item = usize> {
         std::iter::once(self.places.texels.len()).chain(self.probes.iter().map(Probe::texel_count))
     }
 
-    /// The samples of the lightmaps (0), or of a probe (its number and 1), where a texel of a lightmap has so many.
+    /// The samples per texel of the lightmaps (`number` 0) or of a probe (its index + 1) if lightmaps get `samples`.
     pub(super) fn samples_of(&self, number: usize, samples: u32) -> u32 {
         match number.checked_sub(1) {
             None => samples,
@@ -137,12 +137,12 @@ impl Blueprint {
         }
     }
 
-    /// Whether sums of light for the other one's texels are for these as well.
+    /// Whether both bakes have the same texels, so that the sums of light of one can be used for the other.
     pub(super) fn has_texels_of(&self, other: &Self) -> bool {
         self.places == other.places && self.texel_counts().eq(other.texel_counts())
     }
 
-    /// Bytes of memory while everything is made.
+    /// Bytes of memory needed while all pictures are made.
     pub(super) fn memory_bytes(&self) -> u64 {
         let page = u64::from(self.places.size.x) * u64::from(self.places.size.y);
         let probes: u64 = self.probes.iter().map(Probe::memory_bytes).sum();
@@ -187,7 +187,7 @@ impl Blueprint {
         }
     }
 
-    /// Reads what [`Self::write`] has written. No number leads out of a picture, and all of them are finite.
+    /// Reads a blueprint written by [`Self::write`]. All numbers are finite, and all texels lie inside their pages.
     pub(super) fn read(bytes: &mut Reader) -> Result<Self, Damaged> {
         let level = take_blob(bytes)?.to_vec();
         let light = match bytes.flag()? {
@@ -300,7 +300,7 @@ fn text(bytes: &mut Reader) -> Result<String, Damaged> {
 }
 
 impl Stage {
-    /// What is being done, in words. The names of probes are those of `blueprint`.
+    /// The work being done, in words. `blueprint` gives the names of probes.
     pub fn words(self, blueprint: Option<&Blueprint>) -> String {
         let probe = |number: usize| blueprint.and_then(|blueprint| blueprint.probes.get(number));
         let name = |number: usize| probe(number).map_or("", |probe| probe.name.as_str());

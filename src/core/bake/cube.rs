@@ -1,8 +1,8 @@
-//! Pictures of all directions on the six sides of a cube, as graphics cards look them up.
+//! Cube maps: pictures of all directions on the six faces of a cube.
 //!
 //! Source: the Vulkan specification, section "Cube Map Face Selection". A renderer that looks up directions of a
-//! right-handed space turns z around before, as Bevy does, since cube maps are left-handed. Directions here are those
-//! of the right-handed space.
+//! right-handed space negates z before, as Bevy does, since cube maps are left-handed. Directions here are in the
+//! right-handed space.
 
 use glam::{Mat3A, UVec2, Vec2, Vec3};
 
@@ -10,8 +10,8 @@ use super::texels::{Texel, Texels};
 use crate::color::Rgb;
 use crate::render::probe_radiance::Window;
 
-/// The middle of each side, and the directions in which its columns and its rows follow each other: +x, -x, +y, -y, -z
-/// and +z, since z is turned around.
+/// For each face its centre and the directions of growing columns and rows. The faces are +x, -x, +y, -y, -z and +z,
+/// since z is negated.
 const SIDES: [[Vec3; 3]; 6] = [
     [Vec3::X, Vec3::Z, Vec3::NEG_Y],
     [Vec3::NEG_X, Vec3::NEG_Z, Vec3::NEG_Y],
@@ -21,17 +21,17 @@ const SIDES: [[Vec3; 3]; 6] = [
     [Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y],
 ];
 
-/// A picture on the sides of a cube.
+/// A cube map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubePicture {
-    /// The width and the height of each side, in texels.
+    /// The width and the height of each face, in texels.
     pub size: u32,
-    /// Side by side, and row by row from the top within a side; linear Rec. 709.
+    /// Face by face, and row by row from the top within a face; linear Rec. 709.
     pub texels: Vec<Rgb>,
 }
 
 impl CubePicture {
-    /// The picture whose texels are what `light` says of the middle of each, as a direction of the cube of any length.
+    /// The cube map with the value of `light` at the centre of each texel, given as a direction of any length.
     #[cfg(test)]
     pub(super) fn of(size: u32, light: impl Fn(Vec3) -> Rgb) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl CubePicture {
         }
     }
 
-    /// The texel in a direction of the cube.
+    /// The texel that a direction falls into.
     pub fn at(&self, direction: Vec3) -> Rgb {
         let reach = SIDES.map(|[middle, _, _]| middle.dot(direction));
         let side = (1..6).fold(0, |best, side| if reach[side] > reach[best] { side } else { best });
@@ -51,7 +51,7 @@ impl CubePicture {
         self.texels[index(self.size, side, place)]
     }
 
-    /// A side with a border of so many texels, in which the plane of the side goes on and shows the sides beside it.
+    /// A face with a border of `border` texels, which continue the plane of the face and show the neighbouring faces.
     pub fn bordered(&self, side: usize, border: u32) -> Vec<Rgb> {
         let [middle, across, down] = SIDES[side];
         let width = self.size + 2 * border;
@@ -64,7 +64,7 @@ impl CubePicture {
     }
 }
 
-/// The middles of the texels as directions of the cube, in the order of [`CubePicture::texels`].
+/// The texel centres as directions, in the order of [`CubePicture::texels`].
 pub(super) fn middles(size: u32) -> Vec<Vec3> {
     let middle = |(side, place)| window(Vec3::ZERO, &Mat3A::IDENTITY, side, place, size).middle();
     places(size).map(middle).collect()
@@ -76,8 +76,8 @@ pub(super) fn index(size: u32, side: usize, place: UVec2) -> usize {
     (side * size + place.y as usize) * size + place.x as usize
 }
 
-/// The windows of all texels of a cube of this size as they are seen from its middle `from`, in the order of
-/// [`CubePicture::texels`]. The cube may be stretched and turned.
+/// The windows of all texels of a cube map of this size around the point `from`, in the order of
+/// [`CubePicture::texels`]. The cube may be stretched and rotated.
 pub fn windows(from: Vec3, world_from_cube: &Mat3A, size: u32) -> Texels<Window> {
     let texel = |(side, place): (usize, UVec2)| Texel {
         place: UVec2::new(place.x, side as u32 * size + place.y),
@@ -92,7 +92,7 @@ pub fn windows(from: Vec3, world_from_cube: &Mat3A, size: u32) -> Texels<Window>
     }
 }
 
-/// The sides and the places on them, in the order of [`CubePicture::texels`].
+/// The face and the column and row of each texel, in the order of [`CubePicture::texels`].
 pub(super) fn places(size: u32) -> impl Iterator<Item = (usize, UVec2)> {
     (0..6).flat_map(move |side| (0..size).flat_map(move |y| (0..size).map(move |x| (side, UVec2::new(x, y)))))
 }

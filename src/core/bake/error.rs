@@ -19,10 +19,10 @@ pub enum BakeError {
     Export(#[from] GltfWriteError),
     #[error("no surface of the level is large enough for a texel: take more texels per unit")]
     NoTexels,
-    /// A probe of the scene cannot be.
+    /// A probe of the scene is impossible.
     #[error("{name}: {source}")]
     Probe { name: String, source: ProbeError },
-    /// The volume around the level cannot be.
+    /// The irradiance volume around the level is impossible.
     #[error(transparent)]
     Grid(GridError),
     #[error("the probes need {0}; fewer or smaller ones need less")]
@@ -31,14 +31,14 @@ pub enum BakeError {
     MemoryOfShare(Shortage),
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
-    /// Cancelled before there was anything to write.
+    /// Cancelled before there was any light to write.
     #[error("interrupted before the first samples: nothing is written")]
     Cancelled,
     #[error("cannot write {}: {reason}", path.display())]
     Write { path: PathBuf, reason: String },
 }
 
-/// The reason why a probe cannot be.
+/// The reason why a probe is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ProbeError {

@@ -19,24 +19,23 @@ use crate::render::image_io::{FileFormat, FileOptions, encode_layered};
 use crate::render::layered_image::LayeredImage;
 
 const LEVEL: &str = "level.glb";
-/// It names the others.
+/// The manifest, which names the other files.
 const MANIFEST: &str = "lightmaps.json";
-/// The most bytes of it: enough for a million nodes.
+/// The size limit of the manifest, in bytes: enough for a million nodes.
 const LARGEST_MANIFEST: u64 = 256 << 20;
-/// How the names of all other files begin.
+/// The prefixes of the names of all other files.
 const OURS: [&str; 3] = ["lightmap-", "reflection-", "irradiance-"];
 
-/// The folder of a bake. Folders that were made for it are removed when it is dropped, unless there is something in
-/// them.
+/// The output folder of a bake. When dropped, it removes the folders that it has made if they are empty.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// The folders that were made, the innermost first.
+    /// The folders that were made, innermost first.
     made: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    /// Makes the folder, and tries whether files can be written there. The error is a sentence.
+    /// Makes the folder, and tests whether files can be written there. The error is a sentence.
     pub fn prepare(folder: &Path) -> Result<Self, String> {
         let fails = |error| format!("cannot write to {}: {error}", folder.display());
         if folder.is_file() {
@@ -49,7 +48,7 @@ impl OutputFolder {
         };
         fs::create_dir_all(folder).map_err(fails)?;
         check_writable(&folder.join(MANIFEST)).map_err(fails)?;
-        // What cannot be finished is replaced by this bake.
+        // If the set cannot be finished, this bake replaces it.
         let _ = finish_set(&folder.join(MANIFEST));
         Ok(prepared)
     }
@@ -63,7 +62,7 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         for folder in &self.made {
-            // It fails where there are files.
+            // This fails if the folder is not empty.
             if fs::remove_dir(folder).is_err() {
                 break;
             }
@@ -71,7 +70,7 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Whether a file of this name in the folder of a bake is one that a bake may replace.
+/// Whether a bake may replace a file of this name in its output folder.
 pub fn is_name_of_bake(name: &str) -> bool {
     name == LEVEL || name == MANIFEST || OURS.iter().any(|ours| name.starts_with(ours))
 }
@@ -86,17 +85,17 @@ pub fn replaceable(folder: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.path()).filter(is_ours).collect()
 }
 
-/// How much light a level has.
+/// The amount of light in a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Content {
-    /// The samples of each texel of a lightmap.
+    /// The number of samples of each texel of a lightmap.
     pub samples: u32,
     /// The number of finished probes.
     pub probes: usize,
 }
 
 impl Content {
-    /// What the level has that a bake has written into the folder; None if there is none, or only some of its files.
+    /// The content of the bake written into the folder; None if there is none or a file is missing.
     pub fn of_folder(folder: &Path) -> Option<Self> {
         let manifest = manifest_of(folder).filter(|manifest| are_of_one_bake(folder, manifest))?;
         let probes = |list: &str| manifest[list].as_array().map_or(0, Vec::len);
@@ -106,8 +105,8 @@ impl Content {
         })
     }
 
-    /// Whether a bake that is ended early may replace a level with this content: it has more samples, and as many
-    /// probes. So nothing is lost without a word.
+    /// Whether a bake that is ended early may replace a bake with the content `there`: it needs more samples and at
+    /// least as many probes, so that no work is lost silently.
     pub fn may_replace(&self, there: &Self) -> bool {
         self.samples > there.samples && self.probes >= there.probes
     }
@@ -121,7 +120,7 @@ impl fmt::Display for Content {
     }
 }
 
-/// The files of a bake, which replace those of the bake before together.
+/// The files of a bake, which replace the files of the previous bake in one step.
 struct Files<'a> {
     folder: &'a Path,
     set: FileSet,
@@ -168,7 +167,7 @@ impl From<WriteError> for BakeError {
     }
 }
 
-/// Replaces the files of the bake before by those of this one. Those that are not needed any more are removed.
+/// Replaces the files of the previous bake by the files of this one, and removes the files no longer needed.
 pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), BakeError> {
     let mut target = Files {
         folder,
@@ -244,14 +243,14 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
     Ok(target.set.replace()?)
 }
 
-/// The manifest of the bake that is in the folder.
+/// The manifest of the bake in the folder.
 fn manifest_of(folder: &Path) -> Option<Value> {
     let text = read_text(&folder.join(MANIFEST), LARGEST_MANIFEST).ok()?;
     let manifest: Value = serde_json::from_str(&text).ok()?;
     (manifest["format"] == Manifest::FORMAT).then_some(manifest)
 }
 
-/// Whether the files beside a manifest are those that were written with it. Older versions have noted nothing of that.
+/// Whether the checksums of the manifest match the files beside it. Manifests of older versions have no checksums.
 fn are_of_one_bake(folder: &Path, manifest: &Value) -> bool {
     let mut sums = manifest["crc32"].as_object().into_iter().flatten();
     sums.all(|(name, sum)| {
@@ -261,7 +260,7 @@ fn are_of_one_bake(folder: &Path, manifest: &Value) -> bool {
     })
 }
 
-/// The names of the lightmaps and probes of the bake that is in the folder.
+/// The names of the lightmaps and probes of the bake in the folder.
 fn files_of(folder: &Path) -> Vec<String> {
     let Some(manifest) = manifest_of(folder) else {
         return Vec::new();

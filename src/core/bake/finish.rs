@@ -1,4 +1,4 @@
-//! Makes pictures of the light at texels that can be filtered when they are shown.
+//! Makes pictures, which can be filtered on display, of the light at texels.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,29 +15,29 @@ use crate::render::denoise::{DenoiseError, denoise_lightmap};
 pub struct LightmapPicture {
     /// Width and height.
     pub size: UVec2,
-    /// Irradiance row by row from the top, linear Rec. 709; black where no surface is near.
+    /// Irradiance row by row from the top, linear Rec. 709; black far from any surface.
     pub irradiance: Vec<Rgb>,
 }
 
-/// The noise-free filter of Open Image Denoise, and how it runs.
+/// The settings of Open Image Denoise.
 #[derive(Clone, Copy, Debug)]
 pub struct Denoising<'a> {
-    /// The number of threads; None is one for each core.
+    /// The number of threads; None means one per core.
     pub threads: Option<usize>,
     /// Ends it when set.
     pub cancel: &'a AtomicBool,
 }
 
-/// Texels inside of walls get light from neighbours so far away, and no farther: what filters reach, but not the room
-/// beyond the wall.
+/// How far, in texels, light is spread into walls: as far as texture filters reach, but not through to the room behind
+/// the wall.
 const INTO_WALLS: usize = 2;
-/// The gaps between charts are filled so far.
+/// How far, in texels, the gaps between charts are filled.
 const INTO_GAPS: usize = 8;
 
-/// The value of each texel of a page; None where it is not known.
+/// The value of each texel of a page; None if unknown.
 type Known = Vec<Option<Rgb>>;
 
-/// Makes the picture of a page. `seams` are those of this page.
+/// Makes the picture of a page. `seams` are the seams of this page.
 pub fn finish<S>(
     texels: &Texels<S>,
     page: usize,
@@ -74,9 +74,9 @@ pub fn finish<S>(
     Ok(LightmapPicture { size, irradiance })
 }
 
-/// Removes the noise of known texels.
+/// Denoises the known texels.
 fn denoise(values: &mut Known, size: UVec2, denoising: Denoising) -> Result<(), DenoiseError> {
-    // The filter must not take black gaps for shadows.
+    // The denoiser must not take black gaps for shadows.
     let mut filled = values.clone();
     fill_gaps(&mut filled, size);
     let color: Vec<Rgb> = filled.into_iter().map(Option::unwrap_or_default).collect();
@@ -95,7 +95,7 @@ fn fill_gaps(values: &mut Known, size: UVec2) {
     }
 }
 
-/// Gives unknown texels that `may` be given one the mean of the known ones around them.
+/// Gives each unknown texel for which `may` holds the mean of its known neighbours.
 fn spread(values: &mut Known, size: UVec2, may: impl Fn(usize) -> bool) {
     let before = values.clone();
     for y in 0..size.y {

@@ -1,5 +1,5 @@
-//! A small picture of a lightmap while its light is gathered. It is made in a moment: nothing is denoised, and gaps are
-//! not filled.
+//! A reduced picture of a lightmap while its light is gathered. It is cheap: nothing is denoised, and gaps are not
+//! filled.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -11,17 +11,17 @@ use super::lightmap::Lightmaps;
 use super::texels::Texels;
 use crate::color::Rgb;
 
-/// A small picture of a lightmap.
+/// A reduced picture of a lightmap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glimpse {
     /// Width and height.
     pub size: UVec2,
-    /// The radiance of a white diffuse surface, row by row from the top; None where no surface lies, or only what is
-    /// inside of walls, whose light is not known yet.
+    /// The radiance of a white diffuse surface, row by row from the top; None if the pixel covers no surface, or only
+    /// texels buried in walls, whose light is not known yet.
     pub white: Vec<Option<Rgb>>,
 }
 
-/// Sums of texels in the pixels of a smaller picture.
+/// Sums of texels for each pixel of the reduced picture.
 struct Cells {
     size: UVec2,
     /// The texels along the side of a cell.
@@ -57,7 +57,7 @@ impl Cells {
 }
 
 impl Blueprint {
-    /// A lightmap of the light so far, no side of it longer than `most`.
+    /// A reduced picture, with sides of at most `most` pixels, of the light gathered so far on a page.
     pub fn glimpse(&self, page: usize, light: &Lightmaps, most: u32) -> Glimpse {
         let mut cells = Cells::new(self.places.size, most);
         for texel in self.places.pages[page].clone() {
@@ -68,7 +68,7 @@ impl Blueprint {
         cells.means()
     }
 
-    /// A finished lightmap, no side of it longer than `most`.
+    /// A reduced picture of a finished lightmap, with sides of at most `most` pixels.
     pub fn glimpse_of(&self, page: usize, picture: &LightmapPicture, most: u32) -> Glimpse {
         finished(&self.places, page, picture, most)
     }

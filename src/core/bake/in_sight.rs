@@ -1,4 +1,4 @@
-//! Finds the cells of texels that are hidden by what stands on the surface.
+//! Finds the cells of texels that are hidden by objects standing on the surface.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,11 +10,11 @@ use super::texels::Texels;
 use crate::accel::Tlas;
 use crate::math::Ray;
 
-/// The height above the surface at which sight is tested, in sides of a texel.
+/// The height above the surface at which visibility is tested, as a share of the side of a texel.
 const HEIGHT: f32 = 1.0 / 32.0;
 
-/// Leaves out the cells that are out of sight of the places of their texels. It ends soon after `cancel` is set, and
-/// then has left out some of them.
+/// Removes the cells that cannot be seen from the centres of their texels. It ends soon after `cancel` is set, with
+/// some of the texels done.
 pub fn keep_in_sight(texels: &mut Texels, geometry: &Tlas, cancel: &AtomicBool) {
     let Texels { texels, spreads, .. } = texels;
     texels.par_iter().zip(spreads).for_each(|(texel, spread)| {
@@ -27,8 +27,7 @@ pub fn keep_in_sight(texels: &mut Texels, geometry: &Tlas, cancel: &AtomicBool) 
             let sight = Ray::segment(receiver.position + lift, spread.at(part) + lift);
             !geometry.occluded(&sight)
         };
-        // Nothing stands on most texels. There the corners of the texel and the middles of its sides are in sight, and
-        // no more is tested.
+        // Most texels are unobstructed: if the corners and the midpoints of the sides are visible, no more is tested.
         let mut outer = (0..9)
             .filter(|number| *number != 4)
             .map(|number| Vec2::new((number % 3) as f32, (number / 3) as f32));

@@ -1,8 +1,8 @@
-//! A bake as a job: a level is prepared, its light is gathered in rounds that can be watched and cancelled, and
-//! pictures are made of it.
+//! A bake as a job: it prepares a level, gathers light in rounds that can be watched and cancelled, and makes pictures
+//! of the light.
 //!
-//! A callback is told of its progress, on the thread that runs it, between pieces of work of about half a second. It
-//! can look at the job meanwhile: its lightmaps can be shown as they are.
+//! A callback gets the progress on the thread that runs the job, between pieces of work of about half a second. It may
+//! look at the job meanwhile, for instance to show the unfinished lightmaps.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -37,32 +37,32 @@ use crate::render::view::View;
 use crate::render::visibility::outer_walls::OuterWalls;
 use crate::render::visibility::sight::Sight;
 
-/// What is baked.
+/// The input of a bake.
 pub struct BakeSource {
-    /// The scene that sends the light.
+    /// The scene that emits and reflects the light.
     pub scene: RenderScene,
-    /// The settings of paths, the medium that all surfaces are in, and the random numbers with their seed.
+    /// The settings of paths, the medium around all surfaces, and the random numbers with their seed.
     pub view: View,
-    /// The level as a glTF file that is being made.
+    /// The level as an unfinished glTF file.
     pub level: GltfWriter,
     /// The probes of the scene.
     pub probes: Vec<AskedProbe>,
     /// The threads that trace rays.
     pub pool: Arc<ThreadPool>,
-    /// Whether the level will be looked at as it is lit, see [`BakeJob::see`].
+    /// Whether the lit level will be viewed, see [`BakeJob::see`].
     pub is_seen: bool,
-    /// When set, nothing of the job is of use any more: not even the light that there is is finished.
+    /// When set, the result of the job is unwanted: it does not even finish the light gathered so far.
     pub discards: Arc<AtomicBool>,
 }
 
-/// How it is baked.
+/// The settings of a bake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakeSettings {
     /// The size of lightmaps and of their texels.
     pub unwrap: UnwrapSettings,
-    /// The light that is in the lightmaps.
+    /// Which light the lightmaps hold.
     pub light: BakedLight,
-    /// The probes; None is a bake without any.
+    /// The settings of probes; None for a bake without probes.
     pub probes: Option<ProbeSettings>,
     /// Whether noise is removed.
     pub denoise: bool,
@@ -88,37 +88,37 @@ pub enum BakeEnding {
     Cancelled,
 }
 
-/// Hears of the progress, with the job as it is.
+/// Gets the progress and the job in its present state.
 pub type Watch<'a> = &'a mut dyn FnMut(&BakeJob, &Progress);
 
-/// A bake that is prepared or under way.
+/// A bake that is prepared or running.
 pub struct BakeJob {
     pub(super) blueprint: Blueprint,
     scene: RenderScene,
     view: View,
     pool: Arc<ThreadPool>,
     discards: Arc<AtomicBool>,
-    /// What views pass that pass the backs of surfaces, found when it is first needed.
+    /// The outer walls, which views that pass the backs of surfaces leave out; found when first needed.
     outer_walls: OnceLock<OuterWalls>,
     texels: Texels,
-    /// The surfaces that have texels, if they may be looked at.
+    /// The surfaces with texels, if the level may be viewed.
     surfaces: Vec<BakeSurface>,
-    /// The same where rays find them, once they are looked at.
+    /// The same surfaces with an acceleration structure, made at the first view.
     seen: OnceLock<BakedSurfaces>,
-    /// The light of the lightmaps, and then that of each probe.
+    /// The light of the lightmaps, followed by that of each probe.
     pub(super) lights: Vec<Lightmaps>,
-    /// What is finished so far; None before the lightmaps are.
+    /// The finished pictures; None before the lightmaps are finished.
     baked: Option<Baked>,
-    /// The time in which each light was gathered.
+    /// The time spent gathering each element of `lights`.
     pub(super) spent: Vec<Duration>,
     warnings: Vec<String>,
-    /// What is held of the budget.
+    /// The reserved part of the memory budget.
     pub(super) memory: Vec<Reservation>,
 }
 
 impl BakeJob {
-    /// Finds the places of probes, gives the meshes of the level a place in lightmaps, and finds the texels. `watch`
-    /// hears of the progress, and of what is being done in words.
+    /// Places the probes, unwraps the meshes of the level into lightmaps, and finds the texels. `watch` gets the
+    /// progress and the name of the present step.
     pub fn prepare(
         source: BakeSource,
         settings: &BakeSettings,
@@ -214,30 +214,29 @@ impl BakeJob {
         })
     }
 
-    /// What is baked.
+    /// The prepared level, without light.
     pub fn blueprint(&self) -> &Blueprint {
         &self.blueprint
     }
 
-    /// Sentences about what could not be prepared as it was asked for.
+    /// Sentences about requests that could not be met.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// The light of the lightmaps so far; see [`Blueprint::lightmap`].
+    /// The light of the lightmaps gathered so far; see [`Blueprint::lightmap`].
     pub fn light(&self) -> &Lightmaps {
         &self.lights[0]
     }
 
-    /// What is finished: nothing before the lightmaps are.
+    /// The finished pictures; None before the lightmaps are finished.
     pub fn baked(&self) -> Option<&Baked> {
         self.baked.as_ref()
     }
 
-    /// What a camera sees of the level with so many pixels, without what shines if `hides_emitters`. An error if the
-    /// memory budget has no room. It takes a ray or two for each pixel, and the first call prepares the surfaces,
-    /// which have light if [`BakeSource::is_seen`]. The outer walls of `sight` are those of the scene of
-    /// the job, whatever they are.
+    /// The surfaces that a camera sees in each pixel, without emissive ones if `hides_emitters`. An error if the memory
+    /// budget has no room. It traces a ray or two for each pixel; the first call also prepares the surfaces, which have
+    /// light if [`BakeSource::is_seen`]. The outer walls of `sight` are replaced by those of the scene of the job.
     pub fn see(
         &self,
         camera: &Camera,
@@ -268,7 +267,7 @@ impl BakeJob {
         self.pool.install(see)
     }
 
-    /// The radiance of pixels by the lightmaps as they are, row by row from the top, linear Rec. 709.
+    /// The radiance of pixels lit by the present lightmaps, row by row from the top, linear Rec. 709.
     pub fn lit(&self, seen: &SeenPixels) -> Vec<Rgb> {
         let light = match &self.baked {
             Some(baked) => LitBy::Finished(&baked.lightmaps),
@@ -288,8 +287,8 @@ impl BakeJob {
         self.lights.iter().map(|light| light.invalid).sum()
     }
 
-    /// Gathers the light of the lightmaps and finishes them, and then those of each probe. It ends soon after `cancel`
-    /// is set, and goes on where it was if it is called again.
+    /// Gathers the light of the lightmaps and finishes them, then does the same for the probes. It ends soon after
+    /// `cancel` is set; another call goes on from there.
     pub fn run(&mut self, limits: &BakeLimits, cancel: &AtomicBool, watch: Watch) -> Result<BakeEnding, BakeError> {
         let target = limits.target();
         if self.baked.is_none() {
@@ -314,7 +313,7 @@ impl BakeJob {
         Ok(BakeEnding::Done)
     }
 
-    /// How much light a level has that is made of what there is now.
+    /// The amount of light in a bake that is finished now.
     pub fn content(&self) -> Content {
         let probes = self.baked.iter().flat_map(|baked| &baked.probes);
         Content {
@@ -323,8 +322,8 @@ impl BakeJob {
         }
     }
 
-    /// After a job was cancelled: finishes lightmaps of the light that they have. Probes that are not finished are left
-    /// out. An error if texels have no light.
+    /// After a cancelled run: finishes lightmaps with the light gathered so far. Unfinished probes are left out. An
+    /// error if texels have no light.
     pub fn finish_so_far(&mut self, watch: Watch) -> Result<(), BakeError> {
         match self.lights[0].samples() {
             0 => Err(BakeError::Cancelled),
@@ -333,8 +332,8 @@ impl BakeJob {
         }
     }
 
-    /// Gathers light until a limit is reached; false if it was cancelled. `number` counts the lightmaps and then the
-    /// probes.
+    /// Gathers light until a limit is reached; false if cancelled. `number` is 0 for the lightmaps, else the index of a
+    /// probe + 1.
     pub(super) fn gather(
         &mut self,
         number: usize,
@@ -378,7 +377,7 @@ impl BakeJob {
                 return false;
             }
             let light = &self.lights[number];
-            // A round that has begun is finished.
+            // A round that has begun is finished first.
             let is_between_rounds = light.mean_samples() == f64::from(light.samples());
             if light.reached() >= target || is_between_rounds && limits.are_reached(light.samples(), spent, noise) {
                 return true;
@@ -398,7 +397,7 @@ impl BakeJob {
         blocks: usize,
         cancel: &AtomicBool,
     ) -> bool {
-        // Lights without extent, which the level brings along, light what moves themselves, with shadows.
+        // Punctual lights, which the level has as nodes, light moving objects directly, with shadows.
         let light = match number {
             0 => received(self.blueprint.light),
             _ => ReceivedLight::WithoutPunctual,
@@ -436,7 +435,7 @@ impl BakeJob {
         self.pool.current_num_threads()
     }
 
-    /// False if it was cancelled.
+    /// Makes the pictures of a probe. False if cancelled.
     fn finish_probe(&mut self, number: usize, cancel: &AtomicBool, watch: Watch) -> Result<bool, BakeError> {
         let begin = Instant::now();
         let mut told = |done| {

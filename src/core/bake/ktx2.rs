@@ -1,5 +1,4 @@
-//! Writes pictures, cubes and volumes as KTX 2.0, the container that graphics cards are given textures in: half floats,
-//! four channels.
+//! Writes pictures, cube maps and volume textures as KTX 2.0, with four channels of half floats.
 //!
 //! Source: the KTX File Format Specification 2.0.4, and the Khronos Data Format Specification 1.3.1, chapter 5, for the
 //! descriptor.
@@ -15,27 +14,27 @@ const IDENTIFIER: [u8; 12] = [
 ];
 /// `VK_FORMAT_R16G16B16A16_SFLOAT`.
 const FORMAT: u32 = 97;
-/// Bytes of the header and the index, and of the index of a level.
+/// Bytes of the header and the index, and of the index of a mip level.
 const HEAD: usize = 48 + 32;
 const LEVEL: usize = 24;
-/// Bytes of a texel, which levels begin at multiples of.
+/// Bytes of a texel; mip levels are aligned to them.
 const TEXEL: usize = 8;
 /// Red, green, blue and alpha in the descriptor.
 const CHANNELS: [u8; 4] = [0, 1, 2, 15];
 /// The qualifiers of a signed float.
 const SIGNED_FLOAT: u8 = 0xC0;
 
-/// What a file holds besides its texels.
+/// The metadata of a file.
 struct Head {
     /// The width, the height, and the depth, which is 0 for pictures.
     size: UVec3,
-    /// 6 for cubes, else 1.
+    /// 6 for cube maps, else 1.
     faces: u32,
-    /// The directions that columns, rows and slices follow each other in.
+    /// The directions of growing columns, rows and slices.
     orientation: &'static str,
 }
 
-/// The file of a linear picture, row by row from the top. Values above the largest half float become that one.
+/// The file of a linear picture, row by row from the top. Values above the largest half float are clamped to it.
 pub fn picture(size: UVec2, pixels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
     let head = Head {
         size: size.extend(0),
@@ -45,7 +44,7 @@ pub fn picture(size: UVec2, pixels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
     file(&head, &[halves(pixels)])
 }
 
-/// The file of a cube, whose levels are each half as wide as the one before.
+/// The file of a cube map, given its mip levels, each half as wide as the one before.
 pub fn cube(levels: &[CubePicture]) -> Vec<u8> {
     let size = levels.first().map_or(0, |level| level.size);
     let head = Head {
@@ -60,7 +59,7 @@ pub fn cube(levels: &[CubePicture]) -> Vec<u8> {
     file(&head, &levels)
 }
 
-/// The file of texels in space, first along x, then along y, then along z.
+/// The file of a volume texture, first along x, then along y, then along z.
 pub fn volume(size: UVec3, texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
     let head = Head {
         size,
@@ -70,7 +69,7 @@ pub fn volume(size: UVec3, texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
     file(&head, &[halves(texels)])
 }
 
-/// The texels of a level, opaque.
+/// The texels of a mip level as half floats, opaque.
 fn halves(texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
     let half = |value: f32| f16::from_f32(value.clamp(0.0, f16::MAX.to_f32()));
     let channels = |texel: Rgb| [half(texel.x), half(texel.y), half(texel.z), f16::ONE];
@@ -81,7 +80,7 @@ fn halves(texels: impl IntoIterator<Item = Rgb>) -> Vec<u8> {
         .collect()
 }
 
-/// The file of levels, the largest first. They lie in it the other way around.
+/// The file with these mip levels, given largest first. The file stores them smallest first.
 fn file(head: &Head, levels: &[Vec<u8>]) -> Vec<u8> {
     let (descriptor, texts) = (descriptor(), texts(head.orientation));
     let descriptor_at = HEAD + LEVEL * levels.len();
@@ -124,7 +123,7 @@ fn file(head: &Head, levels: &[Vec<u8>]) -> Vec<u8> {
     file
 }
 
-/// What the bits of a texel mean.
+/// The data format descriptor: the meaning of the bits of a texel.
 fn descriptor() -> Vec<u8> {
     let block = 24 + 16 * CHANNELS.len();
     let mut bytes = Vec::new();

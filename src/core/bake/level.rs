@@ -1,9 +1,8 @@
-//! Gives the meshes of a glTF file that is being made a place in lightmaps.
+//! Gives the meshes of an unfinished glTF file a place in lightmaps.
 //!
-//! What moves, what is clear as glass, what reflects nothing diffusely, and what has no area gets none. A surface that
-//! is seen from both sides is baked on the side that light comes to; if light comes to both, each side becomes a
-//! surface of its own. Nodes whose meshes have the same size in the world share a mesh and lie in rectangles of their
-//! own.
+//! Meshes that move, are clear as glass, have no diffuse reflection, or have no area get none. A two-sided surface is
+//! baked on the side that light reaches; if light reaches both, each side becomes a surface of its own. Nodes whose
+//! meshes have the same size in the world share a mesh and get rectangles of their own.
 
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +17,7 @@ use crate::gltf::write::material::Material;
 use crate::gltf::write::model::{Mesh, Primitive};
 use crate::gltf::write::{GltfWriteError, GltfWriter, PlacedMesh};
 
-/// A level with places in lightmaps.
+/// A level that is laid out in lightmaps.
 #[derive(Debug)]
 pub struct BakeLevel {
     /// Width and height of each lightmap.
@@ -27,11 +26,11 @@ pub struct BakeLevel {
     pub pages: u32,
     /// Texels per unit of length.
     pub texels_per_unit: f32,
-    /// The nodes that have a place in a lightmap.
+    /// The nodes with a place in a lightmap.
     pub nodes: Vec<BakedNode>,
     /// Their surfaces, one for each node.
     pub surfaces: Vec<BakeSurface>,
-    /// The layout, whose memory is held as long as the level.
+    /// The layout, which holds its memory reservation as long as the level lives.
     pub layout: Layout,
 }
 
@@ -40,9 +39,9 @@ pub struct BakeLevel {
 pub struct BakedNode {
     /// The index of the node.
     pub node: usize,
-    /// The names of the nodes on the way to it, with `/` between them.
+    /// The names of its ancestors and of the node itself, joined by `/`.
     pub path: String,
-    /// The lightmap, counted from 0.
+    /// The index of the lightmap.
     pub lightmap: u32,
     /// The rectangle of the lightmap that the second texture coordinates of the mesh span: left, top, right and
     /// bottom, in [0, 1].
@@ -62,24 +61,24 @@ pub enum LevelError {
 /// The sides of a mesh that are baked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sides {
-    /// The front, which triangles have their corners counter-clockwise on.
+    /// The side from which the corners of triangles are counter-clockwise.
     Front,
     /// The back.
     Back,
-    /// Each for itself.
+    /// Both sides, each as a surface of its own.
     Both,
 }
 
-/// Parts of a mesh that are alike: whether they have a side of their own each, or show both.
+/// The mesh parts that may share a layout: they have the same sides and the same size in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     mesh: usize,
-    /// The lengths and angles of its axes as it is laid out, rounded.
+    /// The rounded lengths and angles of the axes with which it is laid out.
     shape: [i64; 6],
     sides: Sides,
 }
 
-/// A mesh that is to be unwrapped, and where it stands.
+/// A mesh to be unwrapped, with its instances in the world.
 struct Group {
     mesh: usize,
     sides: Sides,
@@ -93,15 +92,15 @@ struct Group {
 struct Sheet {
     primitive: usize,
     is_back: bool,
-    /// The first of its vertices and the first of its triangles among those of the group.
+    /// The first of its vertices and the first of its triangles in the group.
     first_vertex: u32,
     first_triangle: usize,
     triangles: usize,
 }
 
-/// Gives the meshes of `writer` second texture coordinates, and says where they lie. `lit` is asked for the sides of a
-/// surface in the world that light comes to: it gets the corners of its triangles, and answers for front and back. It
-/// fails after `cancel` is set and tells of its progress as [`unwrap`] does.
+/// Gives the meshes of `writer` second texture coordinates, and returns their layout. `lit` gets the corners of the
+/// triangles of a surface in the world, and returns whether light reaches the front and the back. It fails after
+/// `cancel` is set, and reports its progress as [`unwrap`] does.
 pub fn unwrap_level(
     writer: &mut GltfWriter,
     settings: &UnwrapSettings,
@@ -185,12 +184,12 @@ fn takes_light(writer: &GltfWriter, part: &Primitive) -> bool {
     !(is_metal || is_black || is_glass)
 }
 
-/// The axes of a mesh in the size in which it is laid out: that in the world, times its scale.
+/// The axes in the size in which a mesh is laid out: its size in the world, times its lightmap scale.
 fn layout_axes(placed: &PlacedMesh) -> Mat3A {
     placed.world_from_mesh.matrix3 * placed.lightmap_scale
 }
 
-/// Lengths and angles of axes, such that equal numbers mean equal sizes to four digits.
+/// The lengths and angles of axes, rounded so that equal numbers mean equal sizes to four digits.
 fn shape(axes: &Mat3A) -> [i64; 6] {
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.as_dvec3());
     let lengths = [x, y, z].map(|axis| axis.length());
@@ -227,7 +226,7 @@ fn sides(writer: &GltfWriter, placed: &PlacedMesh, lit: &impl Fn(&[[Vec3; 3]]) -
     }
 }
 
-/// A mesh that stands in one place alone has its final coordinates at once, for programs that know no rectangles.
+/// Gives a mesh with a single instance its final coordinates, for programs that do not read rectangles.
 fn settle(mesh: &mut LayoutMesh) {
     let [rectangle] = &mut mesh.rectangles[..] else {
         return;
@@ -281,8 +280,7 @@ impl Group {
                 };
                 let sized = || places.iter().map(|place| in_size.transform_point3((*place).into()));
                 let extent = sized().fold(0.0f32, |extent, place| extent.max(place.abs().max_element()));
-                // Front and back lie apart, so that no edge has four triangles. Nothing but the layout uses these
-                // places.
+                // Front and back lie apart, so that no edge has four triangles. Only the layout uses these positions.
                 let aside = match is_back && sheets.len() == 2 {
                     true => Vec3::X * 4.0 * extent,
                     false => Vec3::ZERO,
@@ -301,13 +299,13 @@ impl Group {
         group
     }
 
-    /// Whether both sides are there, so that each is seen from its own alone.
+    /// Whether both sides exist, so that each is visible from its own side only.
     fn is_parted(&self, sheet: &Sheet) -> bool {
         let same = self.sheets.iter().filter(|other| other.primitive == sheet.primitive);
         self.sides == Sides::Both && same.count() == 2
     }
 
-    /// Adds the mesh with its second coordinates.
+    /// Adds the mesh with its second texture coordinates.
     fn write(&self, writer: &mut GltfWriter, layout: &LayoutMesh) -> Result<(), GltfWriteError> {
         let Mesh { name, primitives } = writer.mesh(self.mesh).clone();
         let is_baked = |index: usize| self.sheets.iter().any(|sheet| sheet.primitive == index);
@@ -326,7 +324,8 @@ impl Group {
                             vertices.len() as u32 - 1
                         })
                     });
-                    // A back that is the only side stays in the order of the front, whose material shows both.
+                    // A back that is the only side keeps the corner order of the front, since its material is
+                    // two-sided.
                     let [a, b, c] = corners;
                     let is_turned = sheet.is_back && !self.is_parted(sheet);
                     if is_turned { [a, c, b] } else { corners }
@@ -343,7 +342,7 @@ impl Group {
                 .map(|vertex| layout.coordinates[*vertex as usize].to_array())
                 .collect();
             writer.add_coordinates(&mut attributes, "TEXCOORD_1", &coordinates);
-            // The sets are numbered without gaps (glTF 2.0, section 3.7.2.1).
+            // The sets of texture coordinates are numbered without gaps (glTF 2.0, section 3.7.2.1).
             if !attributes.contains_key("TEXCOORD_0") {
                 let lightmap = attributes["TEXCOORD_1"];
                 attributes.insert("TEXCOORD_0".to_owned(), lightmap);
@@ -365,7 +364,7 @@ impl Group {
         Ok(())
     }
 
-    /// The surface of one place in the world.
+    /// The surface of one instance in the world.
     fn surface(
         &self,
         writer: &GltfWriter,
@@ -421,7 +420,7 @@ impl Group {
     }
 }
 
-/// The material that is seen from one side alone.
+/// The one-sided variant of a material.
 fn one_sided(writer: &mut GltfWriter, material: usize, is_back: bool) -> usize {
     let mut material = Material {
         double_sided: false,

@@ -1,11 +1,11 @@
 //! Gathers light at texels.
 //!
-//! A sample is a pure function of the scene, the settings, the texel's place and the sample's index. Each texel adds
+//! A sample is a pure function of the scene, the settings, the texel's position and the sample's index. Each texel adds
 //! its samples up in the fixed groups of [`crate::render::passes`], as pictures do: any number of threads, any
 //! interruption and any division into shares give the same bits.
 //!
-//! Texels are worked on in blocks. The blocks of a round follow each other in any order, so that light can be kept in
-//! the middle of a round.
+//! Texels are processed in blocks. The blocks of a round may be done in any order, so that light can be saved in the
+//! middle of a round.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -23,21 +23,21 @@ use crate::sampling::Sampler;
 /// Sums over the samples of a texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexelSum {
-    /// Irradiance, or radiance where a texel looks through a window; linear Rec. 709.
+    /// Irradiance, or radiance for a texel of a reflection probe; linear Rec. 709.
     pub light: DVec3,
     /// Squared luminances, for the noise estimate.
     pub luminance_squared: f64,
-    /// The samples that have first met the back of a surface.
+    /// The number of samples that first met the back of a surface.
     pub backs: u32,
 }
 
-/// The light at texels so far.
+/// The light gathered at texels so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lightmaps {
     /// The index of the first sample of each texel.
     pub(super) first: u32,
-    /// The sums of each texel. If the first sample is number 0, there is one list; or else there is one for each group
-    /// of samples, since the sums before them, to which they will be added, are not known.
+    /// The sums of each texel. If the first sample is number 0, there is one list; otherwise there is one for each
+    /// group of samples, since the sums of the samples before them, to which they will be added, are not known.
     pub(super) groups: Vec<Vec<TexelSum>>,
     /// The index after the last sample of the texels of each block.
     pub(super) ends: Vec<u32>,
@@ -47,22 +47,22 @@ pub struct Lightmaps {
     pub invalid: u64,
 }
 
-/// The dimension of the place of a sample within its texel. No path uses it, and the first dimensions, which are spread
-/// over neighbouring pixels, take longer to compute.
+/// The random dimension of a sample's position within its texel. No path uses it, and the first dimensions, which are
+/// stratified over neighbouring pixels, take longer to compute.
 const PLACE: u32 = u32::MAX;
-/// Texels that a thread takes at once, sixteen for each lane.
+/// Texels that a thread processes at once, sixteen for each lane.
 pub(super) const BLOCK: usize = 256;
 
-/// The brightest that a texel is taken for. Sums over its neighbours are finite then, whatever a file holds.
+/// The limit of the light of a texel, so that sums over neighbours are finite, whatever a file holds.
 const BRIGHTEST: DVec3 = DVec3::splat(1e30);
 
 impl Lightmaps {
-    /// No light yet at so many texels.
+    /// No light yet, for `texels` texels.
     pub fn new(texels: usize) -> Self {
         Self::beginning_at(0, texels)
     }
 
-    /// No light yet; the first sample of each texel will be number `first`, at which a group begins.
+    /// No light yet; the first sample of each texel will have the index `first`, at which a group begins.
     pub fn beginning_at(first: u32, texels: usize) -> Self {
         Self {
             first,
@@ -78,7 +78,7 @@ impl Lightmaps {
         self.groups[0].len()
     }
 
-    /// The samples that every texel has.
+    /// The number of samples that every texel has.
     pub fn samples(&self) -> u32 {
         self.reached() - self.first
     }
@@ -88,21 +88,20 @@ impl Lightmaps {
         self.ends.iter().min().copied().unwrap_or(self.first)
     }
 
-    /// The mean number of samples of a texel, which in the middle of a round is more than what every texel has.
+    /// The mean number of samples of a texel; in the middle of a round it is higher than [`Self::samples`].
     pub fn mean_samples(&self) -> f64 {
         let sum: u64 = self.ends.iter().map(|end| u64::from(end - self.first)).sum();
         sum as f64 / self.ends.len().max(1) as f64
     }
 
-    /// The end of the round under way, for as many samples as end at `target`: a round is a group of samples, or the
-    /// rest of it.
+    /// The end of the current round, as a sample index, if samples end at `target`: a round is a group of samples, or
+    /// the rest of one.
     pub fn round_end(&self, target: u32) -> u32 {
         chunk_of(self.reached()).end.min(target)
     }
 
-    /// Adds samples to at most so many blocks of texels that have none yet of the round that ends at `end`, see
-    /// [`Self::round_end`]. Returns whether the round is complete. Blocks that are under way when `cancel` is set
-    /// are dropped.
+    /// Adds samples to at most `blocks` blocks of texels that lack those of the round ending at `end`, see
+    /// [`Self::round_end`]. Returns whether the round is complete. Blocks in progress when `cancel` is set are dropped.
     pub fn go_on<S: Site>(
         &mut self,
         gathering: &Gathering,
@@ -140,7 +139,7 @@ impl Lightmaps {
         self.reached() >= end
     }
 
-    /// Adds `count` samples to each texel. If `cancel` is set meanwhile, the answer is false, and some texels have
+    /// Adds `count` samples to each texel. If `cancel` is set meanwhile, it returns false, and only some texels have
     /// them.
     pub fn add<S: Site>(&mut self, gathering: &Gathering, texels: &Texels<S>, count: u32, cancel: &AtomicBool) -> bool {
         let target = self.reached().saturating_add(count);
@@ -153,8 +152,8 @@ impl Lightmaps {
         true
     }
 
-    /// Adds the light of a share whose samples follow on these, which begin with number 0. False if they do not, or if
-    /// it has other texels.
+    /// Appends a share whose samples follow on these, which begin with number 0. False if they do not follow, or if the
+    /// share has other texels.
     pub fn append(&mut self, share: Self) -> bool {
         let follows = self.first == 0 && self.ends.iter().all(|end| *end == share.first);
         if !follows || self.texel_count() != share.texel_count() {
@@ -179,7 +178,7 @@ impl Lightmaps {
         sum
     }
 
-    /// Whether the sums of a texel may be those of its samples.
+    /// Whether the sums of a texel are possible for its number of samples.
     pub(super) fn is_possible(&self, texel: usize) -> bool {
         let sums = || self.groups.iter().map(|group| &group[texel]);
         let backs: u64 = sums().map(|sum| u64::from(sum.backs)).sum();
@@ -220,14 +219,14 @@ impl Lightmaps {
         (light > 0.0).then(|| (squares / texels as f64).sqrt() as f32)
     }
 
-    /// Whether a texel lies inside of something: most paths from it meet the back of a surface, and none has found
-    /// light. Not all do, since what is inside may be cut by other surfaces. A surface that lets light through, or
-    /// that is seen from behind in the light, is no wall.
+    /// Whether a texel lies inside a solid: most paths from it meet the back of a surface, and none has found light.
+    /// Not all paths need to, since other surfaces may cut the inside. A surface that transmits light, or whose back is
+    /// seen in the light, is no wall.
     pub fn is_buried(&self, texel: usize) -> bool {
         self.are_buried(texel..texel + 1)
     }
 
-    /// The same of texels that are one place, which looks to several sides.
+    /// [`Self::is_buried`] for the texels of one point, which face several directions.
     pub fn are_buried(&self, texels: Range<usize>) -> bool {
         let (mut backs, mut samples, mut is_dark) = (0, 0, true);
         for texel in texels {
@@ -248,16 +247,16 @@ impl TexelSum {
     }
 }
 
-/// Samples of texels that follow each other.
+/// The samples of consecutive texels.
 struct Block {
-    /// Their sums, without what was there before.
+    /// Their sums, without earlier samples.
     sums: Vec<TexelSum>,
     rays: u64,
     invalid: u64,
 }
 
 impl Block {
-    /// Traces the samples of these indices; None if `cancel` was set in the meantime.
+    /// Traces the samples with these indices; None if `cancel` was set meanwhile.
     fn trace<S: Site>(
         gathering: &Gathering,
         texels: &Texels<S>,

@@ -1,4 +1,4 @@
-//! What ends the gathering of light.
+//! The limits that end the gathering of light.
 
 use std::time::Duration;
 
@@ -9,20 +9,20 @@ pub const USUAL_SAMPLES: u32 = 64;
 /// Noise is not judged by fewer samples.
 const LEAST_SAMPLES: u32 = 16;
 
-/// What ends the gathering of light: the limit that is reached first.
+/// The limits that end the gathering of light; the one reached first counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeLimits {
-    /// Samples of each texel. None is [`USUAL_SAMPLES`], or no limit where there is another one. Probes go by this
-    /// number alone.
+    /// Samples of each texel. None means [`USUAL_SAMPLES`], or no limit if there is another one. Probes use this limit
+    /// only.
     pub samples: Option<u32>,
-    /// The time for lightmaps.
+    /// The time spent on lightmaps.
     pub time: Option<Duration>,
     /// The noise of lightmaps.
     pub noise: Option<f32>,
 }
 
 impl BakeLimits {
-    /// The samples that a texel of a lightmap gets at most.
+    /// The largest number of samples that a texel of a lightmap gets.
     pub fn target(&self) -> u32 {
         let is_open = self.time.is_some() || self.noise.is_some();
         self.samples.unwrap_or(if is_open { u32::MAX } else { USUAL_SAMPLES })
@@ -34,13 +34,13 @@ impl BakeLimits {
         samples >= LEAST_SAMPLES && is_quiet || samples > 0 && is_late
     }
 
-    /// The part that is done by the limit that will be reached first.
+    /// The finished share, from 0 to 1, by the limit that will be reached first.
     pub(super) fn done(&self, light: &Lightmaps, target: u32, spent: Duration, noise: Option<f32>) -> f64 {
         let by_samples = light.mean_samples() / f64::from(target.saturating_sub(light.first).max(1));
         let by_time = self
             .time
             .map_or(0.0, |limit| spent.as_secs_f64() / limit.as_secs_f64().max(1e-9));
-        // The error of random samples falls by the root of their number.
+        // The error of random samples falls with the square root of their number.
         let by_noise = self
             .noise
             .zip(noise)

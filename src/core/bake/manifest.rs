@@ -1,4 +1,4 @@
-//! The file that says how the files of a bake belong together: `lightmaps.json`. docs/baking.md describes it.
+//! The manifest of a bake, `lightmaps.json`, which says how its files belong together. docs/baking.md describes it.
 
 use std::collections::BTreeMap;
 
@@ -7,22 +7,22 @@ use serde::Serialize;
 
 use super::level::BakedNode;
 
-/// The content of the file.
+/// The content of the manifest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
-    /// `sunroom-lightmaps`.
+    /// Always `sunroom-lightmaps`.
     pub format: &'static str,
     /// The version of the format.
     pub version: u32,
     /// The program that wrote it.
     pub generator: &'static str,
-    /// The name of the level's file beside this one.
+    /// The name of the glTF file of the level, beside this one.
     pub level: String,
-    /// The attribute of meshes with the coordinates of lightmaps.
+    /// The vertex attribute with the coordinates of lightmaps.
     pub coordinates: &'static str,
-    /// What texels hold.
+    /// The physical quantity that texels hold.
     pub quantity: &'static str,
-    /// The light that is in the lightmaps.
+    /// Which light the lightmaps hold.
     pub light: BakedLight,
     /// Texels per unit of length.
     pub texels_per_unit: f32,
@@ -36,16 +36,15 @@ pub struct Manifest {
     pub lightmaps: Vec<LightmapFiles>,
     /// The nodes of the level that have a place in a lightmap.
     pub nodes: Vec<BakedNode>,
-    /// What reflecting surfaces see.
+    /// The probes for reflections.
     pub reflection_probes: Vec<ReflectionFiles>,
-    /// The light for what has no lightmap.
+    /// The probes for objects without a lightmap.
     pub irradiance_volumes: Vec<VolumeFiles>,
-    /// The [checksums](crate::files::checksum) of all other files by name: they tell whether the files are of one
-    /// bake.
+    /// The [checksums](crate::files::checksum) of all other files by name: they show whether the files are of one bake.
     pub crc32: BTreeMap<String, String>,
 }
 
-/// The place of a cube from -0.5 to 0.5, column by column, in the space of the level.
+/// The column-major transform of a cube from -0.5 to 0.5 to the space of the level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct BoxPlace([f32; 16]);
@@ -56,7 +55,7 @@ impl From<&Affine3A> for BoxPlace {
     }
 }
 
-/// The files of a reflection probe. All are cubes in the space of the box.
+/// The files of a reflection probe. All are cube maps in the space of the box.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReflectionFiles {
     /// The name in the scene.
@@ -64,15 +63,15 @@ pub struct ReflectionFiles {
     /// The box.
     #[serde(rename = "box")]
     pub place: BoxPlace,
-    /// Whether what is seen stands on the sides of the box.
+    /// Whether the surroundings stand on the sides of the box, so that reflections are corrected for parallax.
     pub parallax: bool,
-    /// KTX 2: radiance, in levels for perceptual roughness from 0 to 1.
+    /// KTX 2: radiance, with mip levels for perceptual roughness from 0 to 1.
     pub specular: String,
     /// KTX 2: irradiance divided by pi.
     pub diffuse: String,
 }
 
-/// The file of an irradiance volume. Its light is all but what comes straight from point lights, spots and directional
+/// The file of an irradiance volume. It holds all light except the direct light of point lights, spots and directional
 /// lights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VolumeFiles {
@@ -89,17 +88,17 @@ pub struct VolumeFiles {
     pub ktx2: String,
 }
 
-/// The light that is in the lightmaps.
+/// Which light the lightmaps hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BakedLight {
     /// All.
     All,
-    /// All but what comes straight from point lights, spots and directional lights.
+    /// All except the direct light of point lights, spots and directional lights.
     WithoutDirectPunctual,
 }
 
-/// The files of a lightmap, which hold the same picture.
+/// The files of a lightmap, all with the same picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LightmapFiles {
     /// OpenEXR, 32-bit floats.

@@ -1,4 +1,4 @@
-//! Puts the shares of a bake together, with the bits of a bake in one go.
+//! Merges the shares of a bake, with the same bits as a bake in one go.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::part::{PartError, PartHeader, read_header, read_part};
 use crate::memory::{self, Reservation, Shortage};
 use crate::render::part::{Fault, FileDigest, fault};
 
-/// The reason why shares make no bake.
+/// The reason why shares cannot be merged.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MergeError {
@@ -32,7 +32,7 @@ pub enum MergeError {
     Memory(#[from] Shortage),
 }
 
-/// A bake that is put together.
+/// A merged bake.
 #[derive(Debug)]
 pub struct Merged {
     /// Everything but the light.
@@ -41,15 +41,15 @@ pub struct Merged {
     pub lights: Vec<Lightmaps>,
     /// The number of samples of each texel of a lightmap.
     pub samples: u32,
-    /// The number that was asked for; None where it is not known.
+    /// The number of samples that was asked for; None if unknown.
     pub samples_of_whole: Option<u32>,
-    /// The files that the scene consisted of.
+    /// The files of the scene.
     pub files: Vec<FileDigest>,
     _memory: Reservation,
 }
 
-/// Puts shares together, in whatever order they come. `force` is for those of other scenes, settings or versions, as
-/// long as they have the same texels.
+/// Merges shares given in any order. `force` also merges shares of other scenes, settings or versions, as long as they
+/// have the same texels.
 pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
     let mut parts: Vec<(String, &PathBuf, PartHeader)> = Vec::new();
     for path in paths {
@@ -72,7 +72,7 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
             name: name.clone(),
             source,
         };
-        // The file, and the sums that are made of it.
+        // Memory for the file and the sums decoded from it.
         let length = std::fs::metadata(path).map_or(0, |file| file.len());
         let _share = memory::reserve(2 * length)?;
         let (_, blueprint, light) = read_part(path).map_err(failed)?;
@@ -108,7 +108,7 @@ pub fn merge(paths: &[PathBuf], force: bool) -> Result<Merged, MergeError> {
     merged.ok_or(MergeError::Nothing)
 }
 
-/// Refuses what are no finished shares of one bake, and shares that do not make up a whole one.
+/// Refuses files that are no finished shares of one bake, and shares that do not cover all samples.
 fn check(parts: &[(String, &PathBuf, PartHeader)], force: bool) -> Result<(), MergeError> {
     let Some((first_name, _, first)) = parts.first() else {
         return Err(MergeError::Nothing);

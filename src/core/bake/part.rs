@@ -1,8 +1,8 @@
-//! Checkpoints and shares of a bake: the exact sums of the samples so far, from which a bake goes on, or which are put
-//! together.
+//! Checkpoints and shares of a bake: the exact sums of the samples so far. A bake is resumed from a checkpoint; shares
+//! are merged.
 //!
-//! The file is `SUNBAKE` and a line feed, and behind that a state as pictures have it: what the bake is of, in a share
-//! everything that its files need but the light, and the sums.
+//! The file is `SUNBAKE`, a line feed, and a state in the format of pictures: the header; in a share, the blueprint;
+//! and the sums.
 
 use std::io::{self, Read, Seek, Take};
 use std::path::Path;
@@ -26,28 +26,28 @@ const MAGIC: &[u8; 8] = b"SUNBAKE\n";
 /// Bytes of the sums of a texel.
 const TEXEL: usize = 4 * 8 + 4;
 
-/// What the file is of.
+/// What a file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartHeader {
-    /// What the samples depend on.
+    /// The scene, settings and version on which the samples depend.
     pub origin: Origin,
-    /// The samples of each texel of a lightmap: the first, and the end of those that are asked for.
+    /// The range of samples of each texel of a lightmap: the first, and the end of the samples asked for.
     pub samples: [u32; 2],
-    /// The samples of each texel that the whole bake has; None where they are not known.
+    /// The number of samples of each texel in the whole bake; None if unknown.
     #[serde(default)]
     pub samples_of_whole: Option<u32>,
-    /// Whether everything has the samples that are asked for.
+    /// Whether all samples asked for are there.
     pub is_finished: bool,
-    /// Whether the file is a share, which has everything that the files of the bake need.
+    /// Whether the file is a share, which has a blueprint.
     pub is_share: bool,
 }
 
-/// The light of a file.
+/// The sums in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartLight {
-    /// The light of the lightmaps, and then that of each probe.
+    /// The light of the lightmaps, followed by that of each probe.
     pub lights: Vec<Lightmaps>,
-    /// The time in which each was gathered.
+    /// The time spent gathering each element of `lights`.
     pub spent: Vec<Duration>,
 }
 
@@ -82,14 +82,14 @@ impl From<StateError> for PartError {
     }
 }
 
-/// Whether a file begins as a checkpoint or share of a bake does.
+/// Whether a file begins with the signature of a checkpoint or share of a bake.
 pub fn is_part(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     let file = files::open(path, LARGEST_DATA);
     file.is_ok_and(|mut file| file.read_exact(&mut start).is_ok()) && start == *MAGIC
 }
 
-/// Writes a file in one step: after a failure the old one is there. A share has a blueprint.
+/// Writes a file in one step: after a failure the old file is intact. A share has a blueprint.
 pub fn write_part(
     path: &Path,
     header: &PartHeader,
@@ -140,11 +140,11 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
     let mut ends = Reader(bytes.bytes(count.div_ceil(BLOCK).checked_mul(4).ok_or(Damaged)?)?);
     let ends: Result<Vec<u32>, Damaged> = (0..count.div_ceil(BLOCK)).map(|_| ends.take()).collect();
     let ends = ends?;
-    // A bake has no light without texels, and groups of none would take memory without bytes.
+    // A bake has texels, and groups of no texels would take memory that no bytes of the file stand for.
     if count == 0 || groups == 0 || (first == 0 && groups != 1) || ends.iter().any(|end| *end < first) {
         return Err(Damaged);
     }
-    // The bytes are there before memory is taken for what they say.
+    // The bytes are read before memory is allocated for the texels that they declare.
     let groups: Result<Vec<Vec<TexelSum>>, Damaged> = (0..groups)
         .map(|_| {
             let mut sums = Reader(bytes.bytes(count.checked_mul(TEXEL).ok_or(Damaged)?)?);
@@ -170,13 +170,13 @@ fn read_sum(bytes: &mut Reader) -> Result<TexelSum, Damaged> {
     })
 }
 
-/// Reads what a file is of.
+/// Reads the header of a file.
 pub fn read_header(path: &Path) -> Result<PartHeader, PartError> {
     let mut file = files::open(path, LARGEST_DATA)?;
     Ok(open(&mut file)?.0)
 }
 
-/// What a file has: a share has a blueprint.
+/// The content of a file: a share has a blueprint.
 pub type Part = (PartHeader, Option<Blueprint>, PartLight);
 
 /// Reads a whole file.
@@ -184,8 +184,7 @@ pub fn read_part(path: &Path) -> Result<Part, PartError> {
     decode(&mut files::open(path, LARGEST_DATA)?)
 }
 
-/// Reads the content of a file. All of its numbers are finite, and it takes no more memory than a small multiple of its
-/// length.
+/// Decodes a file. All numbers are finite, and it takes no more memory than a small multiple of the file's length.
 pub fn decode(file: &mut (impl Read + Seek)) -> Result<Part, PartError> {
     let (header, mut state) = open(file)?;
     let mut content = Vec::new();
@@ -213,7 +212,7 @@ pub fn decode(file: &mut (impl Read + Seek)) -> Result<Part, PartError> {
     Ok((header, blueprint, PartLight { lights, spent }))
 }
 
-/// What a file is of, and its content.
+/// The header of a file, and a reader of its content.
 fn open<F: Read + Seek>(file: &mut F) -> Result<(PartHeader, Take<&mut F>), PartError> {
     let mut start = Vec::new();
     file.take(MAGIC.len() as u64 + 4).read_to_end(&mut start)?;
@@ -228,9 +227,8 @@ fn open<F: Read + Seek>(file: &mut F) -> Result<(PartHeader, Take<&mut F>), Part
 }
 
 impl BakeJob {
-    /// Makes the job a share of these samples of each texel of a lightmap, and of as many times more for the points of
-    /// volumes. A group of samples begins at the first one, see [`crate::render::passes::is_cut`]. Nothing is
-    /// gathered yet.
+    /// Makes the job a share with these samples of each texel of a lightmap, and with a multiple of them for the points
+    /// of volumes. The first sample begins a group, see [`crate::render::passes::is_cut`]. Nothing is gathered yet.
     pub fn begin_share(&mut self, samples: [u32; 2]) -> Result<(), BakeError> {
         let [first, end] = samples;
         let texels_and_groups = self.blueprint.texel_counts().zip(0..).map(|(texels, number)| {
@@ -238,7 +236,7 @@ impl BakeJob {
             let groups = if range.start == 0 { 1 } else { chunks_in(range) };
             (texels as u64, groups)
         });
-        // One group is counted with the texel.
+        // The bytes of a texel include one group.
         let sums: u64 = texels_and_groups.map(|(texels, groups)| texels * (groups - 1)).sum();
         let memory = memory::reserve(sums * size_of::<TexelSum>() as u64);
         let begun = self.blueprint.texel_counts().zip(0..);
@@ -249,8 +247,7 @@ impl BakeJob {
         Ok(())
     }
 
-    /// Gathers all light up to this sample of each texel of a lightmap, and finishes nothing. False if it was
-    /// cancelled.
+    /// Gathers all light up to sample `end` of each texel of a lightmap, and finishes no pictures. False if cancelled.
     pub fn gather_share(&mut self, end: u32, cancel: &AtomicBool, watch: Watch) -> bool {
         (0..self.lights.len()).all(|number| {
             let end = self.blueprint.samples_of(number, end);
@@ -258,7 +255,7 @@ impl BakeJob {
         })
     }
 
-    /// Goes on with the light of a file. The error says what differs; it does not name the file.
+    /// Resumes from the light of a file. The error says what differs; it does not name the file.
     pub fn take_up(&mut self, light: PartLight) -> Result<(), String> {
         let PartLight { lights, spent } = light;
         let counts = |lights: &[Lightmaps]| lights.iter().map(Lightmaps::texel_count).collect::<Vec<_>>();
@@ -279,8 +276,8 @@ impl BakeJob {
         Ok(())
     }
 
-    /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint that this bake alone goes on
-    /// with. `of` says what it is of; whether the file has all of that is found here.
+    /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint from which only this bake can
+    /// be resumed. `of` is the header, in which this sets whether the file is finished.
     pub fn save(&self, path: &Path, of: &PartHeader) -> io::Result<()> {
         let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, of.samples[1]));
         let header = PartHeader {

@@ -1,4 +1,4 @@
-//! The places of probes: boxes around the parts of a level that they are for.
+//! The placement of probes: boxes around the parts of a level that they serve.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,16 +11,16 @@ use crate::math::{Aabb, Ray};
 use crate::render::gathering::Gathering;
 use crate::render::scene::RenderScene;
 
-/// No side of a box around a level is smaller than so much of its longest one.
+/// The smallest side of a box around a level, as a share of its longest side.
 const THINNEST: f32 = 1.0 / 64.0;
-/// So many places along each axis are tried for the middle of a reflection probe, with so many samples.
+/// The positions tried along each axis for the centre of a reflection probe, with this number of samples.
 const TRIALS: u32 = 9;
 const SAMPLES: u32 = 16;
-/// A place is in a room if more than so much of what is seen from there are surfaces, of a picture of this size. Above
-/// a floor under the sky it is half.
+/// A point is in a room if more than this share of the directions around it meet surfaces, tested with a picture of
+/// this size. Above a floor under the sky the share is one half.
 const ENCLOSED: f32 = 2.0 / 3.0;
 const OUTLOOK: u32 = 16;
-/// Axes of a box may be so far from a right angle, as a cosine.
+/// The largest cosine between two axes of a box that still count as perpendicular.
 const CROOKED: f32 = 1e-3;
 
 /// The reason why a probe cannot be where it is.
@@ -39,7 +39,7 @@ pub enum PlacementError {
     Buried,
 }
 
-/// The box around all of a level, as the place of a cube from -0.5 to 0.5; None if the level is empty or has no end.
+/// The box around a whole level, as the transform of a cube from -0.5 to 0.5; None if the level is empty or infinite.
 pub fn around(bounds: &Aabb) -> Option<Affine3A> {
     let extent = bounds.extent();
     let is_there = !bounds.is_empty() && extent.is_finite() && extent != Vec3::ZERO;
@@ -49,9 +49,9 @@ pub fn around(bounds: &Aabb) -> Option<Affine3A> {
     })
 }
 
-/// The box for a reflection probe of a whole level: around all of it, and around the place next to its middle that does
-/// not lie inside of something. It reaches farther than the level where that place is not the middle itself. None if
-/// there is no such place, or if `cancel` was set.
+/// The box for a reflection probe of a whole level. Its centre is the point nearest to the middle of the level that is
+/// not inside a solid; the box is enlarged if that is not the middle itself. None if there is no such point, or if
+/// `cancel` was set.
 pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A, cancel: &AtomicBool) -> Option<Affine3A> {
     let grid = Grid {
         world_from_box: *world_from_level,
@@ -71,8 +71,8 @@ pub fn seeing(gathering: &Gathering, world_from_level: &Affine3A, cancel: &Atomi
     Some(Affine3A::from_mat3_translation(scale.into(), place))
 }
 
-/// Whether most of what is seen from the middle of a box are surfaces, as in a room. Else it is sky, which stands on no
-/// side of a box.
+/// Whether most directions from the centre of a box meet surfaces, as in a room. Otherwise they meet the sky, which
+/// does not lie on the sides of a box.
 pub fn is_enclosed(scene: &RenderScene, world_from_box: &Affine3A) -> bool {
     let windows = windows(world_from_box.translation.into(), &world_from_box.matrix3, OUTLOOK).texels;
     let (mut met, mut whole) = (0.0, 0.0);
@@ -88,10 +88,10 @@ pub fn is_enclosed(scene: &RenderScene, world_from_box: &Affine3A) -> bool {
     met > ENCLOSED * whole
 }
 
-/// A side of a box that is shorter, absolutely or as a share of the longest one, has no length.
+/// A side of a box that is shorter, absolutely or as a share of the longest one, counts as zero.
 const SHORTEST: f32 = 1e-6;
 
-/// Whether a probe may have this box, the place of a cube from -0.5 to 0.5.
+/// Whether a probe may have this box, given as the transform of a cube from -0.5 to 0.5.
 pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementError> {
     let axes = [world_from_box.x_axis, world_from_box.y_axis, world_from_box.z_axis];
     let lengths = axes.map(|axis| axis.length());
@@ -113,8 +113,7 @@ pub fn check(world_from_box: &Affine3A, level: &Aabb) -> Result<(), PlacementErr
     }
 }
 
-/// Whether a reflection probe sees anything from the middle of its box. If `cancel` was set, the answer may be that it
-/// does.
+/// Whether a reflection probe sees anything from the centre of its box. If `cancel` was set, it may wrongly say yes.
 pub fn check_sight(
     gathering: &Gathering,
     world_from_box: &Affine3A,
@@ -130,7 +129,7 @@ pub fn check_sight(
     }
 }
 
-/// The points of the grid that lie inside of something; None if `cancel` was set.
+/// For each point of the grid whether it is inside a solid; None if `cancel` was set.
 fn buried(gathering: &Gathering, grid: &Grid, cancel: &AtomicBool) -> Option<Vec<bool>> {
     let texels = grid.texels();
     let mut light = Lightmaps::new(texels.texels.len());

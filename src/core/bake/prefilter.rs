@@ -1,12 +1,12 @@
-//! Filters a picture of all directions for surfaces of every roughness, as Bevy's `EnvironmentMapLight` looks it up.
+//! Filters a cube map for surfaces of every roughness, as Bevy's `EnvironmentMapLight` expects it.
 //!
-//! The light that a rough mirror sends back is looked up in a smaller level of the picture for each roughness (Karis,
-//! Real Shading in Unreal Engine 4, 2013: the split sum): the mean over the directions of light, weighted by what a GGX
-//! microfacet surface reflects from there to a viewer straight above it. Diffuse surfaces look up the mean weighted by
-//! the cosine, irradiance divided by pi.
+//! The light reflected by a rough mirror is looked up in a mip level for each roughness (Karis, Real Shading in Unreal
+//! Engine 4, 2013: the split sum): the mean over the directions of light, weighted by what a GGX microfacet surface
+//! reflects from there to a viewer straight above it. Diffuse surfaces look up the mean weighted by the cosine,
+//! irradiance divided by pi.
 //!
-//! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, texels are taken
-//! together by fours, sixteens and so on, as Barnes and Hut take far bodies together.
+//! The mean is a sum over the texels, without random numbers. Where the weight hardly changes, 4, 16, ... texels are
+//! taken together, as Barnes and Hut take far bodies together.
 
 use std::sync::atomic::Ordering;
 
@@ -19,52 +19,52 @@ use super::texels::Texel;
 use crate::color::Rgb;
 use crate::render::probe_radiance::Window;
 
-/// The sizes that a picture may have; each is a power of two.
+/// The allowed sizes of a cube map; each is a power of two.
 pub const SIZES: std::ops::RangeInclusive<u32> = 16..=512;
-/// The size of the level for the roughest surfaces, and of the picture for diffuse ones.
+/// The size of the mip level for the roughest surfaces, and of the cube map for diffuse ones.
 const SMALLEST: u32 = 4;
 const DIFFUSE: u32 = 16;
-/// Texels are taken together if they are not wider than so much of the width over which the weight changes.
+/// The largest width of texels taken together, as a share of the width over which the weight changes.
 const FINENESS: f32 = 0.07;
 
 /// Texels that are filtered by a thread in one go.
 const SLICE: usize = 16;
 
-/// A picture for mirrors, one for each roughness, and one for diffuse surfaces.
+/// A cube map for specular reflection, with a mip level for each roughness, and one for diffuse surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prefiltered {
-    /// Radiance. Level k of n is for the perceptual roughness k / (n - 1), and half as wide as the one before.
+    /// Radiance. Level k of n is for the perceptual roughness k / (n - 1), and half as wide as the level before.
     pub specular: Vec<CubePicture>,
     /// Irradiance divided by pi.
     pub diffuse: CubePicture,
 }
 
-/// Texels that are taken together, and the four that they consist of.
+/// A group of texels, made of four groups or texels of the level below.
 #[derive(Clone, Copy, Default)]
 struct Node {
     /// The mean direction in the world, of unit length.
     direction: Vec3,
-    /// No texel is farther away from there, as a distance on the unit sphere.
+    /// The largest distance of a texel from there, as a distance on the unit sphere.
     reach: f32,
-    /// In sr.
+    /// In steradians.
     solid_angle: f32,
     /// The sum of radiance times solid angle.
     light: Rgb,
 }
 
-/// Levels of nodes from the texels to the sides.
+/// Levels of nodes from the texels up to the faces.
 struct Pyramid {
     levels: Vec<(u32, Vec<Node>)>,
 }
 
-/// Whether a picture may have this size.
+/// Whether a cube map may have this size.
 pub fn is_size(size: u32) -> bool {
     size.is_power_of_two() && SIZES.contains(&size)
 }
 
-/// Filters a picture of radiance. The cube is stretched and turned by `world_from_cube`: a direction of it that is
-/// looked up is that of the cube, and the angles that the filters go by are those of the world. The size is one of
-/// [`SIZES`], a power of two. None if the work was cancelled.
+/// Filters a cube map of radiance. `world_from_cube` stretches and rotates the cube: directions are looked up in the
+/// space of the cube, but the angles of the filters are measured in the world. The size is one of [`SIZES`], a power of
+/// two. None if the work was cancelled.
 pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A, work: &mut Work) -> Option<Prefiltered> {
     let pyramid = Pyramid::new(&picture, world_from_cube);
     let levels = (picture.size / SMALLEST).ilog2();
@@ -109,20 +109,20 @@ pub fn prefilter(picture: CubePicture, world_from_cube: &Mat3A, work: &mut Work)
     })
 }
 
-/// The angle over which the weight of a mirror of this roughness changes, or that of a diffuse surface.
+/// The angle, in radians, over which the weight of a mirror with this `alpha` changes; None is a diffuse surface.
 fn width_of(alpha: Option<f32>) -> f32 {
     alpha.map_or(0.5, |alpha| 2.0 * alpha)
 }
 
-/// About how many nodes a mean visits, but for a factor: the integral of 1 / (width + distance)^2 over the hemisphere,
-/// flattened.
+/// The number of nodes that a mean visits, up to a constant factor: the integral of 1 / (width + distance)^2 over the
+/// hemisphere, flattened.
 fn nodes_of_mean(width: f32) -> f64 {
     let (width, farthest) = (f64::from(width), std::f64::consts::SQRT_2);
     ((width + farthest) / width).ln() - farthest / (width + farthest)
 }
 
-/// What a GGX surface of this roughness reflects to a viewer straight above it of light from a direction with this
-/// cosine to the normal, times that cosine and but for a factor: D G2, with the height-correlated masking of Heitz,
+/// The share that a GGX surface reflects to a viewer straight above it, of light whose direction has this cosine to the
+/// normal, times that cosine and up to a constant factor: D G2, with the height-correlated masking of Heitz,
 /// Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs (2014), equation 99. The cosine of the half
 /// vector follows from that of the light.
 fn reflected(alpha: f32, cosine: f32) -> f32 {
@@ -157,8 +157,8 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// The mean over all directions, weighted by what `weight` says of their cosine to `normal`, above 0. Near the
-    /// normal the weight changes over an angle of `width`, and farther away over the distance from there.
+    /// The mean over all directions above the horizon, weighted by `weight` of their cosine to `normal`. Near the
+    /// normal the weight changes over an angle of `width`, elsewhere over the distance from the normal.
     fn mean(&self, normal: Vec3, width: f32, weight: impl Fn(f32) -> f32) -> Rgb {
         let (mut light, mut whole) = (Rgb::ZERO, 0.0);
         let top = self.levels.len() - 1;
@@ -167,7 +167,7 @@ impl Pyramid {
             let (size, nodes) = &self.levels[level];
             let node = &nodes[index(*size, side, at)];
             let distance = node.direction.distance(normal);
-            // Below the horizon altogether.
+            // The node is entirely below the horizon.
             if distance - node.reach > std::f32::consts::SQRT_2 {
                 continue;
             }
@@ -186,7 +186,7 @@ impl Pyramid {
     }
 }
 
-/// The places of the four nodes of the level below that a node stands for.
+/// The positions of the four nodes of the level below that make up a node.
 fn children(at: UVec2) -> [UVec2; 4] {
     [UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE].map(|offset| 2 * at + offset)
 }

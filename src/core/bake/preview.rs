@@ -1,11 +1,11 @@
-//! What a game shows of a level that is lit by its lightmaps alone: for each pixel the albedo of the first surface
-//! times the irradiance of its texels over pi, and what it sends out itself. What has no lightmap shows what is behind
-//! it or in it: glass is passed straight on, and metals are smooth mirrors. All else without a lightmap, such as what
-//! moves, is black.
+//! Previews a level as a game shows it, lit by its lightmaps alone: each pixel is the albedo of the first surface times
+//! the irradiance of its texels over pi, plus its emission. A surface without lightmap shows what it transmits or
+//! mirrors: glass is passed straight on, and metals are smooth mirrors. All other surfaces without one, such as moving
+//! objects, are black.
 //!
-//! A ray through the middle of each pixel finds the surface. A second one finds the same place on the surfaces that
-//! have texels, which are triangles also where the scene has a sphere; so the two lie apart by up to some texels. The
-//! light can be gathered on while the view stays: only [`SeenPixels::lit`] is done again.
+//! A ray through the centre of each pixel finds the surface. A second one finds the same point on the surfaces with
+//! texels, which are triangles even for spheres, so that the two may differ by some texels. The light may change while
+//! the view stays: only [`SeenPixels::lit`] is done again.
 
 use std::collections::HashMap;
 use std::f32::consts::FRAC_1_PI;
@@ -29,39 +29,39 @@ use crate::render::scene::RenderScene;
 use crate::render::visibility::sight::Sight;
 use crate::shading::TransportMode;
 
-/// The texels by which the triangles of a lightmap may lie apart from the surface that is seen.
+/// How far, in texels, the triangles of a lightmap may be from the visible surface.
 const REACH: f32 = 3.0;
-/// The same as a share of the distance from the camera, for rounding.
+/// The same for rounding errors, as a share of the distance from the camera.
 const ROUNDING: f32 = 1e-4;
-/// No texel.
+/// The index that stands for no texel.
 const NONE: u32 = u32::MAX;
-/// Bytes that a texel takes, covered or not.
+/// Bytes per texel, covered or not.
 const TEXEL_BYTES: u64 = size_of::<u32>() as u64;
-/// Bytes that a pixel takes, with its colour in two pictures, of which one is made while the other is shown.
+/// Bytes per pixel, with its colour in two pictures, of which one is made while the other is shown.
 const PIXEL_BYTES: u64 = (size_of::<Seen>() + 2 * size_of::<Rgb>()) as u64;
-/// The most surfaces that a view passes or is mirrored in.
+/// The most surfaces that a view is transmitted through or mirrored in.
 const MOST_TURNS: usize = 8;
-/// The square of the largest sine of the angle between directions that are the same.
+/// The square of the largest sine of the angle between directions that count as equal.
 const STRAIGHT: f32 = 1e-8;
-/// The most emitters in front of each other that a camera does not see.
+/// The most emitters in front of each other that are hidden from a camera.
 const MOST_HIDDEN: usize = 256;
-/// Bytes that a triangle takes with its corners and its part of the hierarchy.
+/// Bytes per triangle, with its corners and its share of the BVH.
 const TRIANGLE_BYTES: u64 = 320;
 
-/// A surface in a lightmap.
+/// Surfaces with lightmaps.
 struct Layer {
     triangles: Blas,
     /// The lightmap of each triangle.
     pages: Vec<u32>,
-    /// The places of the corners of each triangle in its lightmap, in texels.
+    /// The positions of the corners of each triangle in its lightmap, in texels.
     coordinates: Vec<[Vec2; 3]>,
 }
 
-/// The surfaces that have lightmaps, where rays find them.
+/// The surfaces with lightmaps, with an acceleration structure.
 pub struct BakedSurfaces {
-    /// Triangles that have the same place and look to opposite sides are in layers of their own.
+    /// Triangles at the same place that face opposite sides are in different layers.
     layers: Vec<Layer>,
-    /// The number of the texel at each place of each lightmap.
+    /// For each lightmap the index of the texel at each column and row.
     texels: Vec<Vec<u32>>,
     size: UVec2,
     /// The length of a texel in the world.
@@ -69,13 +69,13 @@ pub struct BakedSurfaces {
     _memory: Reservation,
 }
 
-/// What is seen in a pixel.
+/// The surface that is visible in a pixel.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    /// The light that comes from there whatever the lightmaps say.
+    /// The radiance that does not depend on the lightmaps.
     own: Rgb,
     albedo: Rgb,
-    /// The lightmap, [`NONE`] without one, and the place in it in texels.
+    /// The lightmap, or [`NONE`], and the position in it in texels.
     page: u32,
     at: Vec2,
 }
@@ -88,17 +88,17 @@ pub struct SeenPixels {
     _memory: Reservation,
 }
 
-/// The light of lightmaps.
+/// The lightmaps that light a view.
 #[derive(Clone, Copy)]
 pub enum LitBy<'a> {
-    /// What is gathered so far.
+    /// The light gathered so far.
     Gathered(&'a Lightmaps),
-    /// What is finished.
+    /// The finished pictures.
     Finished(&'a [LightmapPicture]),
 }
 
 impl BakedSurfaces {
-    /// Prepares the surfaces, whose texels have `texels_per_unit`. An error if the memory budget has no room.
+    /// Prepares surfaces with `texels_per_unit`. An error if the memory budget has no room.
     pub fn new<S>(surfaces: &[BakeSurface], texels: &Texels<S>, texels_per_unit: f32) -> Result<Self, Shortage> {
         let size = texels.size;
         let page_texels = size.x as usize * size.y as usize;
@@ -121,7 +121,7 @@ impl BakedSurfaces {
         })
     }
 
-    /// What `camera` sees of the scene in each of so many pixels; skies are black and shapes that shine are passed if
+    /// The surface that `camera` sees in each pixel; skies are black and emissive shapes are passed if
     /// `hides_emitters`. An error if the memory budget has no room.
     pub fn see(
         &self,
@@ -149,7 +149,7 @@ impl BakedSurfaces {
         })
     }
 
-    /// What is seen along a camera's ray, which does not see what shines if `hides_emitters`.
+    /// The surface along a camera ray, which passes emissive shapes if `hides_emitters`.
     fn see_along(&self, scene: &RenderScene, mut ray: Ray, hides_emitters: bool) -> Seen {
         let mut seen = Seen {
             own: Rgb::ZERO,
@@ -157,7 +157,7 @@ impl BakedSurfaces {
             page: NONE,
             at: Vec2::ZERO,
         };
-        // The share of the light at the end of the ray.
+        // The throughput of the path so far.
         let mut share = Rgb::ONE;
         for turn in 0..=MOST_TURNS {
             let sees_emitters = turn > 0 || !hides_emitters;
@@ -188,7 +188,7 @@ impl BakedSurfaces {
             let is_straight =
                 dir.dot(ray.dir) > 0.0 && dir.cross(ray.dir).length_squared() < STRAIGHT * ray.dir.length_squared();
             ray = Ray {
-                // Where the view ends, its straight continuation does.
+                // If the path ends here, so does its straight continuation.
                 t_max: if is_straight { ray.t_max - hit.t } else { f32::INFINITY },
                 ..Ray::new(
                     offset_origin(point.position, point.error, point.geometric_normal, dir),
@@ -199,7 +199,7 @@ impl BakedSurfaces {
         seen
     }
 
-    /// The lightmap and the place in it of what the ray meets at about `t`.
+    /// The lightmap, and the position in it, of the surface that the ray meets at about `t`.
     fn place(&self, ray: &Ray, t: f32) -> Option<(u32, Vec2)> {
         let reach = REACH * self.texel + ROUNDING * t;
         let mut nearest: Option<(f32, u32, Vec2)> = None;
@@ -209,7 +209,7 @@ impl BakedSurfaces {
                 t_max: t + reach,
                 ..*ray
             };
-            // A wall has two sides.
+            // A wall has two sides, which may both be found.
             for _ in 0..4 {
                 let Some(hit) = layer.triangles.intersect(&part) else {
                     break;
@@ -229,7 +229,7 @@ impl BakedSurfaces {
         nearest.map(|(_, page, at)| (page, at))
     }
 
-    /// The irradiance at a place of a lightmap, filtered between the four texels around it.
+    /// The irradiance at a position in a lightmap, filtered between the four nearest texels.
     fn irradiance(&self, light: LitBy, page: u32, at: Vec2) -> Rgb {
         let low = (at - 0.5).floor();
         let share = at - 0.5 - low;
@@ -257,7 +257,7 @@ impl BakedSurfaces {
     }
 }
 
-/// A camera ray as it goes on behind the shapes that shine and that the camera does not see.
+/// The camera ray continued behind the emissive shapes that are hidden from the camera.
 fn behind_emitters(scene: &RenderScene, mut ray: Ray) -> Ray {
     for _ in 0..MOST_HIDDEN {
         let hit = scene.geometry.intersect(&ray);
@@ -286,7 +286,7 @@ impl SeenPixels {
 }
 
 fn layers(surfaces: &[BakeSurface]) -> Vec<Layer> {
-    /// The corners of a triangle in an order that does not depend on its side.
+    /// The sorted corners of a triangle, a key that is the same for both of its sides.
     fn key(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
         let mut key = corners.map(|corner| corner.to_array().map(|number| (number + 0.0).to_bits()));
         key.sort_unstable();

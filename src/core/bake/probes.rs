@@ -1,4 +1,4 @@
-//! The probes of a bake: where they are, and what becomes of their light.
+//! The probes of a bake: their placement, and the pictures made of their light.
 
 use glam::{Affine3A, UVec3, Vec3};
 
@@ -17,18 +17,18 @@ use crate::render::denoise::DenoiseError;
 use crate::render::gathering::Gathering;
 use crate::render::probe_radiance::Window;
 
-/// Bytes for each place while a probe is made, at most: its place, its sums, and pictures with their levels.
+/// The most bytes per texel while a probe is made: its position, its sums, and the pictures with their mip levels.
 const TEXEL_BYTES: u64 = 320;
-/// A volume has so many samples for each one of a texel.
+/// The samples of a volume for each sample of a lightmap texel.
 const SAMPLES_OF_POINTS: u32 = 8;
 
-/// How probes are made.
+/// The settings of probes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeSettings {
     /// The width of each side of a reflection probe, a power of two among [`super::prefilter::SIZES`].
     pub size: u32,
-    /// The distance of the points of the volume around the level, where the scene has none; None is one that gives
-    /// about 4096 points.
+    /// The distance between the points of the volume around the level, if the scene has no volume; None gives about
+    /// 4096 points.
     pub spacing: Option<f32>,
 }
 
@@ -46,23 +46,23 @@ impl Default for ProbeSettings {
 pub struct AskedProbe {
     /// Its name in the scene.
     pub name: String,
-    /// The place of the box, a cube from -0.5 to 0.5.
+    /// The box, as the transform of a cube from -0.5 to 0.5.
     pub world_from_box: Affine3A,
-    /// What it is.
+    /// The kind of the probe.
     pub kind: AskedKind,
 }
 
-/// What a scene asks for.
+/// The kind of a probe in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AskedKind {
-    /// A picture of what is seen from the middle of the box.
+    /// A cube map of the view from the centre of the box.
     Reflection {
-        /// Whether what is seen stands on the sides of the box.
+        /// Whether reflections are corrected for parallax, as if the surroundings stood on the sides of the box.
         parallax: bool,
     },
-    /// Points in the box.
+    /// An irradiance volume: a grid of points in the box.
     Volume {
-        /// Their distance.
+        /// The distance between points.
         spacing: f32,
     },
 }
@@ -72,43 +72,43 @@ pub enum AskedKind {
 pub struct Probe {
     /// Its name.
     pub name: String,
-    /// The place of the box, a cube from -0.5 to 0.5.
+    /// The box, as the transform of a cube from -0.5 to 0.5.
     pub world_from_box: Affine3A,
-    /// What it is.
+    /// The kind of the probe.
     pub kind: ProbeKind,
 }
 
-/// The kinds of probes.
+/// The kind of a probe that is to be baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProbeKind {
-    /// A picture of what is seen from the middle of the box.
+    /// A cube map of the view from the centre of the box.
     Reflection {
         /// The width of each side in texels.
         size: u32,
-        /// Whether what is seen stands on the sides of the box.
+        /// Whether reflections are corrected for parallax, as if the surroundings stood on the sides of the box.
         parallax: bool,
     },
-    /// Points in the box.
+    /// An irradiance volume: a grid of points in the box.
     Volume {
         /// Their number along each axis.
         points: UVec3,
     },
 }
 
-/// The places that the light of a probe is gathered at.
+/// The texels at which the light of a probe is gathered.
 pub(super) enum ProbeSites {
     Outlook(Texels<Window>),
     Points(Texels),
 }
 
-/// What has been made of a probe.
+/// The finished textures of a probe.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePicture {
-    /// The pictures of a reflection probe.
+    /// The cube maps of a reflection probe.
     Reflection(Prefiltered),
-    /// The texture of a volume.
+    /// The texture of an irradiance volume.
     Volume {
-        /// The samples of each side of a point.
+        /// The number of samples of each side of a point.
         samples: u32,
         /// The size of the texture.
         size: UVec3,
@@ -118,7 +118,7 @@ pub enum ProbePicture {
 }
 
 impl AskedProbe {
-    /// Checks what can be told without tracing rays: the box, and the number of points. None is a level without bounds.
+    /// Checks, without tracing rays, the box and the number of points. `level` is None for a level without bounds.
     pub fn check(&self, level: Option<&Aabb>) -> Result<(), ProbeError> {
         let all = Aabb {
             min: Vec3::NEG_INFINITY,
@@ -127,7 +127,7 @@ impl AskedProbe {
         self.planned(*SIZES.start(), level.unwrap_or(&all)).map(drop)
     }
 
-    /// The probe as messages name it.
+    /// The name of the probe in messages.
     pub fn title(&self) -> String {
         let plugin = match self.kind {
             AskedKind::Reflection { .. } => "reflectionprobe",
@@ -136,7 +136,7 @@ impl AskedProbe {
         format!("{plugin} `{}`", self.name)
     }
 
-    /// The probe, if its box can be. A reflection probe has sides of `size` texels.
+    /// The probe to be baked, if its box is possible. A reflection probe has faces of `size` texels.
     fn planned(&self, size: u32, level: &Aabb) -> Result<Probe, ProbeError> {
         check(&self.world_from_box, level)?;
         let kind = match self.kind {
@@ -154,7 +154,7 @@ impl AskedProbe {
 }
 
 impl Probe {
-    /// The places that its light is gathered at.
+    /// The texels at which its light is gathered.
     pub(super) fn sites(&self) -> ProbeSites {
         match self.kind {
             ProbeKind::Reflection { size, .. } => ProbeSites::Outlook(reflection::outlook(&self.world_from_box, size)),
@@ -170,7 +170,7 @@ impl Probe {
         }
     }
 
-    /// Its samples where a lightmap has so many. Nothing removes the noise of a volume.
+    /// Its number of samples if lightmaps get `of_texels`. It is higher for volumes, which are not denoised.
     pub(super) fn samples(&self, of_texels: u32) -> u32 {
         match self.kind {
             ProbeKind::Reflection { .. } => of_texels,
@@ -178,12 +178,12 @@ impl Probe {
         }
     }
 
-    /// Bytes of memory while it is made: its places, its sums, and the pictures of it.
+    /// Bytes of memory while the probe is made: its texels, their sums, and the pictures.
     pub(super) fn memory_bytes(&self) -> u64 {
         self.texel_count() as u64 * TEXEL_BYTES
     }
 
-    /// Makes its pictures of the light; None if the work was cancelled.
+    /// Makes the pictures of its light; None if the work was cancelled.
     pub(super) fn finished(
         &self,
         light: &Lightmaps,
@@ -211,18 +211,18 @@ impl Probe {
     }
 }
 
-/// Probes that have places.
+/// The probes that have a valid placement.
 pub(super) struct Plan {
-    /// Reflection probes, and then volumes.
+    /// Reflection probes, then irradiance volumes.
     pub probes: Vec<Probe>,
-    /// The memory for them.
+    /// The memory reserved for them.
     pub memory: Reservation,
-    /// Sentences about probes that cannot be.
+    /// Sentences about impossible probes.
     pub warnings: Vec<String>,
 }
 
-/// The probes of the scene, and those around the whole level where it has none of a kind. No ray is traced before it is
-/// known that there is memory for them.
+/// The probes of the scene, and probes around the whole level for each kind that the scene lacks. The memory is
+/// reserved before any ray is traced.
 pub(super) fn plan(
     asked: &[AskedProbe],
     settings: &ProbeSettings,

@@ -1,4 +1,4 @@
-//! The progress that a bake reports, and how often it does.
+//! The progress that a bake reports, and the pace of the reports.
 
 use std::ops::Range;
 use std::panic::resume_unwind;
@@ -10,10 +10,10 @@ use rayon::ThreadPool;
 
 use super::unwrap::Told;
 
-/// What is being done.
+/// The step that is being done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
-    /// Places for probes are looked for, and those of the scene are tried.
+    /// Probes are placed, and the probes of the scene are checked.
     #[default]
     PlacingProbes,
     /// The level is unwrapped.
@@ -22,13 +22,13 @@ pub enum Stage {
     Lightmaps,
     /// The lightmaps are finished.
     FinishingLightmaps,
-    /// Light of this probe is gathered. It is the index in [`super::blueprint::Blueprint::probes`].
+    /// Light of this probe, an index into [`super::blueprint::Blueprint::probes`], is gathered.
     Probe(usize),
     /// This probe is finished: denoised, and filtered for each roughness.
     FinishingProbe(usize),
 }
 
-/// A sentence about so many samples that are not finite, without a full stop; None if there are none.
+/// A sentence, without a full stop, about the number of samples that are not finite; None if there are none.
 pub fn about_invalid(samples: u64) -> Option<String> {
     match samples {
         0 => None,
@@ -37,46 +37,46 @@ pub fn about_invalid(samples: u64) -> Option<String> {
     }
 }
 
-/// How far a stage is.
+/// The progress of a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// What is being done.
+    /// The step that is being done.
     pub stage: Stage,
-    /// The part of it that is done, from 0 to 1.
+    /// The finished share of the stage, from 0 to 1.
     pub done: f64,
-    /// The time that it has taken, in all runs of the job.
+    /// The time that the stage has taken, in all runs of the job.
     pub spent: Duration,
-    /// What there is of the light, while light is gathered.
+    /// The state of the light, while light is gathered.
     pub gathered: Option<Gathered>,
 }
 
-/// How far the gathering of light is.
+/// The progress of gathering light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gathered {
-    /// Samples that every texel has.
+    /// The number of samples that every texel has.
     pub samples: u32,
     /// The mean number of samples of a texel: in the middle of a round some have more than others.
     pub mean_samples: f64,
-    /// Samples that are asked for; [`u32::MAX`] is no limit.
+    /// The number of samples asked for; [`u32::MAX`] is no limit.
     pub target: u32,
-    /// The noise, if it is known.
+    /// The noise; None if unknown.
     pub noise: Option<f32>,
     /// Samples of all texels per second.
     pub samples_per_second: f64,
 }
 
-/// How some work is done.
+/// The threads, the cancel flag and the progress callback of some work.
 pub struct Work<'a> {
-    /// The threads that do it.
+    /// The threads that do the work.
     pub pool: &'a ThreadPool,
     /// Ends it when set.
     pub cancel: &'a AtomicBool,
-    /// Hears of the part that is done, from 0 to 1, on the thread that asks for the work.
+    /// Gets the finished share, from 0 to 1, on the thread that asks for the work.
     pub watch: &'a mut dyn FnMut(f64),
 }
 
 impl Work<'_> {
-    /// Does `act` as this part of the work.
+    /// Does `act` as this range of the progress of the work.
     pub(super) fn part<T>(&mut self, part: Range<f64>, act: impl FnOnce(&mut Work) -> T) -> T {
         let watch = &mut *self.watch;
         act(&mut Work {
@@ -87,8 +87,8 @@ impl Work<'_> {
     }
 }
 
-/// Does work on a thread of its own, and calls `watch` here with what it told last, at least every fifth of a second
-/// once it has told anything.
+/// Does work on another thread, and passes its latest report to `watch` on this thread, at least every fifth of a
+/// second after the first report.
 pub(super) fn watched<T: Send>(work: impl FnOnce(Told) -> T + Send, watch: &mut dyn FnMut(f64, &str)) -> T {
     std::thread::scope(|scope| {
         let (teller, told) = mpsc::channel();
@@ -109,31 +109,31 @@ pub(super) fn watched<T: Send>(work: impl FnOnce(Told) -> T + Send, watch: &mut 
     })
 }
 
-/// The time between two looks at work on another thread.
+/// The interval at which this thread checks the work on another thread.
 const TICK: Duration = Duration::from_millis(200);
 
-/// How many blocks of texels are worked on at once, so that they take about half a second.
+/// The number of texel blocks in a batch, adapted so that a batch takes about half a second.
 pub(super) struct Pace {
     blocks: usize,
     threads: usize,
 }
 
-/// What is worked on at once takes between these times.
+/// The range of times that a batch should take.
 const SHORTEST: Duration = Duration::from_millis(250);
 const LONGEST: Duration = Duration::from_secs(1);
 
 impl Pace {
-    /// The pace of so many threads.
+    /// The initial pace for this number of threads.
     pub fn new(threads: usize) -> Self {
         Self { blocks: 1, threads }
     }
 
-    /// The number of blocks, at least one for each thread.
+    /// The number of blocks in a batch, at least one for each thread.
     pub fn blocks(&self) -> usize {
         self.blocks * self.threads
     }
 
-    /// Works, and learns from the time that it takes.
+    /// Does a batch, and adapts the pace to its time.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = work();
@@ -148,7 +148,7 @@ impl Pace {
 }
 
 impl Progress {
-    /// How far a stage is that gathers no light.
+    /// The progress of a stage that gathers no light.
     pub(super) fn new(stage: Stage, done: f64, spent: Duration) -> Self {
         Self {
             stage,
@@ -158,7 +158,7 @@ impl Progress {
         }
     }
 
-    /// The time left at the same speed; None before there is any.
+    /// The time left at the present speed; None before there is a speed.
     pub fn left(&self) -> Option<Duration> {
         let left = self.spent.as_secs_f64() * (1.0 / self.done - 1.0).max(0.0);
         Duration::try_from_secs_f64(left).ok().filter(|_| self.done > 0.0)

@@ -1,4 +1,4 @@
-//! Reflection probes: what is seen from the middle of a box, for surfaces in the box that reflect it.
+//! Reflection probes: the view from the centre of a box, for reflecting surfaces in the box.
 
 use glam::{Affine3A, UVec2};
 
@@ -11,18 +11,17 @@ use crate::color::Rgb;
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 use crate::render::probe_radiance::Window;
 
-/// The texels of the probe of a box, which is a cube from -0.5 to 0.5 in its own space. The picture is one of
-/// directions of that space, so that a renderer which follows a reflected ray to the side of the box finds there what
-/// is on it.
+/// The texels of the probe of a box, a transformed cube from -0.5 to 0.5. Their directions are in the space of the
+/// cube, so that a renderer finds the surface on a side of the box by following a reflected ray to it.
 pub fn outlook(world_from_box: &Affine3A, size: u32) -> Texels<Window> {
     windows(world_from_box.translation.into(), &world_from_box.matrix3, size)
 }
 
-/// The part of the work that removing noise is, more or less.
+/// The approximate share of the work that denoising takes.
 const DENOISING: f64 = 0.1;
 
-/// The pictures of the probe of this size whose texels, those of [`outlook`], have this light. None if the work was
-/// cancelled.
+/// The filtered cube maps of a probe of this size, given the light at its texels (see [`outlook`]). None if the work
+/// was cancelled.
 pub fn finish(
     world_from_box: &Affine3A,
     size: u32,
@@ -44,7 +43,7 @@ pub fn finish(
     Ok(work.part(begin..1.0, |work| prefilter(picture, &world_from_box.matrix3, work)))
 }
 
-/// The picture without noise. Each side is denoised with a border, so that it goes with the one beside it.
+/// The denoised cube map. Each face is denoised with a border, so that it matches its neighbours.
 fn denoised(picture: &CubePicture, work: &mut Work) -> Result<CubePicture, DenoiseError> {
     let border = (picture.size / 8).max(8);
     let width = picture.size + 2 * border;

@@ -1,9 +1,9 @@
 //! Makes the values on both sides of a seam equal, where a smooth surface is cut into charts.
 //!
-//! Both sides are compared at points along the seam, and each difference is shared out among the texels that are mixed
-//! there, in proportion to their weights. Doing this in turn for all points (the method of Kaczmarz) comes to the
-//! picture nearest to the first one in which the sides agree, which is what Iwanicki, Lighting Technology of The Last
-//! of Us (SIGGRAPH 2013), finds by least squares.
+//! Both sides are compared at points along the seam, and each difference is distributed to the texels that are
+//! interpolated there, in proportion to their weights. Doing this in turn for all points (the method of Kaczmarz)
+//! converges to the picture nearest to the first one in which the sides agree, which is what Iwanicki, Lighting
+//! Technology of The Last of Us (SIGGRAPH 2013), finds by least squares.
 
 use std::collections::HashMap;
 
@@ -13,25 +13,25 @@ use glam::{UVec2, Vec2, Vec3};
 use super::texels::BakeSurface;
 use crate::color::Rgb;
 
-/// An edge of the surface that lies at two places of a lightmap, from one end to the other in texels.
+/// An edge of the surface that two charts share, with its end points in both, in texels.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Seam {
-    /// On one side.
+    /// The edge in one chart.
     pub one: [Vec2; 2],
-    /// On the other one.
+    /// The edge in the other chart.
     pub other: [Vec2; 2],
 }
 
-/// The passes over all seams. After 16 a seam that lies askew still differs by 2.5 % of the first difference, after 64
-/// by less than 1 %.
+/// The passes over all seams. After 16 an oblique seam still differs by 2.5 % of the first difference, after 64 by less
+/// than 1 %.
 const PASSES: usize = 64;
 /// The cosine of the largest angle between the normals on both sides of a seam of a smooth surface.
 const SMOOTH: f32 = 0.99;
 
 type Key = [u32; 6];
 
-/// An edge as it lies in the lightmap, with the normals at its ends.
+/// An edge in the lightmap, with the normals at its ends.
 struct Edge {
     coordinates: [Vec2; 2],
     normals: [Vec3; 2],
@@ -41,7 +41,7 @@ struct Edge {
 pub fn smooth_seams(surface: &BakeSurface) -> Vec<Seam> {
     let mut edges: HashMap<Key, Edge> = HashMap::new();
     let mut seams = Vec::new();
-    // Zero of either sign is the same place.
+    // -0 and +0 are the same coordinate.
     let bits = |place: Vec3| (place + Vec3::ZERO).to_array().map(f32::to_bits);
     for triangle in &surface.triangles {
         let [a, b, c] = triangle.map(|corner| surface.positions[corner as usize]);
@@ -65,7 +65,7 @@ pub fn smooth_seams(surface: &BakeSurface) -> Vec<Seam> {
                         .unwrap_or(flat)
                 }),
             };
-            // What has more than two sides is no surface that could be smooth.
+            // An edge of more than two triangles is not smooth.
             let Some(other) = edges.remove(&key) else {
                 edges.insert(key, edge);
                 continue;
@@ -82,7 +82,7 @@ pub fn smooth_seams(surface: &BakeSurface) -> Vec<Seam> {
     seams
 }
 
-/// The four texels that are mixed at a point, with their weights.
+/// The four texels that are interpolated at a point, with their weights.
 fn mixed(at: Vec2, size: UVec2) -> [(usize, f32); 4] {
     let from = at - 0.5;
     let low = from.floor();
@@ -100,7 +100,7 @@ fn mixed(at: Vec2, size: UVec2) -> [(usize, f32); 4] {
     ]
 }
 
-/// Evens out the seams of a picture.
+/// Makes the values of a picture equal on both sides of each seam.
 pub fn even_out(picture: &mut [Rgb], size: UVec2, seams: &[Seam]) {
     if picture.is_empty() {
         return;
@@ -110,7 +110,7 @@ pub fn even_out(picture: &mut [Rgb], size: UVec2, seams: &[Seam]) {
             let length = seam.one[0]
                 .distance(seam.one[1])
                 .max(seam.other[0].distance(seam.other[1]));
-            // Twice for each texel on the way.
+            // Two points for each texel along the seam.
             let steps = (2.0 * length).ceil().clamp(1.0, 4.0 * size.max_element() as f32) as u32;
             for step in 0..=steps {
                 let along = step as f32 / steps as f32;

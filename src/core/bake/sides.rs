@@ -1,4 +1,4 @@
-//! Finds the sides of a surface that light comes to.
+//! Finds the sides of a surface that light reaches.
 
 use std::sync::atomic::AtomicBool;
 
@@ -9,14 +9,14 @@ use crate::render::gathering::{Gathering, Site};
 use crate::render::irradiance::{ReceivedLight, Receiver};
 use crate::sampling::{Sampler, warp};
 
-/// The points of a surface that are asked, and the paths from each on either side.
+/// The number of points tested on a surface, and of paths from each on either side.
 const POINTS: u32 = 64;
 const PATHS: u32 = 16;
-/// The dimension of the place of a point; the paths from there use others.
+/// The random dimension of a point's position; the paths from there use others.
 const PLACE: u32 = 0;
 
-/// Whether any light comes to the front and to the back of these triangles, as far as some points on them tell. Once
-/// `cancel` is set the answer is no.
+/// Whether light reaches the front and the back of these triangles, estimated at some points. False for both once
+/// `cancel` is set.
 pub fn lit_sides(gathering: &Gathering, triangles: &[[Vec3; 3]], cancel: &AtomicBool) -> (bool, bool) {
     let regular: Vec<([Vec3; 3], Vec3)> = triangles
         .iter()
@@ -49,7 +49,7 @@ fn place_in([a, b, c]: &[Vec3; 3], u: Vec2) -> Vec3 {
     *a + at.x * (*b - *a) + at.y * (*c - *a)
 }
 
-/// Whether light comes to one of these points with the normals of their triangles, on the side of that sign.
+/// Whether light reaches one of these points with normals, on the side given by `sign`.
 fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32, cancel: &AtomicBool) -> bool {
     let side = if sign > 0.0 { 1 } else { 2 };
     let sites: Vec<(Receiver, Sampler)> = (0..)

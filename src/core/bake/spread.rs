@@ -1,9 +1,9 @@
-//! The part of each texel in which light is gathered.
+//! The part of each texel over which its samples are spread.
 //!
-//! A texel has the mean of the light over its part of the surface: each sample has a place of its own there, or else
-//! the edges of shadows would be as jagged as the texels. The square of a texel is divided into 4 x 4 cells, and those
-//! count whose corners lie on the surface and are in sight of the texel's own place. So neither what stands on a
-//! surface darkens the texels around its foot, nor does light of the far side of a wall come through.
+//! A texel is the mean of the light over its part of the surface: each sample has its own position there, otherwise the
+//! edges of shadows would be as jagged as the texels. The square of a texel is divided into 4 x 4 cells, and those
+//! count whose corners lie on the surface and are visible from the texel's centre. So objects standing on a surface do
+//! not darken the texels around their feet, and no light of the far side of a wall leaks through.
 
 use glam::{Vec2, Vec3};
 
@@ -12,25 +12,25 @@ const CELLS: u32 = 4;
 /// Corners of cells along the side.
 const CORNERS: u32 = CELLS + 1;
 
-/// Where in the world the samples of a texel lie.
+/// The area in the world over which the samples of a texel are spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
-    /// The place of the texel's upper left corner.
+    /// The position of the texel's upper left corner.
     corner: Vec3,
-    /// The ways along the rows and the columns, over the whole texel.
+    /// The edge vectors of the texel in the world, along its rows and its columns.
     along: [Vec3; 2],
-    /// The cells, a bit for each, row by row.
+    /// A bit mask of cells, row by row.
     cells: u16,
 }
 
-/// The corners of the cells of a texel, a bit for each, row by row.
+/// A bit mask of cell corners, row by row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Corners(u32);
 
 impl Corners {
     pub const ALL: Self = Self((1 << (CORNERS * CORNERS)) - 1);
 
-    /// All corners, from (0, 0) to (1, 1), with their bits.
+    /// All corners as masks of one bit, with their positions from (0, 0) to (1, 1).
     pub fn all() -> impl Iterator<Item = (Self, Vec2)> {
         (0..CORNERS * CORNERS).map(|number| {
             let place = Vec2::new((number % CORNERS) as f32, (number / CORNERS) as f32);
@@ -46,7 +46,7 @@ impl Corners {
         self == Self::ALL
     }
 
-    /// The cells with all of their corners.
+    /// A bit mask of the cells of which all four corners are set.
     fn cells(self) -> u16 {
         let rows = self.0 & self.0 >> 1;
         let squares = rows & rows >> CORNERS;
@@ -65,7 +65,7 @@ impl Spread {
         }
     }
 
-    /// The place at this part of the way through the texel.
+    /// The position in the world at these coordinates from (0, 0) to (1, 1) in the texel.
     pub(super) fn at(&self, part: Vec2) -> Vec3 {
         self.corner + self.along[0] * part.x + self.along[1] * part.y
     }
@@ -76,23 +76,23 @@ impl Spread {
         row.length().max(column.length())
     }
 
-    /// Takes the cells with all of their corners among these.
+    /// Adds the cells of which all four corners are in `corners`.
     pub(super) fn take(&mut self, corners: Corners) {
         self.cells = corners.cells();
     }
 
-    /// Whether samples have places of their own.
+    /// Whether the samples have positions of their own.
     pub(super) fn has_cells(&self) -> bool {
         self.cells != 0
     }
 
-    /// Leaves out the cells with a corner that is not among these.
+    /// Removes the cells of which a corner is not in `corners`.
     pub(super) fn keep(&mut self, corners: Corners) {
         self.cells &= corners.cells();
     }
 
-    /// The place of a sample with these numbers from 0 to 1; None if the texel has no cells, and light is gathered at
-    /// the place that it has.
+    /// The position of a sample with the random numbers `u`; None if the texel has no cells, so that light is gathered
+    /// at its receiver.
     pub fn place(&self, u: Vec2) -> Option<Vec3> {
         if self.cells == u16::MAX {
             return Some(self.at(u));

@@ -1,9 +1,10 @@
-//! The texels that surfaces cover, and the place of each in the world.
+//! The texels that surfaces cover, and the position of each in the world.
 //!
-//! A texel belongs to the triangle that is nearest to its centre, and its place is the point of the triangle nearest to
-//! that. Every texel that a triangle touches is covered, so that filtering between texels never meets one that has no
-//! light. Where vertex normals bend a surface, the place moves out to the curved one that they stand for, as in Hanika,
-//! Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle would start inside.
+//! A texel belongs to the triangle nearest to its centre, and its position is the point of the triangle nearest to
+//! that. Every texel that a triangle touches is covered, so that filtering between texels never meets one without
+//! light. Where vertex normals bend a surface, the position moves out to the curved surface that they stand for, as in
+//! Hanika, Hacking the Shadow Terminator (Ray Tracing Gems II, chapter 4): rays from the flat triangle would start
+//! inside.
 //!
 //! The samples of a texel are spread over the part of it that the surface covers, see [`super::spread`].
 
@@ -19,29 +20,29 @@ use self::plane::{area, clamped, nearest_point, touched, weights};
 use super::spread::{Corners, Spread};
 use crate::render::irradiance::Receiver;
 
-/// A surface that light is gathered on, in world space.
+/// A surface on which light is gathered, in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BakeSurface {
-    /// The lightmap that it lies in.
+    /// The index of its lightmap.
     pub page: u32,
     /// The vertices.
     pub positions: Vec<Vec3>,
-    /// Unit normals of the vertices, on the side that light is gathered on; zero for those of flat triangles, and
-    /// empty if all are flat.
+    /// Unit normals of the vertices, on the side on which light is gathered; zero at flat triangles, and empty if all
+    /// are flat.
     pub normals: Vec<Vec3>,
-    /// The places of the vertices in the lightmap, in texels from its upper left corner. Charts lie apart by two
-    /// texels or more.
+    /// The positions of the vertices in the lightmap, in texels from its upper left corner. Charts are two or more
+    /// texels apart.
     pub coordinates: Vec<Vec2>,
-    /// The corners of the triangles, counter-clockwise as seen from the side that light is gathered on.
+    /// The corners of the triangles, counter-clockwise as seen from the side on which light is gathered.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A texel that a surface covers, or that a probe has.
+/// A texel covered by a surface, or a texel of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel<S = Receiver> {
     /// The column and the row.
     pub place: UVec2,
-    /// The place where light is gathered.
+    /// The point where light is gathered.
     pub receiver: S,
 }
 
@@ -52,39 +53,38 @@ pub struct Texels<S = Receiver> {
     pub size: UVec2,
     /// The covered texels, page by page, and row by row within a page.
     pub texels: Vec<Texel<S>>,
-    /// The texels of each page among them.
+    /// The range of each page in `texels`.
     pub pages: Vec<Range<usize>>,
-    /// Where the samples of each texel lie; empty if all are gathered at the places of the texels.
+    /// The area of the samples of each texel; empty if all are gathered at the receivers.
     pub spreads: Vec<Spread>,
 }
 
 /// Half the diagonal of a texel, and a little more.
 const REACH: f32 = 0.7072;
-/// What lies on the border of a triangle moves inwards by so much of a texel, so that it is not in the wall that may
-/// stand there.
+/// How far, as a share of a texel, a point on the border of a triangle moves inwards, so that it is not inside a wall
+/// that may stand there.
 const INSET: f32 = 0.05;
-/// A weight so far below 0 is still on the edge of the triangle.
+/// The lowest weight of a corner, in barycentric coordinates, that counts as on the triangle.
 const ON_EDGE: f32 = 1e-4;
-/// Samples may lie so far from where their part of the surface is, in sides of the texel.
+/// The largest distance of samples from their part of the surface, in sides of the texel.
 const MOST_WAY: f32 = 0.1;
-/// The rounding of positions relative to the coordinates, which have gone through the pose of a node.
+/// The rounding error of positions relative to the coordinates, which have gone through the transform of a node.
 const ROUNDING: f32 = 32.0 * f32::EPSILON;
 
-/// The nearest triangle to the centre of a texel so far.
+/// The triangle nearest to the centre of a texel so far.
 #[derive(Clone, Copy)]
 struct Nearest {
     distance: f32,
-    /// The numbers of its surface and of the triangle.
+    /// The indices of the surface and of the triangle.
     number: [u32; 2],
     weights: Vec3,
 }
 
-/// Rows of a lightmap that a thread takes at once.
+/// Rows of a lightmap that a thread processes at once.
 const BAND: u32 = 64;
 
-/// Finds the texels of so many pages of `size` that the surfaces cover. What lies outside of the pages, and triangles
-/// without an area in the lightmap or in the world, cover none. It ends soon after `cancel` is set, and then some are
-/// missing.
+/// Finds the texels that surfaces cover on `pages` pages of `size`. Parts outside of the pages, and triangles without
+/// area in the lightmap or in the world, cover none. It ends soon after `cancel` is set, with some texels missing.
 pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel: &AtomicBool) -> Texels {
     let mut of_page: Vec<Vec<&BakeSurface>> = vec![Vec::new(); pages as usize];
     for surface in surfaces {
@@ -130,8 +130,8 @@ pub fn covered_texels(surfaces: &[BakeSurface], size: UVec2, pages: u32, cancel:
     all
 }
 
-/// The numbers of the surface and of each triangle that has an area in the lightmap and may touch the rows of a band,
-/// band by band. They keep their order, because of triangles that are equally near to a texel it has the first one.
+/// For each band of rows, the indices of surface and triangle of the triangles with area in the lightmap that may touch
+/// it, in order: of triangles equally near to a texel, the first gets it.
 fn triangles_in_bands(surfaces: &[&BakeSurface], size: UVec2, cancel: &AtomicBool) -> Vec<Vec<[u32; 2]>> {
     let mut bands = vec![Vec::new(); size.y.div_ceil(BAND) as usize];
     for (index, surface) in (0..).zip(surfaces) {
@@ -150,28 +150,28 @@ fn triangles_in_bands(surfaces: &[&BakeSurface], size: UVec2, cancel: &AtomicBoo
     bands
 }
 
-/// Rows of a lightmap. What is found in them does not depend on the other rows.
+/// A band of rows of a lightmap. Its texels do not depend on the other rows.
 struct Band<'a> {
     /// The surfaces of the lightmap.
     surfaces: &'a [&'a BakeSurface],
-    /// The numbers of the surface and of each triangle that may touch the rows.
+    /// The indices of surface and triangle of the triangles that may touch the rows.
     triangles: &'a [[u32; 2]],
-    /// The first texel, and the end of them.
+    /// The first texel, and the end of the texels.
     first: UVec2,
     end: UVec2,
     cancel: &'a AtomicBool,
 }
 
-/// A triangle that may have texels.
+/// A triangle that may cover texels.
 struct Triangle<'a> {
     surface: &'a BakeSurface,
-    /// The numbers of the surface and of the triangle.
+    /// The indices of the surface and of the triangle.
     number: [u32; 2],
     /// The corners in the lightmap.
     at: [Vec2; 3],
-    /// The unit normal in the world.
+    /// The geometric unit normal in the world.
     up: Vec3,
-    /// The first texel that it may touch, and the end of them.
+    /// The first texel that it may touch, and the end of these texels.
     touched: [UVec2; 2],
 }
 
@@ -184,7 +184,7 @@ impl Triangle<'_> {
 }
 
 impl<'a> Band<'a> {
-    /// The triangles that have an area in the world, or the first of them if the work is cancelled.
+    /// The triangles with area in the world; some are missing if the work is cancelled.
     fn triangles(&self) -> impl Iterator<Item = Triangle<'a>> {
         let (surfaces, rows, cancel) = (self.surfaces, [self.first, self.end], self.cancel);
         let numbers = self.triangles.iter().take_while(|_| !cancel.load(Ordering::Relaxed));
@@ -207,7 +207,7 @@ impl<'a> Band<'a> {
         (place.y - self.first.y) as usize * self.end.x as usize + place.x as usize
     }
 
-    /// The covered texels, row by row, with the places of their samples.
+    /// The covered texels, row by row, with the areas of their samples.
     fn texels(&self) -> Vec<(Texel, Spread)> {
         let extent = self.end - self.first;
         let mut nearest: Vec<Option<Nearest>> = vec![None; extent.x as usize * extent.y as usize];
@@ -224,7 +224,7 @@ impl<'a> Band<'a> {
             });
         }
         let mut found = Vec::new();
-        // The number of each texel among those that are found.
+        // For each texel of the band its index in `found`.
         let mut number_of = vec![u32::MAX; nearest.len()];
         for (index, nearest) in nearest.iter().enumerate() {
             let Some(Nearest { number, weights, .. }) = *nearest else {
@@ -287,8 +287,8 @@ impl<'a> Band<'a> {
     }
 }
 
-/// The places of a texel, of whose cells none is known yet: on a plane through the place of the texel, that of its
-/// nearest triangle or of a curved surface.
+/// The area of the samples of a texel, still without cells: on the tangent plane at the texel's position, which is that
+/// of its nearest triangle or of a curved surface.
 fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) -> Spread {
     let weights = clamped(weights);
     let corners = surface.triangles[triangle].map(|corner| corner as usize);
@@ -301,7 +301,7 @@ fn spread(surface: &BakeSurface, triangle: usize, weights: Vec3, texel: &Texel) 
         (edges_in_world[1] * edges[0].x - edges_in_world[0] * edges[1].x) / whole,
     ];
     if !surface.normals.is_empty() {
-        // The plane touches the curved surface: one through its triangle would be inside of it.
+        // The plane is tangent to the curved surface: one through the triangle would be inside.
         let (up, normal) = (texel.receiver.geometric_normal, texel.receiver.normal);
         along = along.map(|way| way - up * (way.dot(normal) / up.dot(normal).max(0.5)));
     }
@@ -319,7 +319,7 @@ fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 }
 
 /// Calls `found` for each texel that the triangle touches, with the distance of its centre from the triangle and the
-/// weights of the corners there.
+/// barycentric coordinates of the nearest point.
 fn cover(triangle: &Triangle, mut found: impl FnMut(UVec2, f32, Vec3)) {
     let corners = triangle.at;
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
@@ -338,7 +338,7 @@ fn cover(triangle: &Triangle, mut found: impl FnMut(UVec2, f32, Vec3)) {
     }
 }
 
-/// The place of a texel in the world.
+/// The point of a texel where light is gathered, in the world.
 fn receiver(surface: &BakeSurface, triangle: usize, weights: Vec3) -> Receiver {
     let weights = clamped(weights);
     let corners = surface.triangles[triangle].map(|corner| corner as usize);
@@ -357,7 +357,7 @@ fn receiver(surface: &BakeSurface, triangle: usize, weights: Vec3) -> Receiver {
     };
     if !surface.normals.is_empty() {
         let normals = corners.map(|corner| surface.normals[corner]);
-        // Of zeros there is no mean, and they move nothing.
+        // Zero normals have no mean, and do not move the point.
         receiver.normal = mix(normals).try_normalize().unwrap_or(geometric_normal);
         let [a, b, c] =
             [0, 1, 2].map(|corner| (in_world[corner] - flat).dot(normals[corner]).max(0.0) * normals[corner]);

@@ -1,8 +1,7 @@
-//! A second set of texture coordinates for meshes, in which no two places of their surfaces share a texel.
+//! A second set of texture coordinates for meshes, in which no two points of their surfaces share a texel.
 //!
 //! The crate `uvunwrap` cuts meshes into charts, flattens these and packs them, with the same bits on any number of
-//! threads. Here are the limits: what an atlas may be, and what becomes of meshes that have no surface, are broken, or
-//! are large.
+//! threads. This module sets the limits of an atlas, and handles meshes that have no surface, are broken, or are large.
 
 mod error;
 mod input;
@@ -23,18 +22,18 @@ use super::spread::Spread;
 use super::texels::Texel;
 use crate::memory::{self, Reservation};
 
-/// The sizes of lightmaps that are possible, in texels.
+/// The allowed sizes of lightmaps, in texels.
 pub const ATLAS_SIZES: std::ops::RangeInclusive<u32> = 16..=16384;
 
 /// The size of lightmaps and of their texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnwrapSettings {
-    /// The width of a lightmap, and its largest height; in [`ATLAS_SIZES`].
+    /// The width of a lightmap, and its largest height, in texels; in [`ATLAS_SIZES`].
     pub atlas_size: u32,
-    /// Texels per unit of length, above 0; None is as many as fit in one lightmap. If one has no room for all pieces
-    /// of the level however small they are, there are several.
+    /// Texels per unit of length, above 0; None fills one lightmap. If not all pieces of the level fit in one, however
+    /// small they are, there are several.
     pub texels_per_unit: Option<f32>,
-    /// Texels around each chart that hold nothing of another.
+    /// The least distance between two charts, in texels.
     pub padding: u32,
 }
 
@@ -51,7 +50,7 @@ impl Default for UnwrapSettings {
 /// The layout of all meshes.
 #[derive(Debug)]
 pub struct Layout {
-    /// Width and height of each lightmap. One that is alone is only as high as it has to be.
+    /// Width and height of each lightmap. A single lightmap is only as high as needed.
     pub size: UVec2,
     /// The number of lightmaps.
     pub pages: u32,
@@ -59,27 +58,27 @@ pub struct Layout {
     pub texels_per_unit: f32,
     /// The meshes in the order in which they were given.
     pub meshes: Vec<LayoutMesh>,
-    /// The memory for the light of all texels.
+    /// The memory reserved for the light of all texels.
     pub memory: Reservation,
 }
 
-/// A mesh with its coordinates.
+/// A mesh with its lightmap coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayoutMesh {
-    /// For each vertex the one that it was. At seams there are several of one.
+    /// The original vertex of each vertex. Vertices at seams are duplicated.
     pub vertices: Vec<u32>,
     /// The coordinates of each vertex within the mesh's rectangle, in [0, 1].
     pub coordinates: Vec<Vec2>,
     /// The triangles in the order in which they were given.
     pub triangles: Vec<[u32; 3]>,
-    /// The rectangles, one for each place of the mesh.
+    /// The rectangles, one for each instance of the mesh.
     pub rectangles: Vec<LayoutRectangle>,
 }
 
-/// A part of a lightmap.
+/// The rectangle of a lightmap that an instance of a mesh covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayoutRectangle {
-    /// The lightmap.
+    /// The index of the lightmap.
     pub page: u32,
     /// The upper left corner, in [0, 1].
     pub min: Vec2,
@@ -87,19 +86,19 @@ pub struct LayoutRectangle {
     pub max: Vec2,
 }
 
-/// Bytes for each texel of a lightmap while it is made: its place with what light is gathered at, the place alone,
-/// where its samples lie, its sums, and the pictures of it.
+/// Bytes per texel of a lightmap while it is made: the texel with its receiver and without, the area of its samples,
+/// its sums, and the pictures.
 pub(super) const TEXEL_BYTES: u64 = {
     let gathered = size_of::<Texel>() + size_of::<Texel<()>>() + size_of::<Spread>() + size_of::<TexelSum>();
     gathered as u64 + PICTURE_BYTES
 };
-/// Bytes for each texel of the pictures that are made of a lightmap, with those that are filtered. Before, the search
-/// for texels takes less.
+/// Bytes per texel of the pictures made of a lightmap, with those that are denoised. The search for texels, which comes
+/// before, takes less.
 const PICTURE_BYTES: u64 = 128;
 const _: () = assert!(TEXEL_BYTES == 264, "docs/baking.md says what a texel takes");
 /// Lays meshes out in lightmaps. Each has a surface ([`UnwrapMesh::has_surface`]). It ends soon after `cancel` is set:
 /// at the end of a piece of a few thousand triangles, of the search for the neighbours of all triangles of a mesh, or
-/// of an attempt to place all charts.
+/// of an attempt to pack all charts.
 pub fn unwrap(
     meshes: &[UnwrapMesh],
     settings: &UnwrapSettings,
@@ -134,7 +133,7 @@ pub fn unwrap(
     if needed > MOST_TEXELS {
         return Err(too_many(needed, meshes));
     }
-    // The least that is needed, before the work begins.
+    // The lower bound of the memory, reserved before the work begins.
     let mut reserved = memory::reserve(TEXEL_BYTES * needed as u64)?;
     let (inputs, cut) = Input::all(meshes, cancel, told)?;
     let borrowed: Vec<MeshInput> = inputs.iter().map(Input::borrow).collect();
@@ -148,7 +147,7 @@ pub fn unwrap(
         },
         padding,
         packing: match meshes.iter().any(UnwrapMesh::is_large) {
-            // The time of the other one grows faster than the number of charts.
+            // The time of the other packer grows faster than the number of charts.
             true => Packing::Fast,
             false => Packing::Shape,
         },
@@ -191,19 +190,19 @@ pub fn unwrap(
     })
 }
 
-/// The part of its work that the crate has done, and what it does in words.
+/// The finished share of the crate's work, and the name of the present step.
 fn step(now: &uvunwrap::Progress) -> (f64, &'static str) {
     let part = now.total.map_or(0.0, |total| now.done as f64 / total.max(1) as f64);
     match now.stage {
         Stage::Segmenting => (0.1 * part, "unwrapping the level"),
         Stage::Parameterizing => (0.1 + 0.6 * part, "unwrapping the level"),
-        // It takes one attempt or a dozen.
+        // Packing takes one attempt or a dozen.
         Stage::Packing => (1.0 - 0.3 * 0.85f64.powi(now.done as i32), "placing the charts"),
         _ => (1.0, "placing the charts"),
     }
 }
 
-/// The error that the level needs so many texels.
+/// The error that the level needs `texels` texels.
 fn too_many(texels: f64, meshes: &[UnwrapMesh]) -> UnwrapError {
     let largest = meshes.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
     UnwrapError::TooMany {
@@ -212,7 +211,7 @@ fn too_many(texels: f64, meshes: &[UnwrapMesh]) -> UnwrapError {
     }
 }
 
-/// The error about a mesh that has no room in a lightmap. The crate does not say which it is, so each is tried alone,
+/// The error about a mesh that does not fit in a lightmap. The crate does not say which it is, so each is tried alone,
 /// the one with the largest extent first: `alone` gives the error of a mesh.
 fn too_large(
     meshes: &[UnwrapMesh],
@@ -242,13 +241,13 @@ fn too_large(
     }
 }
 
-/// The largest number with two digits that is not above the number.
+/// `number` rounded down to two digits.
 fn two_digits(number: f32) -> f32 {
     let step = 10f64.powf((f64::from(number).log10() - 1.0).floor());
     ((f64::from(number) / step).floor() * step) as f32
 }
 
-/// Leaves out the rows of a page below all rectangles, and gives its new height.
+/// Crops the rows of a page below all rectangles, and returns its new height.
 fn crop(meshes: &mut [LayoutMesh], height: u32) -> u32 {
     let rectangles = || meshes.iter().flat_map(|mesh| &mesh.rectangles);
     let lowest = rectangles().map(|rectangle| rectangle.max.y).fold(0.0, f32::max);

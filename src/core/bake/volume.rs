@@ -1,7 +1,7 @@
-//! Irradiance volumes: the light that comes from six sides to the points of a grid, for what moves among them.
+//! Irradiance volumes: the light from six sides at the points of a grid, for objects that move among them.
 //!
 //! The six numbers of a point are an ambient cube (Mitchell, McTaggart, Green: Shading in Valve's Source Engine, 2006):
-//! irradiance divided by pi on surfaces that face along the axes of the world, of which those in between are mixed.
+//! irradiance divided by pi on surfaces that face along the axes of the world; other directions are interpolated.
 
 use glam::{Affine3A, UVec2, UVec3, Vec3};
 
@@ -12,48 +12,48 @@ use crate::render::irradiance::Receiver;
 
 /// The normals of the six sides.
 const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-/// The most points along an axis. Graphics cards have room for 2048 texels along each side of a texture, which has a
-/// point three times.
+/// The most points along an axis. GPUs allow 2048 texels along each side of a texture, which has each point three
+/// times.
 pub(super) const MOST_ALONG: u32 = 512;
 /// The most points of a volume.
 pub const MOST_POINTS: u32 = 1 << 18;
-/// The number of points that a volume without a spacing has, more or less.
+/// The approximate number of points of a volume without a spacing.
 const USUAL_POINTS: f32 = 4096.0;
 
-/// A grid of points in a box. The points are the middles of the cells of equal size that the box is divided into.
+/// A grid of points in a box: the centres of the equal cells that the box is divided into.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The box is the cube from -0.5 to 0.5 in its own space.
+    /// The transform of the box, a cube from -0.5 to 0.5 in its own space.
     pub world_from_box: Affine3A,
     /// The points along each axis.
     pub points: UVec3,
 }
 
-/// The reason why there is no grid.
+/// The reason why a grid is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "a volume may have {MOST_POINTS} points, and {MOST_ALONG} along an axis: at a distance of {spacing} it would have {:.0} x {:.0} x {:.0}",
     points.x, points.y, points.z
 )]
 pub struct GridError {
-    /// The distance of points.
+    /// The distance between points.
     pub spacing: f32,
     /// The points along each axis.
     pub points: Vec3,
 }
 
 impl Grid {
-    /// The grid with points that lie about `spacing` apart; None is a spacing that gives about 4096 points.
+    /// A grid of points about `spacing` apart; None gives about 4096 points.
     pub fn new(world_from_box: Affine3A, spacing: Option<f32>) -> Result<Self, GridError> {
         let axes = world_from_box.matrix3;
         let size = Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
         let usual = || {
-            // A flat box would else have far more points along its other sides.
+            // Otherwise a flat box would have far more points along its other sides.
             let size = size.max(Vec3::splat(size.max_element() / 64.0));
             (size / USUAL_POINTS.cbrt()).element_product().cbrt()
         };
         let spacing = spacing.unwrap_or_else(usual);
-        // A little above a whole number is that number.
+        // Rounding errors just above a whole number do not add a point.
         let points = (size / spacing - 1e-3).ceil().max(Vec3::ONE);
         let is_possible = points.max_element() <= MOST_ALONG as f32 && points.element_product() <= MOST_POINTS as f32;
         match is_possible {
@@ -65,14 +65,14 @@ impl Grid {
         }
     }
 
-    /// The places of the points in the world, first along x, then along y, then along z.
+    /// The positions of the points in the world, first along x, then along y, then along z.
     pub fn places(&self) -> impl Iterator<Item = Vec3> {
         let Self { world_from_box, points } = *self;
         let cells = cells(points).map(move |cell| (cell.as_vec3() + 0.5) / points.as_vec3() - 0.5);
         cells.map(move |place| world_from_box.transform_point3(place))
     }
 
-    /// The texels: the six sides of each point, one after the other.
+    /// The texels: the six sides of each point in turn.
     pub fn texels(&self) -> Texels {
         let cells = cells(self.points).zip(self.places());
         let texels: Vec<Texel> = cells
@@ -96,7 +96,7 @@ impl Grid {
         }
     }
 
-    /// The points that lie inside of something, as [`Lightmaps::is_buried`] tells it of a texel.
+    /// Whether each point lies inside a solid, see [`Lightmaps::is_buried`].
     pub fn buried(&self, light: &Lightmaps) -> Vec<bool> {
         let count = self.points.element_product() as usize;
         (0..count)
@@ -104,12 +104,12 @@ impl Grid {
             .collect()
     }
 
-    /// The texture that Bevy's `IrradianceVolume` looks up, of so many texels along each axis: irradiance divided by
-    /// pi. Points inside of something have the light of the points around them.
+    /// The texture for Bevy's `IrradianceVolume`, irradiance divided by pi, with its number of texels along each axis.
+    /// Points inside a solid have the light of their neighbours.
     ///
     /// `irradiance_volume.wgsl` of Bevy 0.19 reads it in this order: along x the points; along y those for normals with
-    /// a positive component, then those for negative ones (the other way around than its documentation has it);
-    /// along z those for x, y and z.
+    /// a positive component, then those for negative ones (the opposite of its documentation); along z those for x, y
+    /// and z.
     pub fn texture(&self, light: &Lightmaps) -> (UVec3, Vec<Rgb>) {
         let buried = self.buried(light);
         let own = |point: usize| [0, 1, 2, 3, 4, 5].map(|side| light.light(6 * point + side) / std::f32::consts::PI);
@@ -130,7 +130,7 @@ impl Grid {
         ((cell.z * self.points.y + cell.y) * self.points.x + cell.x) as usize
     }
 
-    /// Gives unknown points the mean of the known ones around them. The answer is whether there were any.
+    /// Gives unknown points the mean of their known neighbours. Returns whether there were any.
     fn spread(&self, known: &mut [Option<[Rgb; 6]>]) -> bool {
         let before = known.to_vec();
         let mut has_changed = false;

@@ -1,20 +1,20 @@
-//! Triangles in the plane of a lightmap, whose unit of length is a texel.
+//! Triangles in the plane of a lightmap, in units of texels.
 
 use glam::{UVec2, Vec2, Vec3};
 
-/// Twice the signed area.
+/// Twice the signed area of a triangle.
 pub(super) fn area([a, b, c]: [Vec2; 3]) -> f32 {
     (b - a).perp_dot(c - a)
 }
 
-/// The first texel that a triangle may touch and the end of them, among those from `first` to `end`.
+/// The first texel that a triangle may touch and the end of these texels, clipped to `first` and `end`.
 pub(super) fn touched(corners: [Vec2; 3], [first, end]: [UVec2; 2]) -> [UVec2; 2] {
     let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
     let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
     if !(low.is_finite() && high.is_finite()) {
         return [UVec2::ZERO; 2];
     }
-    // Casts saturate: what is outside of the page is left out.
+    // Casts saturate, which clips to the page.
     let low = (low - 0.5).floor().max(Vec2::ZERO).as_uvec2();
     let high = (high + 0.5).ceil().max(Vec2::ZERO).as_uvec2();
     [low.max(first), high.min(end)]
@@ -43,7 +43,7 @@ pub(super) fn nearest_point(corners: [Vec2; 3], point: Vec2) -> Vec2 {
     nearer(nearer(edges[0], edges[1]), edges[2])
 }
 
-/// The weights of the corners at `point`.
+/// The barycentric coordinates of `point`.
 pub(super) fn weights([a, b, c]: [Vec2; 3], point: Vec2) -> Vec3 {
     let whole = area([a, b, c]);
     let of_b = area([a, point, c]) / whole;
@@ -51,7 +51,7 @@ pub(super) fn weights([a, b, c]: [Vec2; 3], point: Vec2) -> Vec3 {
     Vec3::new(1.0 - of_b - of_c, of_b, of_c)
 }
 
-/// A triangle that is thin in the lightmap may have weights a little outside.
+/// Barycentric coordinates clamped to the triangle: in a thin one they may be a little outside.
 pub(super) fn clamped(weights: Vec3) -> Vec3 {
     let weights = weights.clamp(Vec3::ZERO, Vec3::ONE);
     weights / weights.element_sum()

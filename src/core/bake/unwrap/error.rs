@@ -1,4 +1,4 @@
-//! Why meshes cannot be laid out in lightmaps, in words that say what helps.
+//! Why meshes cannot be laid out in lightmaps, with advice.
 
 use crate::memory::Shortage;
 
@@ -19,7 +19,7 @@ pub enum UnwrapError {
     Broken(String),
     #[error("`{0}` has no surface that a lightmap could lie on: give it a lightmap scale of 0")]
     Flat(String),
-    /// The number of texels per unit is about the largest that the shape has room with.
+    /// The suggested number of texels per unit is about the largest with which the shape fits.
     #[error(
         "`{name}` needs {width} x {height} texels, and a lightmap has {size} x {size}: take larger lightmaps, or at most about {texels_per_unit} texels per unit, or a smaller lightmap scale for this shape"
     )]
@@ -48,7 +48,7 @@ pub enum UnwrapError {
     Cancelled,
 }
 
-/// A whole number; from 1e15 on it is rounded to two digits, such as 4.2e24.
+/// A whole number in words; from 1e15 on it is rounded to two digits, such as 4.2e24.
 fn number(number: f64) -> String {
     match number < 1e15 {
         true => format!("{number:.0}"),

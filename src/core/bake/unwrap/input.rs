@@ -1,9 +1,9 @@
-//! A mesh as the crate `uvunwrap` takes it.
+//! A mesh in the form that the crate `uvunwrap` takes.
 //!
 //! The crate cuts a mesh into charts in one go, and flattens each with a solver whose time per triangle grows with the
-//! size of the chart, so that a large mesh takes minutes in which nothing can be told or ended. Therefore large meshes
-//! are cut into pieces of neighbouring triangles, and the pieces into charts, each for itself. The crate then gets the
-//! mesh with the coordinates of these charts, which it tests and places.
+//! size of the chart, so that a large mesh takes minutes without progress or cancellation. Therefore large meshes are
+//! cut into pieces of neighbouring triangles, and each piece into charts on its own. The crate then gets the mesh with
+//! the coordinates of these charts, which it tests and packs.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -15,30 +15,30 @@ use uvunwrap::{Density, MeshInput, Options, Packing};
 use super::error::UnwrapError;
 use super::mesh::{Told, UnwrapMesh};
 
-/// The most triangles of a piece. Smaller ones take less time for each triangle, and make more seams.
+/// The most triangles of a piece. Smaller pieces take less time per triangle, and make more seams.
 const PIECE: usize = 2000;
-/// The extent of a piece in the texels in which its charts are placed. What counts of the places is that no two charts
-/// touch.
+/// The extent of a piece in the texels in which its charts are laid out. All that matters of this layout is that charts
+/// do not overlap.
 const PIECE_TEXELS: f32 = 256.0;
 
-/// The part of the time that it takes to cut large meshes into charts, if there are no others.
+/// The share of the time spent on cutting large meshes into charts, if all meshes are large.
 const CUTTING: f64 = 0.85;
 
-/// A mesh, or its pieces.
+/// A mesh as a whole, or cut into pieces.
 pub(super) struct Input {
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
-    /// No chart has triangles of two parts.
+    /// The part of each triangle. No chart has triangles of two parts.
     parts: Vec<u32>,
     scales: Vec<f32>,
-    /// The coordinates of each vertex within its piece. None of a mesh that is not cut.
+    /// The coordinates of each vertex within its piece; None if the mesh is not cut.
     coordinates: Option<Vec<[f32; 2]>>,
-    /// For each vertex that of the mesh, if it is cut: at seams there are several of one.
+    /// The original vertex of each vertex, if the mesh is cut: vertices at seams are duplicated.
     vertices: Option<Vec<u32>>,
 }
 
 impl Input {
-    /// All meshes, the large ones cut into charts, and the part of all work that this was.
+    /// All meshes, the large ones cut into charts, and the share that this was of all work.
     pub fn all(meshes: &[UnwrapMesh], cancel: &AtomicBool, told: Told) -> Result<(Vec<Self>, f64), UnwrapError> {
         let all = meshes.iter().map(|mesh| mesh.triangles.len()).sum::<usize>().max(1) as f64;
         let mut before = 0;
@@ -54,7 +54,7 @@ impl Input {
             inputs.push(match Self::cut(mesh, cancel, tell) {
                 Ok(cut) => cut,
                 Err(uvunwrap::Error::Cancelled) => return Err(UnwrapError::Cancelled),
-                // As a whole it may be possible.
+                // The mesh may still be unwrapped as a whole.
                 Err(_) => Self::whole(mesh),
             });
             before += mesh.triangles.len();
@@ -62,7 +62,7 @@ impl Input {
         Ok((inputs, CUTTING * before as f64 / all))
     }
 
-    /// A mesh as it is.
+    /// A mesh that is not cut.
     fn whole(mesh: &UnwrapMesh) -> Self {
         Self {
             positions: mesh.positions.iter().map(|place| place.to_array()).collect(),
@@ -74,8 +74,8 @@ impl Input {
         }
     }
 
-    /// Cuts a mesh into charts, piece by piece. `told` hears of the number of triangles that are done. It ends soon
-    /// after `cancel` is set, with an error. That the crate refuses a piece is an error as well.
+    /// Cuts a mesh into charts, piece by piece. `told` gets the number of finished triangles. An error soon after
+    /// `cancel` is set, or if the crate refuses a piece.
     fn cut(mesh: &UnwrapMesh, cancel: &AtomicBool, told: impl Fn(usize) + Sync) -> Result<Self, uvunwrap::Error> {
         let pieces = pieces(mesh, PIECE);
         let done = AtomicUsize::new(0);
@@ -100,7 +100,7 @@ impl Input {
             coordinates.extend(charts.coordinates);
             for (&triangle, corners) in piece.iter().zip(charts.indices.as_chunks::<3>().0) {
                 let triangle = triangle as usize;
-                // Charts of two pieces may have the same coordinates at an edge by chance.
+                // Charts of two pieces may have the same coordinates at an edge by chance, so each piece is a part.
                 input.parts[triangle] = number;
                 input.indices[3 * triangle..3 * triangle + 3].copy_from_slice(&corners.map(|corner| first + corner));
             }
@@ -111,7 +111,7 @@ impl Input {
         Ok(input)
     }
 
-    /// The mesh for the crate.
+    /// The mesh as the input of the crate.
     pub fn borrow(&self) -> MeshInput<'_> {
         MeshInput {
             face_materials: (!self.parts.is_empty()).then_some(&*self.parts),
@@ -121,7 +121,7 @@ impl Input {
         }
     }
 
-    /// The vertex of the mesh that this one was.
+    /// The original vertex of a vertex.
     pub fn vertex_of_mesh(&self, vertex: u32) -> u32 {
         let vertices = self.vertices.as_ref();
         vertices.map_or(vertex, |vertices| vertices[vertex as usize])
@@ -130,11 +130,11 @@ impl Input {
 
 /// The charts of a piece.
 struct Charts {
-    /// For each vertex that of the mesh.
+    /// The original vertex of each vertex.
     vertices: Vec<u32>,
-    /// Its coordinates, in texels.
+    /// The coordinates of each vertex, in texels.
     coordinates: Vec<[f32; 2]>,
-    /// The corners of the triangles, in their order.
+    /// The corners of the triangles, in the order of the piece.
     indices: Vec<u32>,
 }
 
@@ -174,7 +174,7 @@ impl Charts {
         let [width, height] = [atlas.width, atlas.height].map(|texels| texels as f32);
         let corners = charts.vertices.iter();
         Ok(Self {
-            // The atlas need not be a square.
+            // The atlas may be any rectangle here.
             coordinates: corners
                 .map(|vertex| [vertex.uv[0] * width, vertex.uv[1] * height])
                 .collect(),
@@ -188,8 +188,8 @@ impl Charts {
     }
 }
 
-/// Shares the triangles of a mesh out among pieces with at most so many: halves of halves along the longest side of the
-/// box around their centres. Each piece has its triangles in the order of the mesh.
+/// Partitions the triangles of a mesh into pieces of at most `most`, by halving along the longest side of the box
+/// around their centres. Each piece has its triangles in the order of the mesh.
 fn pieces(mesh: &UnwrapMesh, most: usize) -> Vec<Vec<u32>> {
     let centre = |triangle: u32| {
         let corners = mesh.triangles[triangle as usize];
