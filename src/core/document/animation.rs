@@ -26,7 +26,7 @@ use self::between::{are_alike, between};
 use super::{Child, Document, Interpolation, Key, Object, Track, TransformOp, Value};
 
 impl Interpolation {
-    /// The share of the way, in [0, 1], after this share of the time.
+    /// The eased fraction of a segment, in [0, 1], after the fraction `share` of its time.
     fn way(self, share: f64) -> f64 {
         match self {
             Self::Linear => share,
@@ -37,8 +37,8 @@ impl Interpolation {
 }
 
 impl Track {
-    /// The value at this time in seconds. A key is reached at the moments that have its time in single precision, too:
-    /// the time of a frame may be a rounding before the key that a file has for this frame.
+    /// The value at `time`, in seconds. A key also applies at times that round to its time in single precision: the
+    /// time of a frame may be a rounding error before the key that a file has for this frame.
     pub fn at(&self, time: f64) -> Value {
         let reached = time.max(key_time(time));
         let after = self.keys.partition_point(|key| key.time <= reached);
@@ -55,11 +55,11 @@ impl Track {
         }
     }
 
-    /// The track with this value at this time in seconds, in place of a key there or as a further one. None if its keys
-    /// are of another type.
+    /// The track with the value `value` at `time`, in seconds, in place of a key there or as a new one. None if its
+    /// keys are of another type.
     ///
-    /// Whole turns stay whole: where keys are half a turn or more apart, and the steps of the new one are of other
-    /// kinds, what it changes becomes one more step of all keys, which moves nothing in the others.
+    /// Whole turns stay whole: where keys are half a turn or more apart, and the steps of the new key are of other
+    /// kinds, its difference becomes one more step of all keys, which is the identity in the others.
     pub fn with_key(&self, time: f64, value: Value) -> Option<Self> {
         let time = key_time(time);
         let mut track = self.clone();
@@ -92,7 +92,7 @@ impl Track {
         Some(track)
     }
 
-    /// Whether keys that follow each other are half a turn or more apart, which steps of other kinds cannot tell.
+    /// Whether neighbouring keys are half a turn or more apart, which steps of other kinds cannot express.
     fn has_far_turns(&self) -> bool {
         let far = |pair: (&TransformOp, &TransformOp)| match pair {
             (TransformOp::Rotate { degrees, .. }, TransformOp::Rotate { degrees: end, .. }) => {
@@ -109,8 +109,8 @@ impl Track {
             .any(|[one, other]| are_alike(one, other) && one.iter().zip(other).any(far))
     }
 
-    /// The steps `now` of a new key in the kinds that all keys have; `old` are the steps there so far. If these kinds
-    /// cannot say them, all keys get one more step.
+    /// The steps `now` of a new key in the kinds that all keys have; `old` are the present steps at that time. If these
+    /// kinds cannot express them, all keys get one more step.
     fn with_steps_like(&mut self, old: &[TransformOp], now: Vec<TransformOp>) -> Vec<TransformOp> {
         if are_alike(old, &now) || !self.keys.iter().all(|key| are_alike(steps_of(key), old)) {
             return now;
@@ -143,7 +143,7 @@ impl Track {
         steps
     }
 
-    /// The track of a thing that stands elsewhere: `by` is applied to the transform, or to the place, of every key.
+    /// The track after a move by `by`, which is applied to the transform or the point of every key.
     pub fn moved(&self, by: &Affine3A) -> Self {
         let mut track = self.clone();
         for key in &mut track.keys {
@@ -168,7 +168,7 @@ impl Track {
         track
     }
 
-    /// Whether there is a key at this time in seconds.
+    /// Whether there is a key at `time`, in seconds.
     pub fn has_key(&self, time: f64) -> bool {
         self.keys.iter().any(|key| key.time == key_time(time))
     }
@@ -180,8 +180,8 @@ impl Track {
 }
 
 impl Document {
-    /// The document as it is at a time in seconds: every property with keys has the value of that time. Objects without
-    /// keys are shared.
+    /// The document at a time in seconds: every animated property has its value at that time. Objects without keys are
+    /// shared.
     pub fn at(&self, time: f64) -> Self {
         let mut document = Self { time, ..self.clone() };
         if let Some(root) = posed(&self.root, time) {
@@ -190,13 +190,13 @@ impl Document {
         document
     }
 
-    /// The times of the first and the last key in seconds; None if nothing moves.
+    /// The times of the first and the last key in seconds; None if nothing is animated.
     pub fn animated_span(&self) -> Option<(f64, f64)> {
         span_of(&self.root)
     }
 }
 
-/// The times of the first and the last key of an object and all in it, in seconds; None if nothing moves.
+/// The times of the first and the last key in the subtree of an object, in seconds; None if nothing is animated.
 pub fn span_of(object: &Object) -> Option<(f64, f64)> {
     let mut spans = Vec::new();
     let mut waiting = vec![object];
@@ -209,7 +209,7 @@ pub fn span_of(object: &Object) -> Option<(f64, f64)> {
     spans.into_iter().reduce(both)
 }
 
-/// The object at a time; None if it has no keys and nothing in it has.
+/// The object at a time; None if nothing in its subtree is animated.
 fn posed(object: &Arc<Object>, time: f64) -> Option<Arc<Object>> {
     let mut changed: Option<Object> = None;
     for (index, property) in object.properties.iter().enumerate() {
@@ -228,13 +228,12 @@ fn posed(object: &Arc<Object>, time: f64) -> Option<Arc<Object>> {
     changed.map(Arc::new)
 }
 
-/// Whether a value of the object, or of one in it, has keys.
+/// Whether a property in the subtree of an object is animated.
 pub fn is_animated(object: &Object) -> bool {
     object.properties.iter().any(|property| property.keys.is_some()) || object.objects().any(is_animated)
 }
 
-/// The addresses of the objects under `root`, and of itself, for which [`is_animated`] is true: for all of them in the
-/// time of one walk.
+/// The addresses of `root` and the objects below it for which [`is_animated`] is true, found in one traversal.
 pub fn animated_objects(root: &Object) -> HashSet<usize> {
     fn note(object: &Object, animated: &mut HashSet<usize>) -> bool {
         let mut is_animated = object.properties.iter().any(|property| property.keys.is_some());
@@ -251,15 +250,15 @@ pub fn animated_objects(root: &Object) -> HashSet<usize> {
     animated
 }
 
-/// The greatest time of a key in seconds, before or after 0.
+/// The greatest absolute time of a key, in seconds.
 pub const MOST_TIME: f64 = 1e9;
 
-/// The time that a key has for a moment, both in seconds: files hold times in single precision.
+/// The time in seconds at which a key is stored for `time`: files hold times in single precision.
 pub fn key_time(time: f64) -> f64 {
     f64::from(time as f32)
 }
 
-/// Takes all keys away: the values of the moment remain.
+/// Removes all keys; properties keep their present values.
 pub fn stand_still(object: &mut Object) {
     for property in &mut object.properties {
         property.keys = None;

@@ -1,7 +1,8 @@
-//! Very many instances of one group in a row, kept as places in space and a range of the text in place of a tree.
+//! Crowds: very many consecutive instances of one group, stored as transforms and a range of the text instead of a
+//! tree.
 //!
 //! A tree of a million instances takes more than half a gigabyte, although they are not edited one by one. The parser
-//! therefore packs them while it reads ([`Packer`]); writing the scene makes the tree again (`unpack`).
+//! therefore packs them while it reads ([`Packer`]); writing the scene rebuilds the tree (`unpack`).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,36 +12,36 @@ use smol_str::SmolStr;
 
 use super::{Category, Child, SourceId, TransformOp, Value};
 
-/// The least number of instances of one group in a row that are packed.
+/// The least number of consecutive instances of one group that are packed.
 pub(super) const FEWEST: usize = 1024;
 
-/// Instances of one group that follow each other in the scene, of which the file gives only the places.
+/// Consecutive instances of one group, for which the file gives only the transforms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crowd {
-    /// The index of the child of the scene before which the crowd stands.
+    /// The index of the child of the scene before which the crowd is inserted.
     pub position: usize,
     /// The id of the group.
     pub group: SmolStr,
-    /// World from group.
+    /// The transform of each instance, world from group.
     pub places: Arc<Vec<Affine3>>,
     pub(super) content: Content,
 }
 
-/// The data from which the crowd's children are made again.
+/// The data from which the children of the crowd are rebuilt.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Content {
     /// The bytes of a source text from the first instance to the last.
     Text { source: SourceId, range: Range<u32> },
-    /// The children themselves, where the text alone does not give them: it has `$names`, say.
+    /// The children themselves, if the text alone cannot give them, for instance because of `$names`.
     Tree(Vec<Child>),
 }
 
 /// Packs instances as they become children of the scene.
 #[derive(Debug, Default)]
 pub(super) struct Packer {
-    /// The crowds in the order of the file. The last one grows as long as no other child follows it.
+    /// The crowds in the order of the file. The last one grows until another child follows it.
     crowds: Vec<Open>,
-    /// The last children from this one on are instances of one group, of one source.
+    /// The index from which all children are instances of one group, from one source.
     run: usize,
 }
 
@@ -55,7 +56,8 @@ struct Open {
 }
 
 impl Packer {
-    /// A child has been added to the scene's `children`; its element ends at the byte `end` of `text`.
+    /// Call after adding a child to the `children` of the scene: packs it if it continues a run of instances. Its
+    /// element ends at the byte `end` of `text`.
     pub fn note(&mut self, children: &mut Vec<Child>, text: &str, end: u32) {
         let Some((last, before)) = children.split_last() else {
             return;
@@ -123,7 +125,7 @@ pub(super) fn places(run: &[Child]) -> Vec<Affine3> {
         .collect()
 }
 
-/// An instance of which nothing is said but its group and its place, and which does not move.
+/// An instance with nothing but its group and its transform, and without keys.
 pub(super) struct BareInstance<'a> {
     pub group: &'a SmolStr,
     pub steps: &'a [TransformOp],

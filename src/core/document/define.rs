@@ -1,7 +1,7 @@
 //! `$name` in attribute values: `<default>` gives a value, `-D name=value` overrides it.
 //!
-//! As in Mitsuba the text is replaced before anything is made of it, the longest known name wins (`$width2` is `$width`
-//! followed by a 2 if there is no `width2`), and `\$` is a plain dollar sign. Replaced text is not searched again.
+//! As in Mitsuba the text is replaced before it is parsed, the longest known name wins (`$width2` is `$width` followed
+//! by a 2 if there is no `width2`), and `\$` is a plain dollar sign. Replaced text is not searched again.
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
@@ -13,14 +13,14 @@ const LONGEST_VALUE: usize = 1 << 16;
 /// The most bytes of all replaced values of a document together: defaults made of defaults grow exponentially.
 const LONGEST_TOTAL: usize = 1 << 26;
 const LONGEST_NAME: usize = 256;
-/// The most names among which one that is meant is searched.
+/// The most names that are searched for a suggestion.
 const MOST_CANDIDATES: usize = 1000;
 
 #[derive(Debug)]
 struct Define {
     value: String,
     from_command_line: bool,
-    /// Whether there is a `<default>` for it.
+    /// Whether a `<default>` declares it.
     declared: bool,
     used: bool,
 }
@@ -32,12 +32,12 @@ pub struct Defines {
     written: usize,
 }
 
-/// The reason why an attribute value could not be made, with help where there is some.
+/// The reason why an attribute value could not be made, with a hint if there is one.
 #[derive(Debug, PartialEq)]
 pub struct DefineError {
     pub message: String,
     pub help: Option<String>,
-    /// The name that is not defined; the help that suggests a nearby one is better, and takes longer to find.
+    /// The name that is not defined; a hint that suggests a similar name is better, and takes longer to find.
     pub undefined: Option<String>,
 }
 
@@ -129,18 +129,18 @@ impl Defines {
         self.lengths.iter().rev().copied().find(fits)
     }
 
-    /// The known names, as far as they are searched for one that is meant.
+    /// The known names, up to the number that is searched for suggestions.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.by_name.keys().take(MOST_CANDIDATES).map(String::as_str)
     }
 
-    /// Whether the text refers to this name as `$name`, or gives it a value for which `is_usual` is false.
+    /// Whether the text uses this name as `$name`, or gives it a value for which `is_usual` is false.
     pub fn has_other_use(&self, name: &str, is_usual: impl Fn(&str) -> bool) -> bool {
         let define = self.by_name.get(name);
         define.is_some_and(|define| define.used || !is_usual(&define.value))
     }
 
-    /// Names from the command line that nothing used, in order, each with the nearest name of a `<default>`.
+    /// Unused names from the command line, in order, each with the nearest name of a `<default>`.
     pub fn unused(&self) -> Vec<(&str, Option<String>)> {
         let given = self.by_name.iter().filter(|(_, define)| define.from_command_line);
         let mut unused: Vec<&str> = given
@@ -158,7 +158,7 @@ impl Defines {
     }
 }
 
-/// The error of a text behind a `$` that begins with no known name.
+/// The error for the text after a `$` that begins with no known name.
 fn undefined(rest: &str) -> DefineError {
     let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
     let name: String = rest[..end.unwrap_or(rest.len())].chars().take(64).collect();

@@ -1,4 +1,4 @@
-//! What is wrong with a scene file, and where. The file `report` shows it.
+//! Messages about a scene file, each with its place. The file `report` prints them.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use super::suggest::did_you_mean;
 /// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with
 /// messages.
 pub(crate) const MAX_STORED: usize = 1000;
-/// The most messages with suggestions and places of other things. The search for them takes time in proportion to the
-/// file.
+/// The most messages that get suggestions and the places of related objects. The search for them takes time in
+/// proportion to the file.
 const MAX_HELPED: usize = 100;
 
 /// The file of a document (the main one or an include); an index into [`Diagnostics::sources`].
@@ -24,11 +24,11 @@ pub struct Span {
     pub source: SourceId,
     /// The first byte, counted from 0 after a byte order mark.
     pub start: u32,
-    /// The byte after the last one; `start` where the range is empty.
+    /// The end of the range, exclusive.
     pub end: u32,
 }
 
-/// A file's text, kept so that messages can show the line they speak of.
+/// A source file with its text, kept so that messages can quote lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
     /// The path that the file was opened by. It is shown in messages, and relative names in the file start from its
@@ -37,7 +37,7 @@ pub struct SourceFile {
     /// The text without a byte order mark. It is not copied from the memory that it was read into, since scenes may
     /// have 200 MB.
     pub text: Arc<String>,
-    /// Whether the file begins with one.
+    /// Whether the file begins with a byte order mark.
     pub byte_order_mark: bool,
 }
 
@@ -54,22 +54,22 @@ impl SourceFile {
 pub enum Severity {
     /// A choice that the reader made, and that the user may want to know.
     Note,
-    /// Something in the file has no effect, or another one than its author may expect.
+    /// A part of the file has no effect, or another effect than its author may expect.
     Warning,
-    /// Something cannot be read as it is. A stand-in or a default takes its place, and strict commands fail.
+    /// A part of the file cannot be read. A stand-in or a default replaces it, and strict commands fail.
     Error,
 }
 
 /// One message about the scene; `span` is None when it is about a file as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Diagnostic {
-    /// Decides how the message is labelled and which count it belongs to.
+    /// The severity, which decides the label of the message and the count it belongs to.
     pub severity: Severity,
     /// One sentence without a full stop.
     pub message: String,
-    /// What the user can do about it, if there is something ("did you mean `alpha`?").
+    /// Advice for the user, if there is any ("did you mean `alpha`?").
     pub help: Option<String>,
-    /// The text that is underlined.
+    /// The range of text that is underlined.
     pub span: Option<Span>,
 }
 
@@ -80,7 +80,7 @@ pub struct Diagnostics {
     pub sources: Vec<SourceFile>,
     /// The messages in the order in which they came up, at most a thousand; further ones are only counted.
     pub list: Vec<Diagnostic>,
-    /// The messages that have come up: one is kept once for each place, because a file may be included many times.
+    /// All messages so far: one is kept once for each place, because a file may be included many times.
     said: HashSet<Diagnostic>,
     /// The number of errors after the list was full.
     dropped_errors: usize,
@@ -88,18 +88,18 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds a warning about a place, without help.
+    /// Adds a warning at a span, without a hint.
     pub fn warn(&mut self, span: Span, message: impl Into<String>) {
         self.push(Severity::Warning, Some(span), message.into(), None);
     }
 
-    /// Adds an error about a place, without help.
+    /// Adds an error at a span, without a hint.
     pub fn error(&mut self, span: Span, message: impl Into<String>) {
         self.push(Severity::Error, Some(span), message.into(), None);
     }
 
-    /// Adds a message unless the same one was said about the same place. If the list is full, an error takes the place
-    /// of a milder message and everything else is only counted.
+    /// Adds a message unless the same one exists for the same span. If the list is full, an error replaces a milder
+    /// message and everything else is only counted.
     pub fn push(&mut self, severity: Severity, span: Option<Span>, message: String, help: Option<String>) {
         let diagnostic = Diagnostic {
             severity,
@@ -117,7 +117,7 @@ impl Diagnostics {
                     self.dropped_warnings += 1;
                     return;
                 }
-                // It takes the place of the last lesser message, unless errors alone fill the list.
+                // An error replaces the last milder message, unless errors alone fill the list.
                 Severity::Error => {
                     let lesser = match self.dropped_errors {
                         0 => self.list.iter().rposition(|listed| listed.severity != Severity::Error),
@@ -142,18 +142,18 @@ impl Diagnostics {
         self.list.len() >= MAX_STORED
     }
 
-    /// Counts warnings for which there is no place any more.
+    /// Counts warnings that no longer fit in the list.
     pub(crate) fn count_warnings(&mut self, count: usize) {
         self.dropped_warnings += count;
     }
 
-    /// Whether there are so many messages that the next one gets no help that is slow to find.
+    /// Whether there are so many messages that the next one gets no hint that is slow to find.
     pub(crate) fn has_many(&self) -> bool {
         self.list.len() >= MAX_HELPED
     }
 
-    /// The help "did you mean ...?" for a name that is none of the candidates, unless there are so many messages that
-    /// this one gets no help.
+    /// The hint "did you mean ...?" for a name that is none of the candidates; None if there are already too many
+    /// messages.
     pub fn did_you_mean<'c>(&self, name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<String> {
         match self.has_many() {
             true => None,
@@ -178,12 +178,12 @@ impl Diagnostics {
         listed + self.dropped_warnings
     }
 
-    /// Returns the file of an id; None for the id of another document.
+    /// The file with this id; None for the id of another document.
     pub fn source(&self, id: SourceId) -> Option<&SourceFile> {
         self.sources.get(id.0 as usize)
     }
 
-    /// Shortens the texts to what the messages show and what locating `places` takes: the lines up to the last of
+    /// Shortens the texts to the lines that messages show and that locating `places` needs: the lines up to the last of
     /// these.
     pub fn shorten_texts(&mut self, places: impl Iterator<Item = Span>) {
         let mut needed = vec![None; self.sources.len()];

@@ -1,4 +1,4 @@
-//! Checks references between objects: they lead somewhere, and never in a circle.
+//! Checks references between objects: each needs a target, and they must not form a cycle.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::{Child, Diagnostics, Index, Object, Severity, Span};
 /// each twice, grow exponentially; readers that follow them need a bound.
 const MAX_EXPANDED: u64 = 50_000_000;
 
-/// The help about a circle names at most this many references.
+/// The help about a cycle names at most this many references.
 const MOST_PLACES: usize = 8;
 
 /// `<alias id="..." as="...">`: another name for an object.
@@ -24,9 +24,9 @@ pub struct Alias {
     pub span: Span,
 }
 
-/// Makes references to an alias name the object's own id, reports references to nothing (they stay), and removes and
-/// reports those that close a circle or nest too deep. `not_read`: an include whose file could not be read; it may
-/// declare what is missing, so that references to nothing are only counted then.
+/// Replaces alias names in references by the object's own id, reports references without target (they stay), and
+/// disconnects and reports those that close a cycle or nest too deep. `not_read`: an include whose file could not be
+/// read; it may declare the missing objects, so that references without target are only counted then.
 pub fn link(
     root: &mut Object,
     ids: &HashMap<SmolStr, Span>,
@@ -69,7 +69,7 @@ pub fn link(
 struct Known<'i> {
     ids: &'i HashMap<SmolStr, Span>,
     not_read: Option<Span>,
-    /// The number of references to nothing that were not reported.
+    /// The number of references without target that were not reported.
     missed: usize,
 }
 
@@ -124,7 +124,7 @@ fn check_references(
     }
 }
 
-/// The size of what is below an object, with references followed.
+/// The size of the subtree of an object, with references followed.
 #[derive(Clone, Copy)]
 struct Extent {
     height: usize,
@@ -136,17 +136,17 @@ struct Walk<'a, 'd> {
     diagnostics: &'d mut Diagnostics,
     /// The extents of the objects with ids.
     measured: HashMap<&'a str, Extent>,
-    /// The objects with ids from the root to here.
+    /// The objects with ids on the path from the root to the present one.
     open: HashSet<&'a str>,
-    /// The references from the root to here, with what they lead to.
+    /// The references on the path from the root to the present object, with their ids.
     followed: Vec<(&'a str, Span)>,
     /// References to disconnect.
     cut: HashSet<Span>,
 }
 
 impl<'a> Walk<'a, '_> {
-    /// Measures what is below an object. Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`],
-    /// and tags in tags add at most as much again.
+    /// Measures the subtree of an object. Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`],
+    /// and nested tags add at most as much again.
     fn measure(&mut self, object: &'a Object, depth: usize) -> Extent {
         if let Some(id) = &object.id {
             self.open.insert(id);
@@ -195,10 +195,10 @@ impl<'a> Walk<'a, '_> {
         Some(measured)
     }
 
-    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help, unless
-    /// there are so many messages that it is left out: finding a place takes time in proportion to the file.
+    /// Reports a cycle. `span` is the reference that closes it; the help names the others, unless there are too many
+    /// messages: finding a place takes time in proportion to the file.
     fn report_circle(&mut self, id: &'a str, span: Span) {
-        // The object is open since the reference that led to it, or since it was met where it is declared.
+        // The object is open since a reference to it was followed, or since its declaration was entered.
         let first = self.followed.iter().position(|&(followed, _)| followed == id);
         let most = if self.diagnostics.has_many() { 0 } else { MOST_PLACES };
         let others = self.followed.iter().skip(first.map_or(0, |first| first + 1));
@@ -225,8 +225,8 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-/// Gives the references at `cut` the empty id, which no object has. If they were removed, the parts that need them
-/// would be reported as well.
+/// Gives the references at `cut` the empty id, which no object has. If they were removed, missing parts would be
+/// reported as well.
 fn disconnect(object: &mut Object, cut: &HashSet<Span>) {
     for child in &mut object.children {
         match child {

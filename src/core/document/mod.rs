@@ -1,7 +1,7 @@
 //! The scene file as a tree of plugins with named properties: the XML format of Mitsuba 3, read and written.
 //!
 //! This layer knows syntax and value types (`<float>`, `<transform>`, `<default>`, `$name`, `<include>`, `<ref>`) and
-//! where each thing stands in its file; which plugins and parameters exist is `scene`'s knowledge, read through
+//! the place of each element in its file; which plugins and parameters exist is `scene`'s knowledge, read through
 //! [`Reader`].
 
 pub mod animation;

@@ -30,7 +30,7 @@ pub fn snake_case(name: &str) -> SmolStr {
 const OLD_REFLECTANCE: &str = "diffuse_reflectance";
 const REFLECTANCE: SmolStr = SmolStr::new_static("reflectance");
 
-/// Today's name of a parameter of `object` that has another name in version 0.x.
+/// Renames a parameter of `object` that has another name in version 0.x.
 pub fn rename(object: &Object, name: &mut SmolStr) {
     if is_diffuse(object) && name.as_str() == OLD_REFLECTANCE {
         *name = REFLECTANCE;
@@ -55,7 +55,7 @@ pub fn modernize(object: &mut Object, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Turns `uoffset`, `voffset`, `uscale`, `vscale` into the transform `to_uv`, which must not be given besides.
+/// Turns `uoffset`, `voffset`, `uscale`, `vscale` into the transform `to_uv`, which must not be given as well.
 fn texture_offset_and_scale(object: &mut Object, diagnostics: &mut Diagnostics) {
     let mut offset = Vec3::ZERO;
     let mut scale = Vec3::ONE;

@@ -7,11 +7,11 @@ use smol_str::SmolStr;
 
 use super::{Span, TransformOp};
 
-/// The most objects that may lie inside each other, references and includes counted in. Real scenes stay below ten.
+/// The most nested objects, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
 
 declare_names! {
-    /// The kind of plugin a tag declares; the name is that of the tag.
+    /// The kind of plugin that a tag declares; the name is that of the tag.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Category {
         /// The root of a file, `<scene>`.
@@ -30,7 +30,7 @@ declare_names! {
         Shape = "shape",
         /// A material, `<bsdf>`.
         Bsdf = "bsdf",
-        /// A light, in the scene or inside of a shape that shines, `<emitter>`.
+        /// A light, in the scene or inside an emissive shape, `<emitter>`.
         Emitter = "emitter",
         /// A value that varies over a surface, `<texture>`.
         Texture = "texture",
@@ -52,17 +52,17 @@ pub enum Value {
     Integer(i64),
     /// `<boolean>`.
     Boolean(bool),
-    /// `<string>`; in names of files as the file has them, relative or absolute.
+    /// `<string>`; names of files are kept as written, relative or absolute.
     String(String),
     /// `<rgb>`: linear Rec. 709 (a `#rrggbb` has been taken through the sRGB transfer).
     Rgb(Vec3),
     /// `<spectrum>` given as one number, the same at all wavelengths.
     Spectrum(f32),
-    /// `<point>`, a place.
+    /// `<point>`, a position.
     Point(Vec3),
     /// `<vector>`, a direction or an extent of any length.
     Vector(Vec3),
-    /// `<transform>`: its steps, which apply in this order.
+    /// `<transform>`: its steps, in the order in which they apply.
     Transform(Vec<TransformOp>),
 }
 
@@ -90,14 +90,14 @@ pub struct Property {
     pub name: SmolStr,
     /// The value, of the type that the tag names.
     pub value: Value,
-    /// The values at other times, if it moves. `value` is that of the moment which the document shows.
+    /// The keys, if it is animated. `value` is then the value at the document's time.
     pub keys: Option<Arc<Track>>,
-    /// The span of the whole tag; what a message about the value points at.
+    /// The span of the whole tag, to which messages about the value point.
     pub span: Span,
 }
 
 impl Property {
-    /// A property that does not move, at a place in a file.
+    /// A property that is not animated, at a place in a file.
     pub fn new(name: impl Into<SmolStr>, value: Value, span: Span) -> Self {
         Self {
             name: name.into(),
@@ -108,7 +108,7 @@ impl Property {
     }
 }
 
-/// A value at a time.
+/// The value of a property at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// Seconds; finite.
@@ -122,18 +122,18 @@ pub struct Key {
 pub struct Track {
     /// The keys by rising time, at least one. All values are of one type.
     pub keys: Vec<Key>,
-    /// The way between neighbouring keys.
+    /// The interpolation between neighbouring keys.
     pub interpolation: Interpolation,
 }
 
 declare_names! {
-    /// The way from one key to the next.
+    /// The interpolation from one key to the next.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Interpolation {
         /// At constant speed.
         #[default]
         Linear = "linear",
-        /// From rest to rest: 3 s^2 - 2 s^3 of the way after the share s of the time.
+        /// With zero speed at both keys: the fraction 3 s^2 - 2 s^3 after the fraction s of the time.
         Ease = "ease",
         /// The value of a key holds until the next key.
         Step = "step",
@@ -143,13 +143,13 @@ declare_names! {
 /// A plugin inside a plugin, in place or by reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Child {
-    /// An object inside. It is shared, so that what is read from a document keeps it without a copy.
+    /// A nested object. It is shared, so that readers of a document can keep it without a copy.
     Object(Arc<Object>),
     /// `<ref>` to an object that is declared elsewhere in the scene.
     Reference {
-        /// The parameter it is meant for, where the file names one.
+        /// The parameter of the parent, if the file names one.
         name: Option<SmolStr>,
-        /// The id of the object that is meant. A [`super::Index`] finds it.
+        /// The id of the referenced object. A [`super::Index`] finds it.
         id: SmolStr,
         /// The whole tag.
         span: Span,
@@ -157,7 +157,7 @@ pub enum Child {
 }
 
 impl Child {
-    /// The parameter of the parent it is meant for, where the file names one.
+    /// The parameter of the parent, if the file names one.
     pub fn name(&self) -> Option<&str> {
         match self {
             Self::Object(object) => object.name.as_deref(),
@@ -165,7 +165,7 @@ impl Child {
         }
     }
 
-    /// Gives it another [`Self::name`].
+    /// Sets [`Self::name`].
     pub fn set_name(&mut self, new: Option<SmolStr>) {
         match self {
             Self::Object(object) => Arc::make_mut(object).name = new,
@@ -197,7 +197,7 @@ pub struct Object {
     pub plugin: SmolStr,
     /// The name by which references find the object, unique in a parsed document.
     pub id: Option<SmolStr>,
-    /// The parameter of the parent it is meant for, where the file names one.
+    /// The parameter of the parent, if the file names one.
     pub name: Option<SmolStr>,
     /// The values in the order of the file. A name occurs at most once in a parsed document.
     pub properties: Vec<Property>,
@@ -208,7 +208,7 @@ pub struct Object {
 }
 
 impl Object {
-    /// An empty one; `plugin` is its `type`.
+    /// An empty object; `plugin` is its `type`.
     pub fn new(category: Category, plugin: impl Into<SmolStr>) -> Self {
         Self {
             category,
@@ -226,13 +226,13 @@ impl Object {
         Self { span, ..self }
     }
 
-    /// The object with another property, which has the object's place.
+    /// The object with one more property, at the object's place.
     pub fn with(mut self, name: &str, value: Value) -> Self {
         self.properties.push(Property::new(name, value, self.span));
         self
     }
 
-    /// The object with another plugin in it.
+    /// The object with one more nested plugin.
     pub fn with_child(mut self, child: Object) -> Self {
         self.children.push(child.into());
         self
@@ -246,7 +246,7 @@ impl Object {
         })
     }
 
-    /// Whether it is a group of shapes, which stand where its instances are.
+    /// Whether it is a group of shapes, which appear only where it is instanced.
     pub fn is_group(&self) -> bool {
         self.category == Category::Shape && self.plugin == "shapegroup"
     }

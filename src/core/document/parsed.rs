@@ -1,9 +1,9 @@
-//! A scene file once it is read: its tree of plugins and all that the text said beside them.
+//! A parsed scene file: its tree of plugins and all other information in its text.
 //!
-//! The unit of length of a scene, which a file says as `<default name="length_unit" value="cm"/>`.
+//! The unit of length of a scene, which a file declares as `<default name="length_unit" value="cm"/>`.
 //!
-//! It is a `default` because other readers of the format accept names there that they do not know. In the tree it is a
-//! property of the scene.
+//! It is a `default` because other readers of the format accept unknown names there. In the tree it is a property of
+//! the scene.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use super::paths::file_candidates;
 use super::{Category, Child, Crowd, Diagnostics, Object, SourceId, Span};
 use crate::files::Access;
 
-/// An `<include>`, once for each time it was read.
+/// An `<include>`; there is one for each time that it was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Include {
     /// The place of the file's name in the tag.
@@ -27,34 +27,35 @@ pub struct Include {
 pub struct Document {
     /// The path of the main file, as it was opened or as it will be written.
     pub path: PathBuf,
-    /// The `<scene>` without its crowds. It is shared, because saving needs what was read, which may be very large.
+    /// The `<scene>` without its crowds. It is shared, because saving needs the tree as it was read, which may be very
+    /// large.
     pub root: Arc<Object>,
     /// The crowds in the order of their positions among the children of the root. An imported document has none.
     pub crowds: Vec<Crowd>,
-    /// The moment in seconds whose values the properties have.
+    /// The time in seconds at which animated properties are evaluated.
     pub time: f64,
-    /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s,
-    /// absolute, in file order.
+    /// The folders in which files are searched besides the folders of the scene's own files: the `<path>`s, absolute,
+    /// in file order.
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
     /// Whether the text uses `$length_unit`, or has a `<default>` of that name that is no unit. Then the unit of the
     /// scene must be neither added nor removed.
     pub uses_unit_name: bool,
-    /// Whether the document was made from a file of another format. Spans then tell where things come from, but there
-    /// is no such text.
+    /// Whether the document was imported from another format. Spans then point into the original file, whose text is
+    /// not this format.
     pub imported: bool,
-    /// The id of the light that stands in where nothing lights the scene of a file of another format. It is no part of
-    /// the file's content.
+    /// The id of the light that is added where nothing lights a scene of another format. It is no part of the file's
+    /// content.
     pub stand_in_light: Option<String>,
-    /// Permits the files that the scene may read.
+    /// Which files the scene may read.
     pub access: Access,
-    /// The problems with the file, and the texts that messages and revisions point into.
+    /// The messages about the file, and the texts into which messages and revisions point.
     pub diagnostics: Diagnostics,
 }
 
 impl Document {
-    /// One that was not read from a file; `path` is where it will be written.
+    /// A document that was not read from a file; `path` is where it will be written.
     pub fn new(path: impl Into<PathBuf>, root: Object) -> Self {
         Self {
             path: path.into(),
@@ -71,8 +72,8 @@ impl Document {
         }
     }
 
-    /// The paths that a file named at `span` may have, most likely first: beside the file that names it, beside the
-    /// main file, then in the search folders, the last one first. An absolute name is its own only candidate.
+    /// The candidate paths of a file named at `span`, most likely first: beside the file that names it, beside the main
+    /// file, then in the search folders, the last one first. An absolute name is its own only candidate.
     pub(crate) fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
         let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));
@@ -80,18 +81,18 @@ impl Document {
         file_candidates(name, &folders, &self.search_folders)
     }
 
-    /// The first of the places in that order where there is a file that the scene may read.
+    /// The first of these candidates that exists and that the scene may read.
     pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
         self.access.find(&self.file_candidates(name, span)).cloned()
     }
 }
 
-/// The name of the `default`, and of the property.
+/// The name of the `default` and of the property.
 pub const UNIT: &str = "length_unit";
 /// The values that are units. With another value it is a `default` like any other.
 const NAMES: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
 
-/// Whether a `default` directly inside of `object` says the unit of the scene.
+/// Whether a `default` directly inside `object` declares the unit of the scene.
 pub(super) fn is_unit(object: &Object, name: &str, value: &str) -> bool {
     object.category == Category::Scene && name == UNIT && is_unit_name(value)
 }
@@ -101,15 +102,15 @@ pub(super) fn is_unit_name(value: &str) -> bool {
     NAMES.contains(&value)
 }
 
-/// The objects that have ids. A parsed document has each id once, and no reference in it leads in a circle; one that
-/// leads nowhere has been reported.
+/// The objects with ids. In a parsed document ids are unique and references form no cycle; references without target
+/// have been reported.
 #[derive(Debug, Default)]
 pub struct Index<'a> {
     by_id: HashMap<&'a str, &'a Object>,
 }
 
 impl<'a> Index<'a> {
-    /// Walks the whole tree under `root`. If an id occurs twice, one of the two is found.
+    /// Visits the whole tree under `root`. If an id occurs twice, one of the two objects is found.
     pub fn new(root: &'a Object) -> Self {
         let mut by_id = HashMap::new();
         let mut waiting = vec![root];
@@ -127,7 +128,7 @@ impl<'a> Index<'a> {
         self.by_id.get(id).copied()
     }
 
-    /// The object that `child` stands for: itself, or the one it refers to. None if there is none of that id.
+    /// The object itself or the referenced one. None if the reference has no target.
     pub fn resolve(&self, child: &'a Child) -> Option<&'a Object> {
         match child {
             Child::Object(object) => Some(object),
@@ -142,7 +143,7 @@ impl Document {
         Index::new(&self.root)
     }
 
-    /// The object with this id; walks the whole tree.
+    /// The object with this id; visits the whole tree.
     pub fn by_id(&self, id: &str) -> Option<&Object> {
         self.index().get(id)
     }

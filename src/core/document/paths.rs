@@ -1,18 +1,18 @@
-//! Handles file names as they are in scene files.
+//! Handles the file names in scene files.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use crate::files::Access;
 
-/// The path after all links, or itself if no file is there.
+/// The path with all links resolved, or unchanged if no file is there.
 pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only for
-/// another drive, and for a folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that
-/// does not exist, stays.
+/// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only on
+/// another drive, and if the folder is a root, as for the clipboard. A `..` of `path`, as below a folder that does not
+/// exist, stays.
 pub fn file_name(path: &Path, folder: &Path) -> String {
     let root = |path: &Path| {
         let parts = path.components();
@@ -42,7 +42,7 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
 }
 
 /// The absolute path, with the folder's links and `..` resolved but not the file's own link: editors replace files, not
-/// folders. Below a folder that does not exist the path stays as it is.
+/// folders. Below a folder that does not exist the path stays unchanged.
 pub fn settle(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut folders = absolute.ancestors().skip(1);
@@ -56,9 +56,8 @@ pub fn settle(path: &Path) -> PathBuf {
     }
 }
 
-/// The path that [`settle`] makes of `name` in `folder`, if `access` covers it. Otherwise the path as it is named, but
-/// for the `..` it begins with: neither messages nor written files may tell where links lead that the scene must not
-/// follow.
+/// The path that [`settle`] makes of `name` in `folder`, if `access` covers it. Otherwise the path as named, without
+/// leading `..`: neither messages nor written files may reveal the targets of links that the scene must not follow.
 pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
     let joined = folder.join(name);
     if access.covers(&joined) {
@@ -74,7 +73,8 @@ pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
     place.join(parts.collect::<PathBuf>())
 }
 
-/// The paths that a file of this name may have: in the given folders, then in the search folders, the last named first.
+/// The candidate paths of a file with this name: in the given folders, then in the search folders, the last named
+/// first.
 pub(super) fn file_candidates(name: &str, folders: &[PathBuf], search_folders: &[PathBuf]) -> Vec<PathBuf> {
     if Path::new(name).is_absolute() {
         return vec![PathBuf::from(name)];

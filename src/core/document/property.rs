@@ -18,7 +18,7 @@ pub const VALUE_TAGS: [&str; 9] = [
 
 pub const TRANSFORM_TAGS: [&str; 5] = ["translate", "rotate", "scale", "matrix", "lookat"];
 
-/// The value of a value tag other than `<spectrum>`; None has been reported.
+/// The value of a value tag other than `<spectrum>`; None after an error, which has been reported.
 pub fn read_value(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<Value> {
     if matches!(tag.name, "point" | "vector") && !tag.has("value") {
         let mut axis = |name| Some(number(tag.need(name, diagnostics)?, diagnostics));
@@ -66,7 +66,7 @@ pub fn read_spectrum(text: &str, span: Span, role: Role, diagnostics: &mut Diagn
     report(number.map(Value::Spectrum), span, diagnostics)
 }
 
-/// The value of a spectrum's colour; `clamped`: it is not quite that of the spectrum, which is a warning.
+/// The value for a spectrum's colour. Warns if the colour was `clamped` and thus differs from that of the spectrum.
 pub fn color_of_spectrum((rgb, clamped): (Vec3, bool), span: Span, diagnostics: &mut Diagnostics) -> Value {
     if clamped {
         diagnostics.warn(span, CLAMPED);
@@ -74,10 +74,10 @@ pub fn color_of_spectrum((rgb, clamped): (Vec3, bool), span: Span, diagnostics: 
     Value::Rgb(rgb)
 }
 
-/// The difference from 1 that the length of an axis may have without a warning: three digits leave it.
+/// The largest difference from 1 of the length of an axis without a warning: rounding to three digits leaves it.
 const UNIT_AXIS: f32 = 1e-3;
 
-/// One step of a transform; None has been reported.
+/// One step of a transform; None after an error, which has been reported.
 pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
     match tag.name {
         "translate" => Some(TransformOp::Translate(xyz(tag, 0.0, diagnostics)?)),
@@ -146,7 +146,7 @@ fn matrix(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
             return None;
         }
     };
-    // Exporters leave rounding errors in the last row; a projection is another matter.
+    // Exporters leave rounding errors in the last row; larger values are a projection.
     if !matrix.row(3).abs_diff_eq(glam::Vec4::W, 1e-4) {
         diagnostics.error(span, "the last row of the matrix should be 0 0 0 1");
         return None;
@@ -186,7 +186,7 @@ fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> 
     Some(TransformOp::LookAt { origin, target, up })
 }
 
-/// The up direction where the file gives none: the first tangent of Duff et al., "Building an Orthonormal Basis,
+/// The up direction if the file gives none: the first tangent of Duff et al., "Building an Orthonormal Basis,
 /// Revisited" (2017).
 fn any_up(n: Vec3) -> Vec3 {
     let sign = 1.0_f32.copysign(n.z);

@@ -24,14 +24,14 @@ use super::value::format_float;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
 use crate::color::Rgb;
 
-/// Reads the parameters of one object. Every getter returns None when the parameter is absent or unusable; the latter
-/// has been reported.
+/// Reads the parameters of one object. Every getter returns None if the parameter is absent or unusable; the latter has
+/// been reported.
 pub struct Reader<'a, 'd> {
     index: &'d Index<'a>,
     object: &'a Object,
     diagnostics: &'d mut Diagnostics,
     asked: Vec<SmolStr>,
-    /// Parameters of other plugins, with the words for these.
+    /// Parameters that belong to other plugins, each with the words for its owner.
     elsewhere: Vec<(&'static str, &'static str)>,
     property_read: Vec<bool>,
     child_read: Vec<bool>,
@@ -56,7 +56,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.object
     }
 
-    /// Whether one of the object's references leads nowhere, which has been reported where the file was read.
+    /// Whether one of the object's references has no target, which was reported when the file was read.
     pub fn refers_to_nothing(&self) -> bool {
         let mut children = self.object.children.iter();
         children.any(|child| self.index.resolve(child).is_none())
@@ -67,7 +67,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.diagnostics
     }
 
-    /// The place of a property or of the plugin for it; the object's own place if the file does not give it.
+    /// The span of a property or of the plugin for it; the object's own span if the file does not give it.
     pub fn span_of(&self, name: &str) -> Span {
         let property = self.object.properties.iter().find(|property| property.name == name);
         let child = || self.object.children.iter().find(|child| child.name() == Some(name));
@@ -93,7 +93,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.diagnostics.warn(span, message);
     }
 
-    /// The property as the file has it, whatever its type.
+    /// The property as given in the file, of any type.
     pub fn value(&mut self, name: &str) -> Option<&'a Value> {
         self.ask(name);
         let place = self
@@ -105,7 +105,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         Some(&self.object.properties[place].value)
     }
 
-    /// A number; an integer will do.
+    /// A number; integers are accepted.
     pub fn float(&mut self, name: &str) -> Option<f32> {
         self.get(name, "a float", as_float)
     }
@@ -121,7 +121,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, |number| format_float(*number))
     }
 
-    /// A number in `range` where a texture may be as well. A colour whose components are in `range` counts as their
+    /// A number in `range` where a texture is allowed as well. A colour with components in `range` counts as their
     /// mean, as in Mitsuba.
     pub fn mean_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<f32> {
         let components = self.get(name, "a float, a colour or a texture", |value| match value {
@@ -139,7 +139,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         Some(components.iter().sum::<f32>() / 3.0)
     }
 
-    /// A whole number; `<float>` is an error even if its value is whole.
+    /// An integer; a `<float>` is an error even if its value is whole.
     pub fn integer(&mut self, name: &str) -> Option<i64> {
         self.get(name, "an integer", |value| match value {
             Value::Integer(number) => Some(*number),
@@ -153,7 +153,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, i64::to_string)
     }
 
-    /// A truth value; no other type will do.
+    /// A boolean; other types are errors.
     pub fn boolean(&mut self, name: &str) -> Option<bool> {
         self.get(name, "a boolean", |value| match value {
             Value::Boolean(truth) => Some(*truth),
@@ -161,12 +161,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// A truth value, or `default` if it is absent or unusable.
+    /// A boolean, or `default` if it is absent or unusable.
     pub fn boolean_or(&mut self, name: &str, default: bool) -> bool {
         self.boolean(name).unwrap_or(default)
     }
 
-    /// A text; no other type will do.
+    /// A string; other types are errors.
     pub fn string(&mut self, name: &str) -> Option<&'a str> {
         self.get(name, "a string", |value| match value {
             Value::String(text) => Some(text.as_str()),
@@ -174,17 +174,17 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// A text, or `default` if it is absent or unusable.
+    /// A string, or `default` if it is absent or unusable.
     pub fn string_or(&mut self, name: &str, default: &'a str) -> &'a str {
         self.string(name).unwrap_or(default)
     }
 
-    /// A place; `<vector>` will do.
+    /// A position; `<vector>` is accepted.
     pub fn point(&mut self, name: &str) -> Option<Vec3> {
         self.get(name, "a point", as_vec3)
     }
 
-    /// A direction or an extent; `<point>` will do.
+    /// A direction or an extent; `<point>` is accepted.
     pub fn vector(&mut self, name: &str) -> Option<Vec3> {
         self.get(name, "a vector", as_vec3)
     }
@@ -224,8 +224,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// Notes parameters that exist but have no effect here, so that there is no warning about them, whether property or
-    /// child.
+    /// Marks parameters that exist but have no effect here as read, so that they cause no warning, be they properties
+    /// or children.
     pub fn ignore(&mut self, names: &[&str]) {
         for name in names {
             self.value(name);
@@ -233,8 +233,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
-    /// Says of which other plugin parameters are that may be looked for here by mistake, for the help of
-    /// [`Self::finish`]: `owner` is such as `the sampler`.
+    /// Declares parameters of other plugins that a user may put here by mistake, for the help of [`Self::finish`]:
+    /// `owner` is such as `the sampler`.
     pub fn belongs_to(&mut self, owner: &'static str, names: &[&'static str]) {
         self.elsewhere.extend(names.iter().map(|&name| (name, owner)));
     }
@@ -248,7 +248,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.index.resolve(&children[place])
     }
 
-    /// Reads another object with the same index and diagnostics, and finishes with it.
+    /// Reads another object with the same index and diagnostics, then calls [`Self::finish`] on it.
     pub fn nested<T>(&mut self, object: &'a Object, read: impl FnOnce(&mut Reader<'a, '_>) -> T) -> T {
         let mut reader = Reader::new(self.index, object, self.diagnostics);
         let read = read(&mut reader);
@@ -256,21 +256,21 @@ impl<'a, 'd> Reader<'a, 'd> {
         read
     }
 
-    /// Reads another object with the same index and diagnostics. Unlike [`Self::nested`] it leaves it to `read` whether
-    /// it finishes with it.
+    /// Reads another object with the same index and diagnostics. Unlike [`Self::nested`] it leaves calling
+    /// [`Self::finish`] to `read`.
     pub fn apart<T>(&mut self, object: &'a Object, read: impl FnOnce(Reader<'a, '_>) -> T) -> T {
         read(Reader::new(self.index, object, self.diagnostics))
     }
 
-    /// The plugins of a kind in another object, with references resolved. They do not count as read.
+    /// The plugins of a category in another object, with references resolved. They do not count as read.
     pub fn inside(&self, object: &'a Object, category: Category) -> impl Iterator<Item = &'a Object> {
         let children = object.children.iter();
         let inside = children.filter_map(|child| self.index.resolve(child));
         inside.filter(move |child| child.category == category)
     }
 
-    /// The number of plugins of a kind that another object consists of, itself included, each counted as often as it is
-    /// referred to: references can make a short file mean very many. It is counted up to a little more than `most`.
+    /// The number of plugins of a category in another object, itself included, each counted as often as it is referred
+    /// to: references can make a short file expand to very many. Counting stops a little above `most`.
     pub fn count_inside(&self, object: &'a Object, category: Category, most: usize) -> usize {
         let mut count = 0;
         let mut waiting = vec![object];
@@ -281,7 +281,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         count
     }
 
-    /// The plugins of a kind, in file order, with the names they carry; references are resolved.
+    /// The plugins of a category, in file order, with their names; references are resolved.
     pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
         let mut found = Vec::new();
         let children: &'a [Child] = &self.object.children;
@@ -299,7 +299,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     /// Warns of each property and plugin that was not read.
     pub fn finish(self) {
         if self.diagnostics.is_full() {
-            // Many things may refer to one that has very many mistakes.
+            // Many objects may refer to one that has very many mistakes.
             let unread = self.property_read.iter().filter(|read| !**read).count() + self.unread_children().count();
             return self.diagnostics.count_warnings(unread);
         }
@@ -308,7 +308,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         for (property, read) in self.object.properties.iter().zip(&self.property_read) {
             if !read {
                 let name = &property.name;
-                // It was looked for as something else.
+                // The name is known, but as another type.
                 let message = if dictionary().any(|asked| asked == name) {
                     let kind = property.value.kind();
                     format!("{kind} given for `{name}` has no effect in {}", owner())
@@ -341,8 +341,8 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
-    /// The children that were not read, with what they stand for. A reference that leads nowhere has been reported
-    /// where it was read.
+    /// The children that were not read, with the objects they resolve to. A reference without target was reported when
+    /// it was read.
     fn unread_children(&self) -> impl Iterator<Item = (&'a Child, &'a Object)> {
         let children = self.object.children.iter().zip(&self.child_read);
         let unread = children.filter(|(_, read)| !**read);
@@ -392,7 +392,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 }
 
-/// A number where a float is wanted. A `<spectrum>` of one number is one too.
+/// The value as a float; a `<spectrum>` of one number is accepted.
 fn as_float(value: &Value) -> Option<f32> {
     match value {
         Value::Float(number) | Value::Spectrum(number) => Some(*number),

@@ -1,4 +1,4 @@
-//! Shows diagnostics: one line each, or a report with the line of the file and a caret.
+//! Formats diagnostics: one line each, or a report with the line of the file and a caret.
 
 use std::fmt::{self, Display};
 use std::path::Path;
@@ -11,10 +11,10 @@ use miette::{
 use super::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId};
 use crate::files::Access;
 
-/// The most messages that are shown; of the others only the number is told.
+/// The most messages that are shown; the others are only counted.
 const MAX_SHOWN: usize = 50;
 
-/// The most bytes before and after the place that are shown of a very long line.
+/// The most bytes of a very long line that are shown before and after the place.
 const EXCERPT: usize = 120;
 
 /// Errors come first: warnings must not push them out of sight.
@@ -63,8 +63,8 @@ impl Diagnostics {
         line
     }
 
-    /// The messages with the lines that they are about, for people; a count follows if there are more. Messages are not
-    /// wrapped, so that names of files stay whole.
+    /// The messages with the lines that they are about, for people, followed by the number of messages left out.
+    /// Messages are not wrapped, so that names of files stay whole.
     pub fn render(&self, color: bool) -> String {
         let theme = GraphicalTheme {
             characters: ThemeCharacters::unicode(),
@@ -93,8 +93,8 @@ impl Diagnostics {
         text
     }
 
-    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without
-    /// a place or in a foreign file.
+    /// The line of the file that a message is about, after its number, with marks under the span; None for a message
+    /// without a span or in a foreign file.
     pub fn excerpt(&self, diagnostic: &Diagnostic) -> Option<String> {
         let span = diagnostic.span?;
         let source = self.source(span.source).filter(|_| !self.is_foreign(span.source))?;
@@ -137,8 +137,8 @@ impl Diagnostics {
         source.is_some_and(|source| self.is_outside(&source.path))
     }
 
-    /// Whether a file is outside the folder of the main file. A scene may name any file, so no text of such a file is
-    /// shown.
+    /// Whether a file is outside the folder of the main file. A scene may name any file, so text of such a file is
+    /// never shown.
     pub(in crate::document) fn is_outside(&self, path: &Path) -> bool {
         let folder = self.sources.first().and_then(|main| main.path.parent());
         !Access::within(folder.map(Path::to_owned)).covers(path)
@@ -149,7 +149,7 @@ impl Diagnostics {
     }
 }
 
-/// Messages quote the file; a control character there must not break the line or reach the terminal.
+/// Removes control characters: messages quote the file, and must not break the line or reach the terminal.
 fn one_line(message: &str) -> String {
     message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
@@ -162,7 +162,7 @@ struct Report<'a> {
     place: Option<Excerpt<'a>>,
 }
 
-/// The line of the file a message speaks of, or the part of it around the place.
+/// The line of the file that a message is about, or the part of it around the span.
 #[derive(Debug)]
 struct Excerpt<'a> {
     source: &'a SourceFile,
@@ -204,7 +204,7 @@ impl<'a> Excerpt<'a> {
         let from = text.floor_char_boundary(line_start.max(start.saturating_sub(EXCERPT)));
         let to = text.floor_char_boundary(line_end.min(start + 2 * EXCERPT)).max(start);
         let end = text.floor_char_boundary(end).clamp(start, to);
-        // The length in bytes stays the same, so that the mark stays where it is. The printer handles tabs.
+        // The length in bytes stays the same, so that the mark keeps its column. The printer handles tabs.
         let shown = text[from..to]
             .chars()
             .map(|c| if c.is_ascii_control() && c != '\t' { ' ' } else { c })

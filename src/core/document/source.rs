@@ -1,4 +1,4 @@
-//! Reads scene files from disk: bounded in size, and text.
+//! Reads scene files from disk: limited in size, and checked to be text.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::files::{Access, FileError};
 /// The most bytes of a file. Larger files are no scene descriptions, and spans have 32 bits.
 pub const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// The reason why a file gives no text at all.
+/// The reason why a file cannot be read as text.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SourceError {
@@ -77,7 +77,7 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     })
 }
 
-/// Files that people take for scenes, by their first bytes.
+/// Signatures of files that people take for scenes, with their format and advice.
 const FOREIGN: [(&[u8], &str, &str); 14] = [
     (b"\x89PNG", "a PNG picture", PICTURE),
     (b"\xff\xd8\xff", "a JPEG picture", PICTURE),
@@ -98,7 +98,7 @@ const PICTURE: &str = "import it into a scene as its environment, or choose it a
 const MESH: &str = "import it into a scene, or name it in a <shape>";
 const BINARY: (&str, &str) = ("binary data", "scenes are XML text or glTF");
 
-/// The kind of a file that is no text of a scene, and what can be done with it.
+/// The format of a file that is no text of a scene, and advice.
 fn foreign(bytes: &[u8], path: &Path) -> Option<(&'static str, &'static str)> {
     let known = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic));
     if let Some((_, kind, advice)) = known {

@@ -15,25 +15,24 @@ const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
     3.240_479, -0.969_256, 0.055_648, -1.537_150, 1.875_991, -0.204_043, -0.498_535, 0.041_556, 1.057_311,
 ]);
 
-/// The number of places that the integral sums over, fine enough for lists with 1 nm steps.
+/// The number of intervals of the integral, fine enough for lists with 1 nm steps.
 const STEPS: usize = 1000;
 
-/// The quantity that a spectrum describes. It decides under which light the spectrum is seen and which colours are
-/// possible.
+/// The quantity that a spectrum describes. It decides the illuminant of the conversion and the bounds of the colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
-    /// Radiance and the like: no light but its own, no upper bound.
+    /// Radiance and similar quantities: no illuminant, no upper bound.
     Emission,
-    /// Light that is the product of this spectrum and that of D65: no upper bound.
+    /// Emission that is the product of this spectrum and that of D65: no upper bound.
     Daylight,
-    /// Reflectance, transmittance: between 0 and 1.
+    /// Reflectance, transmittance: between 0 and 1, under D65.
     Reflectance,
-    /// Indices of refraction and extinction: they are seen under D65, and have no upper bound.
+    /// Indices of refraction and extinction: under D65, without an upper bound.
     Unbounded,
 }
 
 impl Role {
-    /// The role of a spectrum that is given for a parameter of this name in a plugin of this kind.
+    /// The role of a spectrum given for this parameter of a plugin of this category.
     pub fn of(owner: Category, parameter: &str) -> Self {
         match owner {
             Category::Emitter => Self::Emission,
@@ -49,7 +48,7 @@ impl Role {
 /// The warning for a spectrum whose colour had to be clamped.
 pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum; the nearest colour is taken";
 
-/// Says why a text is no sampled spectrum. Lines count from 1.
+/// The reason why a text is no sampled spectrum. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SpectrumError {
@@ -90,7 +89,7 @@ impl SampledSpectrum {
         Self::new(pairs.collect::<Result<_, SpectrumError>>()?)
     }
 
-    /// A file with one `wavelength value` on each line; `#` starts a comment.
+    /// Parses a file with one `wavelength value` on each line; `#` starts a comment.
     pub fn parse_file(text: &str) -> Result<Self, SpectrumError> {
         let mut pairs = Vec::new();
         for (number, line) in text.lines().enumerate() {
@@ -112,7 +111,7 @@ impl SampledSpectrum {
     /// numbers.
     pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, SpectrumError> {
         let values = parse_numbers(values)?;
-        // The range may be longer than the largest number of 32 bits.
+        // The range may exceed the largest 32-bit float.
         let (first, last) = (f64::from(first_nm), f64::from(last_nm));
         let step = (last - first) / values.len().saturating_sub(1).max(1) as f64;
         let pairs = values.iter().enumerate();

@@ -3,8 +3,8 @@
 /// The longest name that gets a suggestion: the cost is quadratic in its length.
 const LONGEST: usize = 48;
 
-/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters,
-/// rounded up, differ. None if `name` is itself a candidate.
+/// The candidate nearest to `name`, if it is near enough to be a typing error: at most a third of the letters, rounded
+/// up, differ. None if `name` is itself a candidate.
 pub fn closest<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let length = name.chars().count();
     if length == 0 || length > LONGEST {
@@ -22,7 +22,7 @@ pub fn closest<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) ->
         .filter(|candidate| *candidate != name)
 }
 
-/// The help line for it.
+/// The hint with the nearest candidate.
 pub fn did_you_mean<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<String> {
     closest(name, candidates).map(|candidate| format!("did you mean `{candidate}`?"))
 }

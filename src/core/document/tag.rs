@@ -12,29 +12,29 @@ use super::{Diagnostics, Severity, Span};
 /// The most attributes of a tag. No tag of the format has more than six.
 const MAX_ATTRIBUTES: usize = 64;
 
-/// The most different attributes that a tag is asked for.
+/// The most different attributes that are read from a tag.
 const MAX_ASKED: usize = 8;
 
 #[derive(Debug)]
 pub struct Attribute<'t> {
     name: &'t str,
-    /// None if it could not be made; that has been reported.
+    /// None if the value was invalid, which has been reported.
     value: Option<Cow<'t, str>>,
     span: Span,
 }
 
-/// A start tag. What needs no unescaping and no replacement is borrowed from the source text.
+/// A start tag. Values without escapes and `$names` are borrowed from the source text.
 #[derive(Debug)]
 pub struct Tag<'t> {
     pub name: &'t str,
     pub span: Span,
     attributes: Vec<Attribute<'t>>,
-    /// The names that were asked for, for suggestions.
+    /// The names of the attributes read, for suggestions.
     asked: ArrayVec<&'static str, MAX_ASKED>,
 }
 
 impl<'t> Tag<'t> {
-    /// Begins to read a tag. `text` is the whole source, `span` the tag's place in it.
+    /// Begins to read a tag. `text` is the whole source, `span` the tag's range in it.
     pub fn new(
         start: &'t BytesStart,
         text: &str,
@@ -93,7 +93,7 @@ impl<'t> Tag<'t> {
         }
     }
 
-    /// The attribute's value and place, if it is there and could be read.
+    /// The attribute's value and span; None if it is absent or invalid.
     pub fn take(&mut self, name: &'static str) -> Option<(Cow<'t, str>, Span)> {
         if !self.asked.is_full() {
             self.asked.push(name);
@@ -103,7 +103,7 @@ impl<'t> Tag<'t> {
         attribute.value.map(|value| (value, attribute.span))
     }
 
-    /// An attribute that has to exist and not be empty; problems are reported.
+    /// A required attribute that must not be empty; errors are reported.
     pub fn need(&mut self, name: &'static str, diagnostics: &mut Diagnostics) -> Option<(Cow<'t, str>, Span)> {
         let present = self.has(name);
         let taken = self.take(name);
@@ -143,7 +143,7 @@ fn substitute<'t>(raw: Cow<'t, str>, defines: &mut Defines) -> Result<Cow<'t, st
     }
 }
 
-/// The place of an attribute's raw value, which is a part of `text`. If it is a copy, the place is the whole tag.
+/// The span of an attribute's raw value, which is a part of `text`. If it is a copy, the span of the whole tag.
 fn value_span(value: &str, text: &str, tag: Span) -> Span {
     let place = (value.as_ptr() as usize).checked_sub(text.as_ptr() as usize);
     let range = place.and_then(|start| Some((u32::try_from(start).ok()?, u32::try_from(start + value.len()).ok()?)));

@@ -1,4 +1,4 @@
-//! The steps of a `<transform>`, kept as the file gives them so that a saved file reads like the loaded one.
+//! The steps of a `<transform>`, kept as given so that a saved file reads like the loaded one.
 
 use glam::{Affine3A, DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 
@@ -21,7 +21,7 @@ pub enum TransformOp {
     Matrix(Mat4),
     /// The camera frame at `origin`: +z to `target`, +x to the left, +y nearest to `up`.
     LookAt {
-        /// The place of the camera.
+        /// The position of the camera.
         origin: Vec3,
         /// The point that the camera looks at.
         target: Vec3,
@@ -31,7 +31,7 @@ pub enum TransformOp {
 }
 
 impl TransformOp {
-    /// The step as an affine map; a rotation about no axis or a look at nowhere is the identity there.
+    /// The step as an affine map; a rotation about a zero axis or a degenerate look-at is the identity.
     pub fn affine(&self) -> Affine3A {
         match *self {
             Self::Translate(by) => Affine3A::from_translation(by),
@@ -57,7 +57,7 @@ impl TransformOp {
         }
     }
 
-    /// The map of all steps together.
+    /// The composed map of all steps.
     pub fn compose(ops: &[Self]) -> Affine3A {
         ops.iter().fold(Affine3A::IDENTITY, |so_far, op| op.affine() * so_far)
     }
@@ -75,13 +75,12 @@ pub(crate) fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
     up.as_dvec3().try_normalize()?.cross(forward).try_normalize()
 }
 
-/// The difference from 1 below which the squared length of an axis is taken for rounding of single precision, or of six
-/// digits.
+/// The difference from 1 below which the squared length of an axis counts as a rounding error of single precision, or
+/// of six digits.
 const UNIT: f32 = 1e-6;
 
 /// Rodrigues' formula, cos I + (1 - cos) a a^T + sin [a]x, with the axis as it is. Mitsuba 3 does not normalise the
-/// axis either (found by reading back the matrices of its shapes), so files that have such an axis show the same
-/// picture.
+/// axis either (found by reading back the matrices of its shapes), so files with such an axis show the same picture.
 fn rotation(axis: Vec3, angle: f32) -> Affine3A {
     if axis == Vec3::ZERO {
         return Affine3A::IDENTITY;

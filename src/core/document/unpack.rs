@@ -1,4 +1,4 @@
-//! Decides which instances of a scene stay packed in crowds, and makes the tree that a crowd stands for.
+//! Decides which instances of a scene stay packed in crowds, and unpacks crowds into children of the scene.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,8 +10,7 @@ use super::parse::parse_children;
 use super::{Child, Crowd, Diagnostics, Document, Object};
 
 impl Crowd {
-    /// The instances as children of the scene. `diagnostics` are those of the document that the crowd is part of, which
-    /// have the text.
+    /// The instances as children of the scene. `diagnostics` belong to the document of the crowd, and have its text.
     pub fn children(&self, diagnostics: &Diagnostics) -> Vec<Child> {
         match &self.content {
             Content::Tree(children) => children.clone(),
@@ -36,7 +35,7 @@ impl Document {
     }
 }
 
-/// Unpacks crowds whose group is not one at the top level of the scene. They have errors, which others report.
+/// Unpacks crowds whose group is not at the top level of the scene. They are errors, which are reported elsewhere.
 pub(super) fn keep_known(root: &mut Object, crowds: Vec<Crowd>, diagnostics: &Diagnostics) -> Vec<Crowd> {
     let groups = groups(root);
     let (mut known, mut unknown) = (Vec::new(), Vec::new());
@@ -110,7 +109,7 @@ fn groups(root: &Object) -> HashSet<SmolStr> {
     groups.filter_map(|group| group.id.clone()).collect()
 }
 
-/// Puts the children of crowds, which are in the order of their positions, back where they stood.
+/// Inserts the children of crowds, given in the order of their positions, at these positions.
 fn unpack(root: &mut Object, crowds: Vec<Crowd>, diagnostics: &Diagnostics) {
     if crowds.is_empty() {
         return;

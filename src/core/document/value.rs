@@ -1,4 +1,4 @@
-//! The text of an attribute as a value.
+//! Parses and formats the values of attributes.
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -36,7 +36,7 @@ fn too_large(kind: &'static str, text: &str) -> ValueError {
     ValueError::TooLarge { kind, found }
 }
 
-/// The parts of a list: separated by blanks, commas or both.
+/// The elements of a list, separated by blanks, commas or both.
 pub fn fields(text: &str) -> impl Iterator<Item = &str> {
     text.split([' ', ',', '\t', '\n', '\r'])
         .filter(|field| !field.is_empty())
@@ -57,7 +57,7 @@ pub fn parse_float(text: &str) -> Result<f32, ValueError> {
 /// A relative noise, above 0 and up to 1: `0.01` or `1%`.
 pub fn parse_noise(text: &str) -> Result<f32, ValueError> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
-    // In f64, so that 5% is what 0.05 is.
+    // In double precision, so that 5% equals 0.05.
     let noise = number.trim().parse::<f64>().map(|number| (unit * number) as f32);
     noise
         .ok()
@@ -104,10 +104,10 @@ pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, ValueError> {
     }
 }
 
-/// The most numbers that are read, one more than the longest value has, a matrix.
+/// The most numbers that are read, one more than in the longest value, a matrix.
 const MOST_NUMBERS: usize = 17;
 
-/// Parses a list of numbers. Those after the seventeenth are ignored.
+/// Parses a list of numbers. Numbers after the seventeenth are ignored.
 pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, ValueError> {
     fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }

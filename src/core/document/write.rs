@@ -1,7 +1,7 @@
 //! Writes a [`Document`] as XML text that reads back to the same tree.
 //!
-//! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as
-//! they are; one that was relative to an include or to another folder has to be made so by the caller before.
+//! Includes and defaults are resolved: one file is written, with every value spelled out. File names are written
+//! unchanged; the caller has to adapt names that are relative to an include or to another folder.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -44,8 +44,7 @@ pub fn to_xml(document: &Document) -> Result<String, WriteError> {
     Ok(writer.text)
 }
 
-/// A part of a scene file, for a place in an existing one: lines after the first begin with `margin`, the last one is
-/// not ended.
+/// A child as text for an existing file: lines after the first begin with `margin`, the last one has no line end.
 pub(super) fn to_block(child: &Child, margin: &str, layout: &Layout) -> Result<String, WriteError> {
     let mut writer = Writer {
         inside: 1,
@@ -105,7 +104,7 @@ struct Writer<'l> {
     depth: usize,
     margin: &'l str,
     layout: &'l Layout,
-    /// The number of tags around what is written.
+    /// The number of open tags around the present position.
     inside: usize,
 }
 
@@ -196,7 +195,7 @@ impl<'l> Writer<'l> {
         }
     }
 
-    /// A value tag, which its first attribute tells from others. `of` is the property and its object, for messages.
+    /// Writes a value tag, identified by its first attribute. `of` is the property and its object, for messages.
     fn value(&mut self, key: &str, key_value: &str, value: &Value, of: (&str, &Object)) -> Result<(), WriteError> {
         let (name, owner) = of;
         let numbers = |numbers: &[f32]| list(numbers, name, owner);
@@ -279,7 +278,7 @@ impl<'l> Writer<'l> {
     }
 }
 
-/// An error if a number of the value is infinite or none: the format has no text for it.
+/// An error if a number of the value is infinite or NaN: the format has no text for it.
 pub(crate) fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
     let numbers = match value {
         Value::Float(number) | Value::Spectrum(number) => vec![*number],
@@ -301,7 +300,7 @@ fn list(numbers: &[f32], name: &str, owner: &Object) -> Result<String, WriteErro
     Ok(texts.join(", "))
 }
 
-/// Escapes a value between quotes of this kind, so that XML and the `$name` replacement both give the text back.
+/// Escapes a value between these quotation marks, so that XML and the `$name` replacement both give the text back.
 pub(super) fn escape(value: &str, quote: char, text: &mut String) -> Result<(), WriteError> {
     for c in value.chars() {
         match c {

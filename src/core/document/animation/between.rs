@@ -1,11 +1,11 @@
-//! The values between two keys.
+//! Interpolation between two keys.
 
 use glam::{Affine3A, Mat4, Vec3};
 
 use crate::document::{TransformOp, Value};
 
-/// The value at this share of the way from one to another of the same type. Texts and truths have no values between:
-/// the first one holds.
+/// The value at the fraction `share` between two of the same type. Strings and booleans are not interpolated: the first
+/// one holds.
 pub(super) fn between(from: &Value, to: &Value, share: f64) -> Value {
     let number = |from: f32, to: f32| mix(from, to, share);
     let triple = |from: &Vec3, to: &Vec3| mix_triple(*from, *to, share);
@@ -31,9 +31,10 @@ fn mix_triple(from: Vec3, to: Vec3, share: f64) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|axis| mix(from[axis], to[axis], share)))
 }
 
-/// The steps between. Where both keys have the same kinds of steps, each step goes its own way, so that a turn by 360
-/// degrees is a whole turn and a camera looks at a point between its targets. Otherwise place, turn and size go their
-/// ways: the turn along the shortest arc (Shoemake, "Animating rotation with quaternion curves", 1985).
+/// The interpolated steps. Where both keys have the same kinds of steps, each step is interpolated by itself, so that a
+/// turn by 360 degrees is a whole turn and a camera looks at a point between its targets. Otherwise translation,
+/// rotation and scale are: the rotation along the shortest arc (Shoemake, "Animating rotation with quaternion curves",
+/// 1985).
 fn steps_between(from: &[TransformOp], to: &[TransformOp], share: f64) -> Vec<TransformOp> {
     let step_by_step = || -> Option<Vec<TransformOp>> {
         let pairs = from.iter().zip(to);
@@ -47,7 +48,7 @@ fn steps_between(from: &[TransformOp], to: &[TransformOp], share: f64) -> Vec<Tr
     })
 }
 
-/// The step between two of the same kind; None for others, and for rotations about different axes.
+/// The interpolated step; None if the kinds or the axes of rotation differ.
 fn step_between(from: &TransformOp, to: &TransformOp, share: f64) -> Option<TransformOp> {
     Some(match (*from, *to) {
         (TransformOp::Translate(from), TransformOp::Translate(to)) => {
@@ -84,7 +85,7 @@ fn step_between(from: &TransformOp, to: &TransformOp, share: f64) -> Option<Tran
     })
 }
 
-/// Whether each step can go its own way to the other's.
+/// Whether each step can be interpolated with its counterpart.
 pub(super) fn are_alike(one: &[TransformOp], other: &[TransformOp]) -> bool {
     one.len() == other.len()
         && one
@@ -93,8 +94,8 @@ pub(super) fn are_alike(one: &[TransformOp], other: &[TransformOp]) -> bool {
             .all(|(one, other)| step_between(one, other, 0.0).is_some())
 }
 
-/// The map at this share of the way from one to another: place and size go straight, the turn goes along the shortest
-/// arc.
+/// The affine map at the fraction `share` between two: translation and scale are linear, the rotation follows the
+/// shortest arc.
 pub fn affine_between(from: &Affine3A, to: &Affine3A, share: f64) -> Affine3A {
     let (size, turn, place) = from.to_scale_rotation_translation();
     let (end_size, end_turn, end_place) = to.to_scale_rotation_translation();

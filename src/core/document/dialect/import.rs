@@ -1,8 +1,8 @@
-//! The native scene while it grows.
+//! The native scene under construction.
 //!
-//! Reads numbers. The original program reads them as C's `atof` does: text that is no number is 0, and what follows a
-//! number is ignored. Such text is a slip of the hand, so that it is an error here, and the value counts as not given;
-//! what is left empty is 0 with a warning, as programs write it that know no value.
+//! Numbers: the original program reads them as C's `atof` does: text that is no number is 0, and trailing text is
+//! ignored. Such text is a typing error, so that it is an error here, and the value counts as not given; an empty text
+//! is 0 with a warning, as programs write it that know no value.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -16,26 +16,26 @@ use crate::document::value::quote;
 use crate::document::{Diagnostics, Object, Severity, Span};
 use crate::files::Access;
 
-/// A native scene while it grows.
+/// A native scene under construction.
 pub struct Import<'i> {
     pub path: &'i Path,
     pub access: &'i Access,
     /// Whether rotations are in radians; they are in degrees otherwise.
     pub radians: bool,
     pub root: Object,
-    /// What is known of files.
+    /// Cached facts about files.
     pub files: KnownFiles,
     /// Ids given so far.
     pub ids: HashSet<String>,
-    /// The number that the next thing of this name may get.
+    /// The next number to try for a free id, for each name.
     pub next_numbers: HashMap<String, u32>,
-    /// Whether the integrator goes as deep as light below surfaces needs.
+    /// Whether the integrator already has the depth that subsurface scattering needs.
     pub is_deep: bool,
     pub diagnostics: &'i mut Diagnostics,
 }
 
 impl Import<'_> {
-    /// A remark on a choice that was made.
+    /// Adds a note about a choice that the import made.
     pub fn note(&mut self, span: Span, message: impl Into<String>) {
         self.diagnostics.push(Severity::Note, Some(span), message.into(), None);
     }
@@ -48,7 +48,7 @@ impl Import<'_> {
         self.diagnostics.error(span, message);
     }
 
-    /// Warns of elements that are none of these.
+    /// Warns of child elements with names not in `known`.
     pub fn check_children(&mut self, node: Node, known: &[&str]) {
         for child in node.children() {
             if !known.contains(&child.name()) {
@@ -64,7 +64,7 @@ impl Import<'_> {
         self.root.children.push(object.into());
     }
 
-    /// An id like `name` that nothing has yet; None for a thing without a name.
+    /// A free id made from `name`; None without a name.
     pub fn free_id(&mut self, name: Option<String>) -> Option<String> {
         let name = name.filter(|name| !name.trim().is_empty())?;
         if self.ids.insert(name.clone()) {
@@ -87,8 +87,8 @@ impl Import<'_> {
         settle(self.path).parent().unwrap_or(Path::new("/")).to_owned()
     }
 
-    /// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then
-    /// anywhere below these by its file name alone: an absolute name is often one of its author's machine.
+    /// Finds a file beside the scene, in the `assets` folders above it and above the working directory, then anywhere
+    /// below these by its file name alone: an absolute name often belongs to its author's machine.
     pub fn find_file(&mut self, name: &str) -> Option<PathBuf> {
         let name = Path::new(name.trim());
         if name.as_os_str().is_empty() {
@@ -116,24 +116,24 @@ impl Import<'_> {
         };
         let found = direct.cloned().or_else(by_name);
         if found.is_none() {
-            // The result is not needed: `access` remembers the places.
+            // The result is not needed: `access` remembers the paths.
             access.find(&places);
         }
         Some(settle(&found?))
     }
 
-    /// Whether an OBJ uses materials of a library that is there.
+    /// Whether an OBJ uses materials of an existing library.
     pub fn has_own_materials(&mut self, path: PathBuf) -> bool {
         self.files.has_own_materials(path, self.access)
     }
 }
 
 impl Import<'_> {
-    /// Warns of attributes that mean nothing, in the element and in all inside of it.
+    /// Warns of unknown attributes in the subtree of an element.
     pub fn check_attributes(&mut self, root: Node) {
         let mut waiting = vec![root];
         while let Some(node) = waiting.pop() {
-            // The last one is taken first.
+            // The list is popped from its end.
             let first = waiting.len();
             waiting.extend(node.children());
             waiting[first..].reverse();
@@ -141,7 +141,7 @@ impl Import<'_> {
                 continue;
             };
             for (name, span) in node.attributes() {
-                // Declarations of namespaces are XML's own.
+                // Namespace declarations belong to XML itself.
                 if known.contains(&name) || name.contains(':') || name == "xmlns" {
                     continue;
                 }
@@ -159,7 +159,7 @@ impl Import<'_> {
     }
 }
 
-/// The attributes of an element; None if the element itself is not known, which is said elsewhere.
+/// The attributes of an element; None for an unknown element, which is reported elsewhere.
 fn known_attributes(element: &str) -> Option<&'static [&'static str]> {
     Some(match element {
         "ItemContainer" | "Scene" | "Config" | "Camera" | "Lights" | "Sun" | "PointLights" | "Materials"
@@ -180,12 +180,12 @@ fn known_attributes(element: &str) -> Option<&'static [&'static str]> {
 }
 
 impl Import<'_> {
-    /// The attribute as a number, if it is there and is one.
+    /// The attribute as a number; None if it is absent or no number.
     pub fn number(&mut self, node: Node, attribute: &str) -> Option<f32> {
         self.given(node, attribute).ok().flatten()
     }
 
-    /// The attribute as a number, if it is there.
+    /// The attribute as a number; None if it is absent.
     fn given(&mut self, node: Node, attribute: &str) -> Result<Option<f32>, Slip> {
         let Some((text, span)) = node.attribute(attribute) else {
             return Ok(None);
@@ -205,23 +205,23 @@ impl Import<'_> {
         Ok(Some(bounded))
     }
 
-    /// The `value` of the first element inside with one of these names.
+    /// The `value` of the first child element with one of these names.
     pub fn value(&mut self, node: Node, names: &[&str]) -> Option<f32> {
         self.number(node.child(names)?, "value")
     }
 
-    /// The `x`, `y` and `z` of such an element; those that are missing are 0.
+    /// The `x`, `y` and `z` of the first child element with one of these names; missing ones are 0.
     pub fn triple(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
         self.parts(node.child(names)?, ["x", "y", "z"])
     }
 
-    /// Three attributes; those that are missing are 0. None if one is no number.
+    /// Three attributes; missing ones are 0. None if one is no number.
     fn parts(&mut self, node: Node, names: [&str; 3]) -> Option<Vec3> {
         let [x, y, z] = names.map(|name| self.given(node, name).map(Option::unwrap_or_default));
         Some(Vec3::new(x.ok()?, y.ok()?, z.ok()?))
     }
 
-    /// The `r`, `g` and `b` of such an element, not negative.
+    /// The `r`, `g` and `b` of the first child element with one of these names, not negative.
     pub fn color(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
         let node = node.child(names)?;
         let color = self.parts(node, ["r", "g", "b"])?;
@@ -235,10 +235,10 @@ impl Import<'_> {
 /// The largest number: products of three such numbers are finite.
 const LARGEST_NUMBER: f32 = 1e12;
 
-/// A text that is no number, which has been reported. Whatever takes its place leads to no further message.
+/// A text that is no number, which has been reported. Using a replacement value causes no further message.
 struct Slip;
 
-/// The number that a text is.
+/// The text as a finite number.
 fn finite(text: &str) -> Option<f32> {
     text.trim().parse().ok().filter(|number: &f32| number.is_finite())
 }

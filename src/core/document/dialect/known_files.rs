@@ -1,4 +1,4 @@
-//! What is known of the files that a file of this dialect names.
+//! Cached facts about the files that a scene of this dialect names.
 
 use std::collections::{HashMap, VecDeque};
 use std::ffi::OsString;
@@ -13,30 +13,29 @@ const MOST_FILES: usize = 5000;
 /// The most lines of an OBJ that are searched for a material.
 const MOST_LINES: usize = 10_000_000;
 
-/// What was found out about files so far: a scene may name the same ones, or ones that are not there, any number of
-/// times.
+/// Cached facts about files: a scene may name the same file, or a missing one, any number of times.
 #[derive(Default)]
 pub struct KnownFiles {
-    /// By their names the files below the folders that are searched, the nearest first. None before the first search.
+    /// The files below the searched folders by name, the nearest first. None before the first search.
     below: Option<HashMap<OsString, Vec<PathBuf>>>,
-    /// For each OBJ whether it brings its own materials.
+    /// For each OBJ whether it uses materials of its own library.
     own_materials: HashMap<PathBuf, bool>,
 }
 
 impl KnownFiles {
-    /// The files in and below the folders, which are the same at every call, by their names, the nearest first.
+    /// The files in and below the folders by name, the nearest first. The folders are the same at every call.
     pub fn below(&mut self, folders: &[PathBuf]) -> &HashMap<OsString, Vec<PathBuf>> {
         self.below.get_or_insert_with(|| files_below(folders))
     }
 
-    /// Whether an OBJ uses materials of a library that is there.
+    /// Whether an OBJ uses materials of an existing library.
     pub fn has_own_materials(&mut self, path: PathBuf, access: &Access) -> bool {
         let known = self.own_materials.entry(path);
         *known.or_insert_with_key(|path| has_own_materials(path, access))
     }
 }
 
-/// The files in and below the folders, the nearest first, by their names.
+/// The files in and below the folders by name, the nearest first.
 fn files_below(folders: &[PathBuf]) -> HashMap<OsString, Vec<PathBuf>> {
     let mut files: HashMap<OsString, Vec<PathBuf>> = HashMap::new();
     let mut seen = 0;
@@ -53,7 +52,7 @@ fn files_below(folders: &[PathBuf]) -> HashMap<OsString, Vec<PathBuf>> {
                 if seen > MOST_FILES {
                     return files;
                 }
-                // Links to folders may form a circle.
+                // Links to folders may form a cycle.
                 if path.is_symlink() && path.is_dir() {
                     continue;
                 }
@@ -68,7 +67,7 @@ fn files_below(folders: &[PathBuf]) -> HashMap<OsString, Vec<PathBuf>> {
     files
 }
 
-/// Whether an OBJ uses materials of a library that is there.
+/// Whether an OBJ uses materials of an existing library.
 fn has_own_materials(path: &Path, access: &Access) -> bool {
     let Ok(file) = access.open(path, MAX_FILE_BYTES) else {
         return false;

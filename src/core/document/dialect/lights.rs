@@ -1,7 +1,7 @@
 //! `<Sun>`, the sky, `<PointLight>` and `<Environment>`.
 //!
-//! In the original the sun is no source of light: it tints what is reflected. Here it is a directional light, and what
-//! the original shows where rays leave the scene becomes a constant light of its mean colour.
+//! In the original the sun is no light source: it tints reflected light. Here it is a directional light, and the
+//! colours that the original shows for rays that leave the scene become a constant light of their mean.
 
 use glam::Vec3;
 
@@ -10,11 +10,11 @@ use super::tree::Node;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, TransformOp, Value};
 
-/// Mean of the original's sky over all directions: from white at the horizon to (0.5, 0.7, 1) above (half way on
+/// Mean of the original's sky over all directions: from white at the horizon to (0.5, 0.7, 1) above (half of each on
 /// average) and to grey 0.5 below, which it reaches half way down (three quarters on average).
 const SKY: Vec3 = Vec3::new(0.5 * (0.75 + 0.625), 0.5 * (0.85 + 0.625), 0.5 * (1.0 + 0.625));
 
-/// A sun darker than this, its colours added up, gives no sky.
+/// The darkest sun, as the sum of its colour components, that gives a sky.
 const DARK: f32 = 1e-3;
 
 /// Degrees about y from Mitsuba's `envmap`, whose middle column is towards +z, to the original's, whose middle column
@@ -106,7 +106,7 @@ impl Import<'_> {
         self.add(object.with("intensity", Value::Rgb(intensity)));
     }
 
-    /// Whether there is one.
+    /// Reads the environment map; false if there is none.
     fn read_environment(&mut self, root: Node) -> bool {
         let Some(environment) = root.child(&["Environment"]) else {
             return false;

@@ -1,4 +1,4 @@
-//! Reads `<Materials>`, and provides the materials that objects may name without them.
+//! Reads `<Materials>`, and provides the built-in materials that objects may name.
 
 use std::collections::HashMap;
 
@@ -10,36 +10,36 @@ use crate::document::value::quote;
 use crate::document::{Category, Object, Severity, Span, Value};
 
 const COLOR: Vec3 = Vec3::splat(0.5);
-/// The tint that glass gives to light at each meeting, refracted or reflected.
+/// The tint that glass gives to light at each refraction or reflection.
 const GLASS_TINT: Vec3 = Vec3::new(0.95, 0.97, 1.0);
 const LEAST_ROUGHNESS: f32 = 0.04;
 
-/// The look of an object.
+/// The appearance of an object.
 #[derive(Clone, Debug)]
 pub enum Look {
     /// The id of its bsdf.
     Bsdf(String),
-    /// It shines, W/(m^2 sr), and reflects nothing.
+    /// Emitted radiance, W/(m^2 sr), of an object that reflects nothing.
     Light(Vec3),
-    /// Light goes below its surface.
+    /// Subsurface scattering.
     Subsurface {
-        /// The id of the bsdf of closed objects.
+        /// The id of the bsdf at the boundary of closed objects.
         border: String,
-        /// The id of the medium inside of these.
+        /// The id of the medium inside closed objects.
         medium: String,
-        /// The id of the bsdf of objects that have no inside.
+        /// The id of the bsdf of objects that are not closed.
         surface: String,
     },
 }
 
-/// The materials by name.
+/// The appearances by name.
 #[derive(Default)]
 pub struct Materials(HashMap<String, Look>);
 
 enum Recipe {
     Bsdf(Object),
     Light(Vec3),
-    /// The bsdf of objects without an inside, and the medium in others.
+    /// The bsdf of objects that are not closed, and the medium inside closed objects.
     Subsurface(Object, Object),
 }
 
@@ -89,7 +89,7 @@ impl Import<'_> {
         Some(look)
     }
 
-    /// Adds an object under an id like `name`, which is returned.
+    /// Adds an object, and returns its id, which is derived from `name`.
     fn add_called(&mut self, name: &str, mut object: Object) -> Option<String> {
         let id = self.free_id(Some(name.to_owned()))?;
         object.id = Some(id.as_str().into());
@@ -97,7 +97,7 @@ impl Import<'_> {
         Some(id)
     }
 
-    /// None if the type is not known, which has been said.
+    /// None if the type is unknown, which has been reported.
     fn recipe(&mut self, node: Node) -> Option<Recipe> {
         let span = node.span();
         let color = |import: &mut Self| import.color(node, &["Color"]).unwrap_or(COLOR);
@@ -184,7 +184,7 @@ impl Import<'_> {
         object.with("specular_transmittance", Value::Rgb(GLASS_TINT))
     }
 
-    /// Reads the `Color` of a material that cannot reflect more than it gets.
+    /// The `Color` of a material, limited so that it does not reflect more than it receives.
     fn albedo(&mut self, node: Node) -> Vec3 {
         let color = self.color(node, &["Color"]).unwrap_or(COLOR);
         if color.max_element() > 1.0 {
@@ -196,7 +196,7 @@ impl Import<'_> {
         color.min(Vec3::ONE)
     }
 
-    /// A number cut to 0 to 1.
+    /// A number clamped to [0, 1].
     fn unit(&mut self, node: Node, name: &str, default: f32) -> f32 {
         let number = self.value(node, &[name]).unwrap_or(default);
         if !(0.0..=1.0).contains(&number) {
@@ -205,7 +205,7 @@ impl Import<'_> {
         number.clamp(0.0, 1.0)
     }
 
-    /// The look of this name: one of the file's, or else one that the original has built in.
+    /// The appearance with this name: from the file, or else one built into the original.
     pub fn look(&mut self, name: &str, span: Span, materials: &mut Materials) -> Option<Look> {
         if let Some(look) = materials.0.get(name) {
             return Some(look.clone());
@@ -228,12 +228,12 @@ impl Import<'_> {
     }
 }
 
-/// The material of lights.
+/// The bsdf of emitters.
 pub fn black(span: Span) -> Object {
     diffuse(Vec3::ZERO, span)
 }
 
-/// The material of objects without one.
+/// The bsdf of objects without a material.
 pub fn grey(span: Span) -> Object {
     two_sided(diffuse(COLOR, span))
 }

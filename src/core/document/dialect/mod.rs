@@ -1,7 +1,8 @@
 //! Imports the course project's scene files (roots `ItemContainer` and `Scene`) as a document of the native format.
 //!
-//! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores
-//! something that a file says plainly, it makes a choice and notes it. Messages have the places of the original file.
+//! The import follows the pictures of the project's own loader. Where these are not physical, or where the loader
+//! ignores an explicit statement of a file, it makes a choice and notes it. Messages have the places of the original
+//! file.
 
 mod import;
 mod known_files;
@@ -28,10 +29,10 @@ use crate::files::Access;
 
 const ROOTS: [&str; 2] = ["ItemContainer", "Scene"];
 
-/// The name on the command line (`-D rotation=radians`) that says what the numbers of `<Rotation>` are.
+/// The name on the command line (`-D rotation=radians`) that gives the unit of `<Rotation>`.
 const ROTATION: &str = "rotation";
 
-/// Whether the outermost tag is one of this dialect.
+/// Whether the root element belongs to this dialect.
 pub fn is_dialect(text: &str) -> bool {
     let mut reader = Reader::from_str(text);
     loop {

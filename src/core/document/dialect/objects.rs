@@ -50,7 +50,7 @@ impl Import<'_> {
         }
     }
 
-    /// Finishes a shape with its name and its material.
+    /// Gives a shape its name and its material.
     fn finish(&mut self, node: Node, mut shape: Object, materials: &mut Materials) -> Object {
         shape.id = self.free_id(node.text_of("name")).map(Into::into);
         let in_child = node.child(&["Material"]).and_then(|child| child.attribute("name"));
@@ -108,7 +108,7 @@ impl Import<'_> {
         shape.plugin == "obj" && name.is_some_and(|name| self.has_own_materials(self.folder().join(name)))
     }
 
-    /// Reads a sphere, which stays round and upright whatever its `Scale` and `Rotation`.
+    /// Reads a sphere. `Scale` and `Rotation` neither stretch nor rotate it.
     fn sphere(&mut self, node: Node) -> Option<Object> {
         self.check_children(node, &["Radius", "Position", "Center", "Scale", "Rotation", "Material"]);
         let radius = self.value(node, &["Radius"]).unwrap_or(0.5).abs();
@@ -151,7 +151,7 @@ impl Import<'_> {
         Some(object.with("v2", Value::Point(c)))
     }
 
-    /// The parallelogram from `Position` along `U` and `V` as a moved, stretched and slanted square.
+    /// The parallelogram from `Position` along `U` and `V`, as a transformed square.
     fn quad(&mut self, node: Node) -> Option<Object> {
         self.check_children(node, &["Position", "U", "V", "Material"]);
         let corner = self.triple(node, &["Position"]).unwrap_or(Vec3::ZERO);
@@ -219,8 +219,8 @@ impl Import<'_> {
         }
     }
 
-    /// The transform: translation x rotation about x, y, z x scale, so that the scale comes first, then z. None
-    /// (reported) if nothing is left of the object.
+    /// The transform: translation x rotation about x, y, z x scale, so that the scale applies first, then z. None
+    /// (reported) if it makes the object vanish.
     fn steps(&mut self, node: Node, rotated: &mut Option<Span>) -> Option<Vec<TransformOp>> {
         let position = self.triple(node, &["Position"]).unwrap_or(Vec3::ZERO);
         let scale = self.triple(node, &["Scale"]).unwrap_or(Vec3::ONE);
@@ -247,7 +247,7 @@ impl Import<'_> {
     }
 }
 
-/// Whether a shape is closed, which meshes are thought to be.
+/// Whether a shape is closed; meshes are assumed to be.
 fn has_inside(shape: &Object) -> bool {
     !matches!(&*shape.plugin, "rectangle" | "triangle")
 }

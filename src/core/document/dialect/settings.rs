@@ -11,7 +11,7 @@ const WIDTH: f32 = 800.0;
 const ASPECT: f32 = 16.0 / 9.0;
 const SAMPLES: f32 = 20.0;
 const DEPTH: f32 = 10.0;
-/// Degrees.
+/// The field of view in degrees.
 const FOV: f32 = 90.0;
 
 impl Import<'_> {
@@ -58,7 +58,7 @@ impl Import<'_> {
                 None => default,
             }
         };
-        // Whole numbers are cut off, not rounded.
+        // Numbers are truncated, not rounded.
         let width = setting(&["Width"], 1.0, WIDTH).trunc();
         let aspect = setting(&["Aspect_ratio"], 1e-3, ASPECT);
         let height = setting(&["Height"], 1.0, (width / aspect).trunc().max(1.0)).trunc();
@@ -67,7 +67,7 @@ impl Import<'_> {
 
         let span = config.map_or(root.span(), Node::span);
         let whole = |number: f32| Value::Integer(number as i64);
-        // Both formats count the segments of a path, with that from the camera.
+        // Both formats count the segments of a path, including the one from the camera.
         let integrator = Object::new(Category::Integrator, "path").at(span);
         self.add(integrator.with("max_depth", whole(depth)));
         let filter = Object::new(Category::ReconstructionFilter, "box").at(span);
@@ -82,7 +82,7 @@ impl Import<'_> {
         self.add(sensor);
     }
 
-    /// A pinhole, whatever the file says of apertures: the original reads none.
+    /// A pinhole camera, even if the file gives an aperture: the original reads none.
     fn camera(&mut self, root: Node) -> Object {
         let sensor = Object::new(Category::Sensor, "perspective");
         let (mut origin, mut target, mut up, mut fov) = (Vec3::Z, Vec3::ZERO, Vec3::Y, FOV);

@@ -1,11 +1,11 @@
-//! Reads the media of materials below whose surface light goes.
+//! Reads the media of materials with subsurface scattering.
 //!
-//! The original program shows them as diffuse in their `Color`. What its files say besides has the usual meaning here
+//! The original program shows them as diffuse in their `Color`. The other parameters have the usual meaning here
 //! (Christensen and Burley, Approximate Reflectance Profiles for Efficient Subsurface Scattering, 2015; Chiang, Kutz
-//! and Burley, Practical and Controllable Subsurface Scattering for Production Path Tracing, 2016): `Color` is what
-//! comes back from a thick object, and `ScatterDistance` the distance d of the falloff around where it went in, in
-//! units of the world, with a factor for each colour in `ScatterColor`. The material names no index of refraction: the
-//! border is `null`, through which lamps of all kinds are found.
+//! and Burley, Practical and Controllable Subsurface Scattering for Production Path Tracing, 2016): `Color` is the
+//! albedo of a thick object, and `ScatterDistance` the distance d of the falloff around the point of entry, in units of
+//! the world, with a factor for each colour in `ScatterColor`. The material names no index of refraction: the boundary
+//! is `null`, through which lights of all kinds can be sampled.
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ use super::import::Import;
 use super::tree::Node;
 use crate::document::{Category, Child, Object, Span, Value};
 
-/// The shortest distance of a colour relative to the longest: with none at all the medium would be infinitely dense.
+/// The shortest distance of a colour relative to the longest: at zero the medium would be infinitely dense.
 const SHORTEST: f32 = 0.01;
 
-/// The depth that paths get at least where light is scattered below surfaces. The fits are of media with a low albedo
-/// compared with milk, in which light is scattered some dozens of times.
+/// The least depth of paths in scenes with subsurface scattering. The fits are for media with a low albedo compared
+/// with milk, in which light is scattered some dozens of times.
 const DEPTH: i64 = 256;
 
 impl Import<'_> {
@@ -44,7 +44,7 @@ impl Import<'_> {
         Some(medium.with("albedo", Value::Rgb(albedo)).with_child(sigma_t))
     }
 
-    /// Lets the integrator trace media, as deep as these need.
+    /// Makes the integrator trace media, with paths as deep as these need.
     pub fn deepen(&mut self, span: Span) {
         if std::mem::replace(&mut self.is_deep, true) {
             return;
@@ -74,8 +74,8 @@ impl Import<'_> {
     }
 }
 
-/// The single-scattering albedo of a medium from which this share of the light comes back: the fit of the paper to a
-/// flat and infinitely thick body with isotropic scattering.
+/// The single-scattering albedo of a medium that returns this share of the light: the fit of the paper to a flat and
+/// infinitely thick body with isotropic scattering.
 fn albedo(reflectance: Vec3) -> Vec3 {
     reflectance.map(|a| 1.0 - (a * (-5.09406 + a * (2.61188 - a * 4.31805))).exp())
 }

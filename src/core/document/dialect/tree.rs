@@ -1,4 +1,4 @@
-//! The elements of a file of this dialect with their attributes; other modules know their meaning.
+//! The elements of a file of this dialect with their attributes; other modules interpret them.
 
 use quick_xml::escape::unescape;
 
@@ -19,7 +19,7 @@ pub struct Node<'t> {
 }
 
 impl<'t> Tree<'t> {
-    /// Reads a text. The error holds the byte at which a broken text breaks, and why.
+    /// Parses a text. The error holds the byte offset of the syntax error, and the reason.
     pub fn read(text: &'t str) -> Result<Self, (usize, String)> {
         let (elements, broken) = Elements::read_checked(text);
         if let Some(broken) = broken {
@@ -55,7 +55,7 @@ impl<'t> Node<'t> {
         children.map(move |&index| Node { index, ..self })
     }
 
-    /// The first element inside with one of these names; which of them comes first in the list does not matter.
+    /// The first child element with one of these names; their order in the list does not matter.
     pub fn child(self, names: &[&str]) -> Option<Node<'t>> {
         self.children().find(|child| names.contains(&child.name()))
     }

@@ -108,7 +108,7 @@ impl Parser {
         }
     }
 
-    /// Gives the object the property, with the value that it has at the time 0.
+    /// Gives the object the property, with its value at the time 0.
     pub(super) fn close_animation(&mut self, animation: OpenAnimation, object: &mut Object, names: &mut Names) {
         let OpenAnimation { name, span, .. } = animation;
         if animation.is_broken {

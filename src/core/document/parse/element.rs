@@ -159,7 +159,7 @@ impl Parser {
                 match (name, tag.take("value")) {
                     (Some((name, _)), Some((value, _))) => {
                         self.defines.add_default(&name, &value);
-                        // If there are several, the first one counts, as for all names.
+                        // If there are several, the first one counts, as for all `<default>`s.
                         if is_unit(object, &name, &value) && !names.contain(UNIT, &object.properties) {
                             let value = Value::String(value.into_owned());
                             self.add_property(object, names, Property::new(UNIT, value, tag.span));
@@ -283,7 +283,7 @@ pub(super) fn leaf(tag: &'static str, span: Span) -> Frame {
     Frame::Leaf { tag, span }
 }
 
-/// The one of these names that is `name`.
+/// The element of `names` that equals `name`.
 pub(super) fn known(names: &[&'static str], name: &str) -> Option<&'static str> {
     names.iter().copied().find(|known| *known == name)
 }

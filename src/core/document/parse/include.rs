@@ -1,4 +1,4 @@
-//! Handles the other files that a scene names: includes, search folders, and the places where a file is looked for.
+//! Handles the other files that a scene names: includes, and the folders in which files are searched.
 
 use std::path::{Path, PathBuf};
 
@@ -14,9 +14,9 @@ use crate::files::FileError;
 
 /// The reason why a file is not included.
 enum NotIncluded {
-    /// It is being read already.
+    /// It is being included already.
     Circle,
-    /// The include was not read, so that its declarations are unknown.
+    /// It could not be read, so that its declarations are unknown.
     Unread,
 }
 
@@ -44,14 +44,14 @@ impl Parser {
             self.diagnostics
                 .push(Severity::Warning, Some(span), message, Some(help));
         }
-        // The path is absolute, so that it means the same wherever the document is written to.
+        // The path is absolute, so that it stays valid wherever the document is written.
         let folder = std::path::absolute(&joined).unwrap_or(joined);
         if !self.search_folders.contains(&folder) {
             self.search_folders.push(folder);
         }
     }
 
-    /// A file named at `span`; one that is not there has been reported.
+    /// The path of a file named at `span`; a missing file is reported.
     pub(super) fn find_file(&mut self, name: &str, span: Span) -> Option<PathBuf> {
         let all = file_candidates(
             name,
@@ -77,7 +77,7 @@ impl Parser {
         found
     }
 
-    /// Puts the content of another scene file into `object`.
+    /// Includes the content of another scene file in `object`.
     pub(super) fn include(
         &mut self,
         file: &str,
@@ -115,13 +115,13 @@ impl Parser {
         }
     }
 
-    /// Opens a file that is included at `span`: it is the last of the open files then. An error has been reported.
+    /// Opens the file included at `span` and makes it the last of the open files. Errors are reported.
     fn included(&mut self, file: &str, span: Span) -> Result<SourceId, NotIncluded> {
         let path = self.find_file(file, span).ok_or(NotIncluded::Unread)?;
         let key = canonical(&path);
         if let Some(first) = self.open_files.iter().position(|(open, _)| *open == key) {
-            // The chain of includes from that file on, of which this include is the last. Finding its places takes time
-            // in proportion to the files.
+            // The chain of includes from that file to this include. Finding its places takes time in proportion to the
+            // files.
             let chain = match self.diagnostics.has_many() {
                 true => &[][..],
                 false => &self.open_files[first + 1..],
@@ -174,7 +174,7 @@ impl Parser {
     }
 }
 
-/// Whether a text begins with a tag, or is empty. The parser would quote anything else.
+/// Whether a text begins with a tag, or is empty. The parser would quote any other text.
 fn is_markup(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     text.is_empty() || text.starts_with('<')

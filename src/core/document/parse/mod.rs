@@ -1,7 +1,7 @@
 //! Parses XML text into a [`Document`]: files, includes, defaults, and the nesting of tags.
 //!
-//! After a bad value the parser goes on, so that one run tells of all of them; after broken XML the rest of that file
-//! is not looked at. Whatever was understood by then is in the document, next to the errors.
+//! After a bad value the parser goes on, so that one run reports all errors; after malformed XML the rest of that file
+//! is skipped. Everything parsed by then is in the document, next to the errors.
 
 mod animation;
 mod element;
@@ -24,15 +24,15 @@ use super::unpack::{keep_known, pack_rest};
 use super::{Category, Document, Object, Severity};
 use crate::files::Access;
 
-/// Reads a scene file; `defines` are the command line's `name=value` pairs. It is an error only if there is no text:
-/// problems with the text are in the document's diagnostics.
+/// Reads a scene file; `defines` are the command line's `name=value` pairs. It fails only if the file cannot be read as
+/// text: errors in the text are in the document's diagnostics.
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
     let text = read_text(path)?;
     Ok(parse_str(text, path, defines))
 }
 
-/// Reads a scene whose text is in memory, where it stays; relative paths in it start from the folder of `path`. Every
-/// file may be read.
+/// Parses a scene whose text is in memory, without copying it; relative paths in it start from the folder of `path`.
+/// Every file may be read.
 pub fn parse_str(text: impl Into<String>, path: &Path, defines: &[(String, String)]) -> Document {
     parse_within(text, path, defines, Access::everywhere())
 }

@@ -1,8 +1,8 @@
 //! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the
 //! program's.
 //!
-//! The files of `<spectrum filename="...">`. However many tags name a file, it is read once for each role that its
-//! spectrum has.
+//! The files of `<spectrum filename="...">` are cached: a file named by many tags is read once for each role of its
+//! spectrum.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -34,21 +34,18 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The most levels of includes inside includes.
 pub(super) const MAX_INCLUDE_DEPTH: usize = 15;
-/// The most search folders of a document: each file that is named is looked for in all of them.
+/// The most search folders of a document: each named file is looked for in all of them.
 pub(super) const MAX_SEARCH_FOLDERS: usize = 100;
 /// The most includes of a document, each counted as often as it is read.
 pub(super) const MAX_INCLUDES: usize = 10_000;
-/// The most parameters of one object, all of which are looked through each time that something refers to it. Plugins
-/// know a few dozen.
+/// The most parameters of one object, all of which are scanned for each reference to it. Plugins have a few dozen.
 pub(super) const MAX_PROPERTIES: usize = 4096;
-/// The most tags of a document, each include counted each time: they suffice for a million instances with a few steps
-/// each.
+/// The most tags of a document, each include counted each time: enough for a million instances with a few steps each.
 const MAX_ELEMENTS: usize = 10_000_000;
-/// The most bytes of text of a document, likewise.
+/// The most bytes of text of a document, each include counted each time.
 const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
-/// The children of a scene that stand in a part of a source text, which was read without errors before and has no
-/// `$names`.
+/// Parses the children of a scene in a part of a source text, which was read without errors before and has no `$names`.
 pub(in crate::document) fn parse_children(file: &SourceFile, source: SourceId, range: Range<u32>) -> Vec<Child> {
     let mut level = Level::new(source, file.text.clone(), 0);
     level.packer = None;
@@ -71,16 +68,16 @@ pub(super) enum Frame {
         names: Names,
     },
     Transform {
-        /// The name of the property; none inside of an animation.
+        /// The name of the property; None inside an animation.
         name: Option<SmolStr>,
-        /// The time of the key inside of an animation.
+        /// The time of the key inside an animation.
         time: Option<f64>,
         ops: Vec<TransformOp>,
         span: Span,
     },
     /// The keys of a property.
     Animation(OpenAnimation),
-    /// A value or a step: nothing may stand inside.
+    /// A value or a step, which has no child elements.
     Leaf {
         tag: &'static str,
         span: Span,
@@ -118,17 +115,17 @@ impl Frame {
     }
 }
 
-/// One source's open tags.
+/// The open tags of one source.
 pub(super) struct Level {
     source: SourceId,
     text: Arc<String>,
     stack: Vec<Frame>,
     /// The depth of the including tag in its own file.
     base_depth: usize,
-    /// The number of open tags inside something that is skipped.
+    /// The number of open tags inside a skipped element.
     skipping: usize,
     root: Option<Object>,
-    /// Packs the many objects of the main file; None in other files.
+    /// Packs consecutive instances of the main file; None in other files.
     packer: Option<Packer>,
 }
 
@@ -138,11 +135,11 @@ pub(super) struct Parser {
     pub diagnostics: Diagnostics,
     pub defines: Defines,
     pub search_folders: Vec<PathBuf>,
-    /// What is in the folders in which files were sought.
+    /// The cached names in the folders in which files were sought.
     pub names: FolderNames,
     /// Files read so far.
     pub files: HashMap<PathBuf, SourceId>,
-    /// The chain of includes that is being read, the main file first, each with the place of its include.
+    /// The chain of includes that is being read, the main file first, each with the span of its include.
     pub open_files: Vec<(PathBuf, Option<Span>)>,
     pub ids: HashMap<SmolStr, Span>,
     pub aliases: Vec<Alias>,
@@ -151,9 +148,9 @@ pub(super) struct Parser {
     pub failed_include: Option<Span>,
     pub elements: usize,
     pub bytes: u64,
-    /// A bound of the whole document was hit; nothing more is read.
+    /// Whether a limit of the whole document was reached; nothing more is read.
     pub exhausted: bool,
-    /// Whether only a part of a text is read. Includes in it are left out then.
+    /// Whether only a part of a text is read. Its includes are left out then.
     pub is_part: bool,
     pub crowds: Vec<Crowd>,
     pub spectra: SpectrumFiles,
@@ -192,7 +189,7 @@ impl Parser {
         level.root
     }
 
-    /// The tags of a part of the level's text.
+    /// Parses the tags in a range of the level's text.
     fn parse_range(&mut self, range: Range<usize>, level: &mut Level) {
         let (source, text) = (level.source, level.text.clone());
         let mut reader = XmlReader::from_str(text.get(range.clone()).unwrap_or_default());
@@ -284,7 +281,7 @@ impl Parser {
         self.diagnostics.push(Severity::Error, span, message.to_owned(), None);
     }
 
-    /// A start tag, or (`stays_open` false) one that closes itself.
+    /// Handles a start tag, or (`stays_open` false) an empty-element tag.
     fn open(&mut self, start: &BytesStart, span: Span, stays_open: bool, level: &mut Level) {
         self.elements += 1;
         if self.elements > MAX_ELEMENTS {
@@ -299,7 +296,7 @@ impl Parser {
         }
     }
 
-    /// Pushes the tag's frame; false if the tag and all it contains are to be skipped.
+    /// Pushes the tag's frame; false if the whole element is to be skipped.
     fn enter(&mut self, start: &BytesStart, span: Span, level: &mut Level) -> bool {
         let depth = level.base_depth + level.stack.len();
         if depth >= MAX_DEPTH {
@@ -327,7 +324,7 @@ impl Parser {
         true
     }
 
-    /// An end tag, or the end of a broken file. `end`: the byte after it.
+    /// Handles an end tag, or the end of a malformed file. `end`: the byte after it.
     fn close(&mut self, level: &mut Level, end: u32) {
         if level.skipping > 0 {
             level.skipping -= 1;
@@ -382,7 +379,7 @@ impl Parser {
 }
 
 impl Level {
-    /// Begins to read a file. `base_depth` is zero for the main file, whose crowds are packed.
+    /// The state before reading a file. `base_depth` is zero for the main file, whose crowds are packed.
     fn new(source: SourceId, text: Arc<String>, base_depth: usize) -> Self {
         Self {
             source,
@@ -395,7 +392,7 @@ impl Level {
         }
     }
 
-    /// The place after the last character.
+    /// The empty span after the last character.
     fn end(&self) -> Span {
         let end = u32::try_from(self.text.trim_end().len()).unwrap_or(u32::MAX);
         Span {
@@ -406,15 +403,15 @@ impl Level {
     }
 }
 
-/// Up to this number, names are compared one by one.
+/// Up to this number of properties, names are compared one by one.
 const FEW: usize = 16;
 
-/// Answers whether a name is given twice. Nearly all objects have few properties, and need no set of names.
+/// The set of the names given so far. Nearly all objects have few properties, and need no set.
 #[derive(Debug, Default)]
 pub(super) struct Names(HashSet<SmolStr>);
 
 impl Names {
-    /// Whether one of the properties has this name. `properties` must be those of the same object each time, and may
+    /// Whether one of the properties has this name. `properties` must belong to the same object at each call, and may
     /// only grow.
     pub fn contain(&mut self, name: &str, properties: &[Property]) -> bool {
         if properties.len() <= FEW {
@@ -426,17 +423,17 @@ impl Names {
     }
 }
 
-/// A colour and whether it was clamped, or the reason why there is none.
+/// A colour and whether it was clamped, or an error.
 type Color = Result<(Vec3, bool), String>;
 
-/// The colours of the files that were read.
+/// The colours of the spectrum files read so far.
 #[derive(Default)]
 pub(super) struct SpectrumFiles {
     colors: HashMap<(PathBuf, Role), Color>,
 }
 
 impl SpectrumFiles {
-    /// The colour of a file's spectrum, which `read` gives the first time.
+    /// The colour of the spectrum in a file, which the first call gets from `read`.
     pub fn color(&mut self, path: &Path, role: Role, read: impl FnOnce() -> Result<SampledSpectrum, String>) -> Color {
         let key = (canonical(path), role);
         let color = self.colors.entry(key);

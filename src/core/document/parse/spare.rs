@@ -1,15 +1,14 @@
-//! Vectors for collecting elements, which are used again and again.
+//! Reusable vectors for collecting elements.
 //!
-//! A vector that grows and is then made to fit leaves a hole behind it in memory. With a million small ones the holes
-//! take as much as the vectors do. Elements are therefore collected in a spare vector and moved into one of the right
-//! size.
+//! A vector that grows and is then shrunk leaves a hole behind it in memory. With a million small ones the holes take
+//! as much as the vectors do. Elements are therefore collected in a spare vector and moved into one of the right size.
 
 use crate::document::{Child, Property, TransformOp};
 
-/// The length above which a vector is made to fit where it is.
+/// The length above which a vector is shrunk in place.
 const LONGEST: usize = 64;
 
-/// Empty vectors that have room.
+/// Empty vectors with spare capacity.
 #[derive(Default)]
 pub(super) struct Spare {
     pub properties: Pool<Property>,
@@ -17,7 +16,7 @@ pub(super) struct Spare {
     pub steps: Pool<TransformOp>,
 }
 
-/// Lists that are used again, at most as many as tags can be nested.
+/// Vectors for reuse, at most as many as tags can be nested.
 pub(super) struct Pool<T>(Vec<Vec<T>>);
 
 impl<T> Default for Pool<T> {
@@ -32,7 +31,7 @@ impl<T> Pool<T> {
         self.0.pop().unwrap_or_default()
     }
 
-    /// The elements in a vector without room for more.
+    /// Moves the elements into a vector without spare capacity.
     pub fn fitted(&mut self, mut full: Vec<T>) -> Vec<T> {
         if full.len() > LONGEST {
             full.shrink_to_fit();

@@ -1,4 +1,4 @@
-//! Writes what is new in an object after the element that it follows, with the indentation found there.
+//! Writes the new parts of an object after the element that they follow, with the indentation found there.
 
 use super::edits::{Edit, apply, margin_of_line, resettle};
 use super::elements::Element;
@@ -62,7 +62,7 @@ impl<'r> Reviser<'r> {
         Ok(())
     }
 
-    /// The text of a child. If the child is not new, it is the text that it had at its former place.
+    /// The text of a child. If the child has only moved, it is the text of its former place.
     fn new_child(&mut self, child: &Child, margin: &str, place: Place) -> Result<String, WriteError> {
         let layout = &self.source(place.source).layout;
         let Child::Object(now) = child else {
@@ -95,7 +95,7 @@ impl<'r> Reviser<'r> {
         to_block(&moved.into(), margin, layout)
     }
 
-    /// An included file's text for the place of its `<include>`.
+    /// The text of an included file, in place of its `<include>`.
     pub(super) fn content_as_block(
         &self,
         included: SourceId,

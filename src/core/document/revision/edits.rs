@@ -1,10 +1,10 @@
-//! Changes to a text that are made all at once: replaced ranges, and lines that are added or removed.
+//! A batch of changes to a text: replaced ranges, and lines that are added or removed.
 
 use std::ops::Range;
 
 use super::elements::Element;
 
-/// A range of the old text and what takes its place.
+/// A range of the old text and its replacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
     pub range: Range<usize>,
@@ -12,7 +12,7 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Puts `text` in the place of the bytes of `range`.
+    /// Replaces the bytes of `range` by `text`.
     pub fn replace(range: Range<usize>, text: impl Into<String>) -> Self {
         Self {
             range,
@@ -20,18 +20,18 @@ impl Edit {
         }
     }
 
-    /// Puts `text` before the byte `at`.
+    /// Inserts `text` before the byte `at`.
     pub fn insert(at: usize, text: impl Into<String>) -> Self {
         Self::replace(at..at, text)
     }
 
-    /// Removes an element, with its lines if nothing else is on them.
+    /// Removes an element, with its lines if they hold nothing else.
     pub fn delete(text: &str, element: Range<usize>) -> Self {
         let line = line_start(text, element.start);
         let rest = &text[element.end..];
         let line_end = rest.find('\n').map_or(rest.len(), |newline| newline + 1);
         let is_alone = text[line..element.start].trim().is_empty() && rest[..line_end].trim().is_empty();
-        // If no newline follows that could be removed, only blanks are left of the line.
+        // If no newline follows that could be removed, the line keeps its blanks.
         match is_alone && rest[..line_end].ends_with('\n') {
             true => Self::replace(line..element.end + line_end, ""),
             false => Self::replace(element, ""),
@@ -39,7 +39,7 @@ impl Edit {
     }
 }
 
-/// The part `within` of the text with the edits made. They do not overlap; those at the same place keep their order.
+/// The part `within` of the text after the edits. They do not overlap; edits at the same position keep their order.
 pub fn apply(text: &str, within: Range<usize>, mut edits: Vec<Edit>) -> String {
     edits.sort_by_key(|edit| (edit.range.start, edit.range.end));
     let mut result = String::with_capacity(within.len() + 256);
@@ -59,7 +59,7 @@ fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// The layout of a text, so that additions look like the rest.
+/// The layout of a text, which additions follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     /// The end of a line: `\n` or `\r\n`.
@@ -92,7 +92,7 @@ impl Layout {
     }
 }
 
-/// The blanks before an element that begins its line; None if something else does.
+/// The blanks before an element that begins its line; None if it does not.
 pub fn margin(text: &str, start: usize) -> Option<&str> {
     let before = &text[line_start(text, start)..start];
     before.trim().is_empty().then_some(before)
@@ -104,8 +104,8 @@ pub fn margin_of_line(text: &str, at: usize) -> &str {
     &line[..line.len() - line.trim_start().len()]
 }
 
-/// The place for something new that follows an element on a line of its own: after the remark at the end of its line,
-/// if there is one.
+/// The position for a new element on a line of its own after another: behind the comment at the end of that line, if
+/// there is one.
 pub fn end_of_line(text: &str, element_end: usize) -> usize {
     let rest = &text[element_end..];
     let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
@@ -119,13 +119,13 @@ pub fn end_of_line(text: &str, element_end: usize) -> usize {
     }
 }
 
-/// The lines of a block with another margin and line end.
+/// The lines of a block with another indentation and line end.
 pub fn resettle(block: &str, from: &str, to: &str, newline: &str) -> String {
     let plain = block.replace("\r\n", "\n");
     move_margin(&plain, from, to).replace('\n', newline)
 }
 
-/// Gives the lines of a block another margin. The first line has none.
+/// Replaces the indentation of the lines of a block. The first line has none.
 fn move_margin(block: &str, from: &str, to: &str) -> String {
     let mut lines = block.split('\n');
     let mut result = lines.next().unwrap_or_default().to_owned();

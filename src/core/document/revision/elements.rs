@@ -1,4 +1,4 @@
-//! Finds the tags of a source text, with those that mean nothing to the parser. It reads no values.
+//! Finds the elements of a source text, including those that the parser does not know. It reads no values.
 
 use std::ops::Range;
 
@@ -7,12 +7,12 @@ use quick_xml::events::Event;
 
 use crate::document::value::quote;
 
-/// One element; places are byte offsets of the text.
+/// One element; positions are byte offsets of the text.
 #[derive(Debug)]
 pub struct Element {
     /// The start tag.
     pub tag: Range<usize>,
-    /// The place after the end tag.
+    /// The position after the end tag.
     pub end: usize,
     /// The indices into [`Elements`], in the order of the text.
     pub children: Vec<usize>,
@@ -20,12 +20,12 @@ pub struct Element {
     pub closes_itself: bool,
 }
 
-/// An attribute's place.
+/// The position of an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
     /// The bytes of the name.
     pub name: Range<usize>,
-    /// The place of the value without the quotes.
+    /// The range of the value without the quotes.
     pub value: Range<usize>,
     /// The quotation mark, `"` or `'`.
     pub quote: char,
@@ -36,12 +36,13 @@ pub struct Attribute {
 pub struct Elements(Vec<Element>);
 
 impl Elements {
-    /// Reads the elements up to the end of the text, or to where it is broken.
+    /// Reads the elements up to the end of the text, or to a syntax error.
     pub fn read(text: &str) -> Self {
         Self::read_checked(text).0
     }
 
-    /// Reads the elements as [`Self::read`] does, and returns where and how the text is broken, if it is.
+    /// Reads the elements as [`Self::read`] does, and returns the position and reason of a syntax error, if there is
+    /// one.
     pub(crate) fn read_checked(text: &str) -> (Self, Option<(usize, String)>) {
         let mut reader = Reader::from_str(text);
         let mut all: Vec<Element> = Vec::new();
@@ -85,17 +86,17 @@ impl Elements {
         }
     }
 
-    /// Returns the element of an index that [`Self::root`] or [`Element::children`] gave; panics for others.
+    /// The element of an index from [`Self::root`] or [`Element::children`]; panics for others.
     pub fn get(&self, index: usize) -> &Element {
         &self.0[index]
     }
 
-    /// The element whose start tag begins there.
+    /// The element whose start tag begins at `start`.
     pub(crate) fn starting_at(&self, start: usize) -> Option<usize> {
         self.0.binary_search_by_key(&start, |element| element.tag.start).ok()
     }
 
-    /// The outermost one.
+    /// The outermost element.
     pub fn root(&self) -> Option<usize> {
         (!self.0.is_empty()).then_some(0)
     }
@@ -107,7 +108,7 @@ impl Element {
         self.tag.start..self.end
     }
 
-    /// Returns the name of the tag. `text` is the text that the element was read from, here and below.
+    /// The name of the tag. Here and below, `text` is the text from which the element was read.
     pub fn name<'t>(&self, text: &'t str) -> &'t str {
         let inside = &text[self.tag.start + 1..self.tag.end];
         let end = inside.find(|c: char| c.is_whitespace() || c == '/' || c == '>');
@@ -149,7 +150,7 @@ impl Element {
         all.find(|attribute| &text[attribute.name.clone()] == name)
     }
 
-    /// The place for a further attribute: after the last one.
+    /// The position for a further attribute: after the last one.
     pub(crate) fn end_of_attributes(&self, text: &str) -> usize {
         let after_name = self.tag.start + 1 + self.name(text).len();
         let last = self.attributes(text).pop();

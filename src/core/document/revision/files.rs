@@ -1,4 +1,4 @@
-//! Changes names of files in a text that is written to another folder, but only where they would mean another file.
+//! Adapts names of files in a text that is written to another folder, where they would mean another file there.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::document::paths::{file_candidates, file_name, settle, settle_covered}
 use crate::document::{Category, Child, Document, Object, Property, SourceId, Track, Value, WriteError};
 use crate::files::Access;
 
-/// Makes the names in a tree that `origin` was read as, and that was changed since, relative to the destination.
+/// Makes the file names in a tree, which was read as `origin` and changed since, relative to the destination.
 pub fn move_files(root: &mut Object, origin: &Document, destination: &Destination) {
     let names = FileNames::new(origin, destination);
     names.move_object(root, names.target_folder);
@@ -50,8 +50,8 @@ impl<'d> FileNames<'d> {
         parent(self.path(source))
     }
 
-    /// The property of an object of this kind as it reads in a file of `folder`. What a film names is written, not
-    /// read.
+    /// The property, for an object of this category, as it reads in a file of `folder`. A file named by a film is
+    /// written, not read, and is left alone.
     pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
         if property.name != "filename" || owner == Category::Film {
             return Cow::Borrowed(property);
@@ -76,7 +76,7 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Moves the names of files in an object and in all that hangs below it.
+    /// Adapts the names of files in the subtree of an object.
     pub fn move_object(&self, object: &mut Object, folder: &Path) {
         let owner = object.category;
         for property in &mut object.properties {
@@ -91,8 +91,8 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Another name for the same file; None if the old name still fits. A file that does not exist is named at the
-    /// place that is searched first: it may come later, and the new folder may have another file of that name.
+    /// The new name of a file; None if the old name is still right. A file that does not exist is named in the folder
+    /// that is searched first: it may come later, and the new folder may have another file of that name.
     fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
         if name.is_empty() || Path::new(name).is_absolute() {
             return None;
@@ -104,8 +104,8 @@ impl<'d> FileNames<'d> {
         (!stays).then(|| file_name(&path, to))
     }
 
-    /// Revises the `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known` is the
-    /// file, if it is known.
+    /// Revises the `filename` of an `<include>`, or of a `<spectrum>` with values in a file. `known` is the file, if it
+    /// is known.
     pub fn revise_name(
         &self,
         source: &Source,
@@ -140,7 +140,7 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Revises a `<path>`, which is relative to the file that it is in.
+    /// Revises a `<path>`, which is relative to the file that contains it.
     pub fn revise_folder(&self, source: &Source, element: &Element, place: Place) -> Result<Option<Edit>, WriteError> {
         let from = self.folder(place.source);
         let Some(attribute) = element.attribute(source.text(), "value") else {

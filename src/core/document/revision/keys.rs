@@ -1,5 +1,4 @@
-//! Keys written over the text of a value, or of other keys, in its spelling: of a key that was not edited nothing
-//! changes.
+//! Writes keys over the text of a value, or of other keys, in its spelling: keys that were not edited do not change.
 
 use super::edits::{Edit, apply, margin_of_line, resettle};
 use super::source::Source;
@@ -9,7 +8,7 @@ use crate::document::value::format_float;
 use crate::document::write::{WriteError, animation_tag, check_finite, key_to_block};
 use crate::document::{Interpolation, Key, Object, Property, Track, Value};
 
-/// A value with the text that says it.
+/// An element that spells a value.
 #[derive(Clone, Copy)]
 struct Text<'t> {
     /// The index of the element.
@@ -17,25 +16,25 @@ struct Text<'t> {
     value: &'t Value,
 }
 
-/// What a value is written for.
+/// The role of a written value.
 #[derive(Clone, Copy)]
 enum Use {
     /// The property itself.
     Property,
-    /// The key of this time in seconds.
+    /// The key at this time in seconds.
     Key(f64),
 }
 
 pub(super) struct Keys<'k> {
     pub source: &'k Source<'k>,
     pub owner: &'k Object,
-    /// The property as it is written now.
+    /// The property to be written.
     pub now: &'k Property,
 }
 
 impl Keys<'_> {
-    /// The edits that make the element at `index`, which says `old`, say the property with its keys; None if it has to
-    /// be written anew.
+    /// The edits by which the element at `index`, which spells `old`, spells the property with its keys; None if it has
+    /// to be rewritten.
     pub fn revise(&self, index: usize, old: &Property) -> Result<Option<Vec<Edit>>, WriteError> {
         for key in self.now.keys.iter().flat_map(|track| &track.keys) {
             check_finite(&key.value, &self.now.name, self.owner)?;
@@ -51,7 +50,7 @@ impl Keys<'_> {
         }
     }
 
-    /// An animation in place of a value.
+    /// Replaces a value by an animation.
     fn begin(&self, text: Text, track: &Track) -> Result<Vec<Edit>, WriteError> {
         let element = self.source.elements.get(text.element);
         let margin = margin_of_line(self.source.text(), element.tag.start);
@@ -65,7 +64,7 @@ impl Keys<'_> {
         Ok(vec![Edit::replace(element.range(), block)])
     }
 
-    /// The value in place of an animation.
+    /// Replaces an animation by a value.
     fn end(&self, index: usize, track: &Track) -> Result<Option<Vec<Edit>>, WriteError> {
         let Some(texts) = self.texts(index, track) else {
             return Ok(None);
@@ -77,8 +76,8 @@ impl Keys<'_> {
         Ok(block.map(|block| vec![Edit::replace(range, block)]))
     }
 
-    /// Other keys in an animation. Those of the same time are the same ones; of the others, as many as there are
-    /// between two of these have moved.
+    /// Replaces the keys of an animation. Keys of the same time are the same; between two of these, as many others as
+    /// possible count as moved.
     fn edit(&self, index: usize, old: &Track, now: &Track) -> Result<Option<Vec<Edit>>, WriteError> {
         let Some(texts) = self.texts(index, old) else {
             return Ok(None);
@@ -94,7 +93,7 @@ impl Keys<'_> {
         let mut last: Option<Text> = None;
         for key in &now.keys {
             let stays = is_kept(key, old);
-            // What was removed before a key that stays.
+            // A key that was removed before a key that stays.
             while let Some((_, gone)) = waiting.next_if(|(other, _)| stays && other.time != key.time) {
                 edits.push(self.delete(*gone));
             }
@@ -118,7 +117,7 @@ impl Keys<'_> {
         Ok(Some(edits))
     }
 
-    /// The texts of the keys of an animation; None if its elements are others.
+    /// The elements of the keys of an animation; None if it has other elements.
     fn texts<'t>(&self, index: usize, track: &'t Track) -> Option<Vec<Text<'t>>> {
         let element = self.source.elements.get(index);
         let is_animation = element.name(self.source.text()) == "animation";
@@ -144,7 +143,7 @@ impl Keys<'_> {
         Ok(vec![Edit::replace(range, self.plain_key(now, margin)?)])
     }
 
-    /// A key in the spelling of a text, if that can say it. The lines after the first have this margin.
+    /// A key in the spelling of an element, if that can express it. The lines after the first have this indentation.
     fn key(&self, text: Text, key: &Key, margin: &str) -> Result<String, WriteError> {
         match self.spelled(text, Use::Key(key.time), &key.value, margin)? {
             Some(block) => Ok(block),
@@ -156,7 +155,7 @@ impl Keys<'_> {
         key_to_block(key, &self.now.name, self.owner, margin, &self.source.layout)
     }
 
-    /// A value in the spelling of a text; None if that cannot say it.
+    /// A value in the spelling of an element; None if that cannot express it.
     fn spelled(&self, text: Text, purpose: Use, value: &Value, margin: &str) -> Result<Option<String>, WriteError> {
         let element = self.source.elements.get(text.element);
         let edits = self.edits(text, purpose, value, true)?;
@@ -167,7 +166,8 @@ impl Keys<'_> {
         }))
     }
 
-    /// The edits that make a text say a value, for another use if `renames`; None if it cannot say that.
+    /// The edits by which an element spells a value, with another role if `renames`; None if it cannot express the
+    /// value.
     fn edits(&self, text: Text, purpose: Use, value: &Value, renames: bool) -> Result<Option<Vec<Edit>>, WriteError> {
         let element = self.source.elements.get(text.element);
         let now = Property {

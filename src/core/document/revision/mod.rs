@@ -1,8 +1,8 @@
-//! Writes a changed document over the text that it was read from: comments, layout, `<default>`s and `<include>`s stay,
-//! and so does everything that was not understood; only the elements of what changed are touched.
+//! Writes a changed document over the text that it was read from: comments, layout, `<default>`s, `<include>`s and
+//! unknown elements stay; only the elements of changed parts are touched.
 //!
-//! Two trees are walked side by side, the one that was read and the one to be written, and the text's elements with
-//! them. What stands for the same thing has the same [`Span`] in both; what was made since has none.
+//! Two trees are traversed together, the one that was read and the one to be written, along with the text's elements.
+//! Counterparts have the same [`Span`] in both; new parts have none.
 
 mod additions;
 pub(super) mod edits;
@@ -27,12 +27,12 @@ use super::paths::settle;
 use super::write::{WriteError, check_finite, property_to_block};
 use super::{Child, Document, Object, Property, SourceId, Span, Value};
 
-/// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of
-/// files without a span are relative to its folder.
+/// The files to write, the main one last. `origin` is the document as read; the spans of `now` point into it, and names
+/// of files without a span are relative to its folder.
 ///
-/// What changed in an included file is written there if the document stays where it was and the file is included once;
-/// otherwise its text takes the place of the `<include>`. So does the text of a file that others changed since, where
-/// the document goes elsewhere.
+/// Changes in an included file are written there if the document keeps its folder and the file is included once;
+/// otherwise its text replaces the `<include>`. So does the text of a file that other programs changed since, if the
+/// document moves.
 pub fn revise(
     origin: &Document,
     now: &Document,
@@ -81,9 +81,9 @@ struct Pair<'a> {
     old_children: HashMap<Span, &'a Child>,
     /// The indices of the children of `now` from files; more than one if a file is included twice.
     now_children: HashMap<Span, Vec<usize>>,
-    /// The element of each child of `now` in the text that is edited.
+    /// The element of each child of `now` in the edited text.
     elements: Vec<Option<usize>>,
-    /// The children that have one, in the order they were found.
+    /// The children with an element, in the order they were found.
     found: Vec<usize>,
     last_property: Option<usize>,
 }
@@ -107,7 +107,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The child of `now` at this span that no element was found for yet.
+    /// The child of `now` at this span for which no element was found yet.
     fn next(&self, span: Span) -> Option<usize> {
         let candidates = self.now_children.get(&span)?;
         candidates.iter().copied().find(|&index| self.elements[index].is_none())
@@ -122,7 +122,7 @@ struct Reviser<'r> {
     includes: HashMap<Span, SourceId>,
     /// The number of times that each file is included.
     times_read: HashMap<SourceId, usize>,
-    /// The objects that were read, by place.
+    /// The objects that were read, by span.
     objects: HashMap<Span, &'r Object>,
     /// The new texts of included files.
     revised: BTreeMap<usize, String>,
@@ -163,7 +163,7 @@ impl<'r> Reviser<'r> {
         Ok(edits)
     }
 
-    /// One element inside that of an object.
+    /// Revises one element inside that of an object.
     fn item(&mut self, index: usize, pair: &mut Pair, place: Place, edits: &mut Vec<Edit>) -> Result<(), WriteError> {
         let source = self.source(place.source);
         let element = source.elements.get(index);
@@ -238,7 +238,7 @@ impl<'r> Reviser<'r> {
         Ok(vec![Edit::replace(element.range(), block)])
     }
 
-    /// Revises what an included file holds of the object, or the include itself if that has to go.
+    /// Revises the objects from an included file, or replaces the include if it cannot stay.
     fn include(
         &mut self,
         index: usize,
@@ -274,7 +274,7 @@ impl<'r> Reviser<'r> {
             let path = self.names.path(included);
             edits.extend(self.names.revise_name(source, element, place, Some(path))?);
         } else {
-            // The names are revised once more, for the place where the text will stand.
+            // The names are revised once more, for the folder to which the text moves.
             for child in pair.found.drain(found_before..) {
                 pair.elements[child] = None;
             }
@@ -288,7 +288,7 @@ impl<'r> Reviser<'r> {
             let block = self.content_as_block(included, changes, source, element);
             edits.push(Edit::replace(element.range(), block));
         }
-        // New children that follow something in the include come after the include.
+        // New children that follow an object of the include come after the include.
         for &child in &pair.found[found_before..] {
             pair.elements[child] = Some(index);
         }
@@ -316,7 +316,7 @@ impl<'r> Reviser<'r> {
     }
 }
 
-/// Whether the property has an old name whose value became a part of `to_uv`: it must go when that is written.
+/// Whether the property has an old name whose value became a part of `to_uv`: it is removed when `to_uv` is written.
 fn is_superseded(source: &Source, element: &Element, pair: &Pair) -> bool {
     let value = |object: &Object| -> Option<Value> {
         let property = object.properties.iter().find(|property| property.name == "to_uv");

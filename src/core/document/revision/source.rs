@@ -1,4 +1,4 @@
-//! The texts that are revised, and where they go.
+//! The texts that are revised, and their destinations.
 
 use std::path::{Path, PathBuf};
 
@@ -6,19 +6,19 @@ use super::edits::{Edit, Layout, apply, end_of_line, margin, margin_of_line};
 use super::elements::{Element, Elements};
 use crate::document::{Document, SourceFile, SourceId, Span};
 
-/// Finds the file that a name means in a file of this folder.
+/// Finds the file that a name refers to in a file of this folder.
 pub type FindFile<'f> = &'f dyn Fn(&str, &Path) -> Option<PathBuf>;
 
-/// The path of the main file, and the files that names mean.
+/// The path of the main file, and the lookup of file names.
 #[derive(Clone, Copy)]
 pub struct Destination<'d> {
-    /// The absolute path. In the folder that the document came from, included files are written as well.
+    /// The absolute path. If its folder is that of the original document, included files are written as well.
     pub path: &'d Path,
-    /// Finds the file that a name means now.
+    /// Finds the file that a name refers to now.
     pub find_before: FindFile<'d>,
-    /// Finds the file that a name will mean once the main file is at `path`.
+    /// Finds the file that a name will refer to once the main file is at `path`.
     pub find_after: FindFile<'d>,
-    /// Whether an included file (absolute) has other content now than when it was read: a main file elsewhere cannot
+    /// Whether an included file (absolute path) has changed since it was read: a main file in another folder cannot
     /// include it then.
     pub has_changed: &'d dyn Fn(&Path) -> bool,
 }
@@ -55,7 +55,7 @@ impl<'a> Source<'a> {
         &self.file.text
     }
 
-    /// The bytes to write: the text with the edits made, and with the byte order mark that the file had.
+    /// The text to write: with the edits made, and with the byte order mark that the file had.
     pub fn with(&self, edits: Vec<Edit>) -> String {
         let text = apply(self.text(), 0..self.text().len(), edits);
         match self.file.byte_order_mark {
@@ -65,7 +65,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// A text on its way to a folder.
+/// The destination of a text.
 #[derive(Clone, Copy)]
 pub struct Place<'p> {
     pub source: SourceId,
@@ -89,11 +89,11 @@ pub fn position(offset: usize) -> u32 {
     u32::try_from(offset).unwrap_or(u32::MAX)
 }
 
-/// The place for something new, with the layout that it should have there.
+/// The position of an insertion, with the layout expected there.
 pub struct Slot<'t> {
     pub at: usize,
     pub margin: String,
-    /// Whether it gets lines of its own.
+    /// Whether the insertion gets lines of its own.
     on_own_line: bool,
     source: &'t Source<'t>,
 }
@@ -108,7 +108,7 @@ impl Slot<'_> {
     }
 }
 
-/// The slot after the element `last`, or before all others if there is none.
+/// The slot after the element `last`, or before all others if it is None.
 pub fn slot_after<'t>(source: &'t Source<'t>, element: &Element, last: Option<usize>) -> Slot<'t> {
     let text = source.text();
     let beside = last

@@ -11,8 +11,8 @@ use crate::document::value::{fields, format_float, parse_float};
 use crate::document::write::{WriteError, escape, step_to_block};
 use crate::document::{Object, Property, TransformOp, Value};
 
-/// The edits that make the property at `index` say `now` instead of `before`; None if its tag cannot say that. All
-/// numbers are finite.
+/// The edits by which the property at `index` spells `now` instead of `before`; None if its tag cannot express that.
+/// All numbers are finite.
 pub(super) fn revise_value(
     source: &Source,
     index: usize,
@@ -42,7 +42,7 @@ pub(super) fn revise_value(
     })
 }
 
-/// Sets, adds or removes an attribute; None if there is nothing to do.
+/// Sets, adds or removes an attribute; None if nothing changes.
 pub fn revise_attribute(
     text: &str,
     element: &Element,
@@ -52,8 +52,8 @@ pub fn revise_attribute(
     Tag { text, element }.value(value, name)
 }
 
-/// Revises steps: those that stay of their kind change in place, and further ones follow. None if the transform has to
-/// be written anew.
+/// Revises steps: those that keep their kind change in place, and further ones follow. None if the transform has to be
+/// rewritten.
 fn revise_steps(
     source: &Source,
     index: usize,
@@ -205,14 +205,14 @@ impl Tag<'_> {
     }
 }
 
-/// The numbers as a list that differs from the old one only where the numbers do. One number for all stays one if it
-/// can.
+/// The numbers as a list, which differs from the old one only where the numbers do. A single number for all is kept if
+/// possible.
 fn revise_list(old: &str, numbers: &[f32]) -> String {
     let known: Vec<&str> = fields(old).collect();
     if known.len() == 1 && numbers.iter().all(|number| *number == numbers[0]) {
         return format_float(numbers[0]);
     }
-    // A `$` name stands for an old value, and a `#` for a colour in another coding.
+    // The old values cannot be compared if they have `$` names or are `#` colours.
     if known.len() != numbers.len() || old.contains(['$', '#']) {
         let texts: Vec<String> = numbers.iter().copied().map(format_float).collect();
         return texts.join(", ");
