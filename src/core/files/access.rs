@@ -1,5 +1,5 @@
-//! The folders that a scene may read files from. A trusted scene may read every folder; an untrusted one reads only its
-//! own folder and the folders that the user has allowed.
+//! The folders from which a scene may read files. A trusted scene may read every folder; an untrusted one only its own
+//! folder and the folders that the user has allowed.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -15,10 +15,10 @@ const MOST_REFUSED: usize = 1000;
 /// The most links that are followed in one path, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
-/// The number of times that a path is resolved anew because a link has taken the place of a part of it meanwhile.
+/// How often a path is resolved again because a link has meanwhile replaced a part of it.
 const MOST_TRIES: usize = 8;
 
-/// A folder that may be read, or a file that stands for itself.
+/// A folder that may be read, or a single file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Folder {
     /// The absolute path as it was named: its own links are the user's, and are followed.
@@ -51,7 +51,7 @@ impl Access {
         Self::default()
     }
 
-    /// Allows only files in these folders and below them.
+    /// Allows only files in and below these folders.
     pub fn within(folders: impl IntoIterator<Item = PathBuf>) -> Self {
         Self {
             folders: Some(folders.into_iter().map(|folder| Folder::new(&folder)).collect()),
@@ -59,7 +59,7 @@ impl Access {
         }
     }
 
-    /// Says that the scene is in this folder.
+    /// Sets the scene's own folder.
     pub fn of_scene_in(self, folder: &Path) -> Self {
         Self {
             own: Some(canonical(folder)),
@@ -67,7 +67,7 @@ impl Access {
         }
     }
 
-    /// The same permission with a list of refused files of its own.
+    /// The same permission with its own, empty list of refused files.
     pub fn apart(&self) -> Self {
         Self {
             refused: Arc::default(),
@@ -75,7 +75,7 @@ impl Access {
         }
     }
 
-    /// Whether messages may show text of a file. Text of a file outside the scene's folder is not shown: messages are
+    /// Whether messages may quote text of a file. Text of a file outside the scene's folder is not shown: messages are
     /// passed on, and a scene may name a private file.
     pub fn may_quote(&self, path: &Path) -> bool {
         let Some(own) = &self.own else {
@@ -84,8 +84,8 @@ impl Access {
         resolved(path, |_| true).is_some_and(|path| path.starts_with(own))
     }
 
-    /// Permits this folder as well; files in it no longer count as refused. A file in place of a folder stands for
-    /// itself.
+    /// Permits this folder as well; files in it no longer count as refused. If the path is a file, only that file is
+    /// permitted.
     pub fn allow(&mut self, folder: &Path) {
         if let Some(folders) = &mut self.folders {
             let folder = Folder::new(folder);
@@ -97,8 +97,8 @@ impl Access {
         }
     }
 
-    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its
-    /// name. A refused one that exists is remembered.
+    /// Whether a file or a folder may be accessed, after following its links. One that does not exist is judged by its
+    /// name. If it exists and is refused, it is added to the refused files.
     pub fn permits(&self, path: &Path) -> bool {
         let permitted = self.covers(path);
         if !permitted && path.exists() {
@@ -110,9 +110,9 @@ impl Access {
         permitted
     }
 
-    /// The first of these places where there is a file that may be read. A device or a pipe is found where there is no
-    /// file: reading it says what it is. If there is neither, a file in one of the places that are refused is
-    /// remembered; the result does not depend on it.
+    /// The first of these paths that is a file which may be read, or else the first that is a device or a pipe: reading
+    /// it gives the error. If there is neither, an existing file at a refused path is added to the refused files; the
+    /// result does not depend on it.
     pub fn find<'p>(&self, places: &'p [PathBuf]) -> Option<&'p PathBuf> {
         let permitted = || places.iter().filter(|path| self.covers(path));
         let found = permitted().find(|path| path.is_file());
@@ -125,8 +125,8 @@ impl Access {
         found
     }
 
-    /// Gives the answer of [`Self::permits`], and remembers nothing. A path that leads through other places is refused
-    /// also if it ends in a permitted folder: the answer must not tell whether those places exist.
+    /// [`Self::permits`] without adding to the refused files. A path through other folders is refused even if it ends
+    /// in a permitted one: the answer must not reveal whether those folders exist.
     pub fn covers(&self, path: &Path) -> bool {
         match &self.folders {
             Some(folders) => place_in(folders, path).is_some(),
@@ -134,29 +134,29 @@ impl Access {
         }
     }
 
-    /// The files and folders that were refused so far and exist, in alphabetical order.
+    /// The existing files and folders that were refused so far, in alphabetical order.
     pub fn refused(&self) -> Vec<PathBuf> {
         let refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
         refused.iter().cloned().collect()
     }
 
-    /// Does what [`reading::check`] does, if the file is permitted.
+    /// [`reading::check`] for a permitted file.
     pub fn check(&self, path: &Path, limit: u64) -> Result<(), FileError> {
         self.opened(path, limit).map(drop).inspect(|()| note_read(path))
     }
 
-    /// Opens a permitted file, as [`reading::open`] does. What is opened is the file that was found to be permitted,
-    /// whatever takes its place meanwhile.
+    /// [`reading::open`] for a permitted file. It opens the very file that was found to be permitted, even if that is
+    /// replaced meanwhile.
     pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
         self.opened(path, limit).inspect(|_| note_read(path))
     }
 
-    /// Opens a permitted file, as [`Self::open`] does, that is no part of the scene: it may be replaced.
+    /// [`Self::open`] for a permitted file that is no part of the scene, so that it may be replaced later.
     pub fn open_apart(&self, path: &Path, limit: u64) -> Result<File, FileError> {
         self.opened(path, limit)
     }
 
-    /// Reads a permitted file, as [`reading::read`] does, and opens it as [`Self::open`] does.
+    /// [`reading::read`] for a permitted file, opened as by [`Self::open`].
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
         let file = self.opened(path, limit)?;
         reading::content(&file, limit).inspect(|_| note_read(path))
@@ -169,7 +169,7 @@ impl Access {
         let mut last = FileError::Outside;
         for _ in 0..MOST_TRIES {
             let Some(place) = place_in(folders, path) else {
-                // It is remembered.
+                // This adds the file to the refused ones.
                 self.permits(path);
                 return Err(FileError::Outside);
             };
@@ -182,14 +182,14 @@ impl Access {
     }
 }
 
-/// Two permissions are the same if they are for the same folders.
+/// Two permissions are equal if they are for the same folders.
 impl PartialEq for Access {
     fn eq(&self, other: &Self) -> bool {
         self.folders == other.folders
     }
 }
 
-/// The absolute path without links of what a path leads to, if that lies in one of the folders.
+/// The absolute path after following all links, if it lies in one of the folders.
 fn place_in(folders: &[Folder], path: &Path) -> Option<PathBuf> {
     let is_inside = |place: &Path| folders.iter().any(|folder| place.starts_with(&folder.canonical));
     let leads_in = |place: &Path| is_inside(place) || folders.iter().any(|folder| folder.canonical.starts_with(place));
@@ -208,9 +208,9 @@ fn canonical(folder: &Path) -> PathBuf {
         .unwrap_or_else(|| folder.to_owned())
 }
 
-/// Makes a path absolute and follows its links, also those that lead to nothing. The part that does not exist stays as
-/// it is. None if that part leads upwards, or if the path leads through more than [`MOST_LINKS`] links or a place that
-/// `may_pass` refuses; nothing is looked up there.
+/// Makes a path absolute and follows its links, including dangling ones. The part that does not exist is kept. None if
+/// that part has a `..`, or if the path leads through more than [`MOST_LINKS`] links or a folder that `may_pass`
+/// refuses; nothing is looked up there.
 fn resolved(path: &Path, may_pass: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     let mut absolute = std::path::absolute(path).ok()?;
     'links: for _ in 0..=MOST_LINKS {
@@ -222,7 +222,7 @@ fn resolved(path: &Path, may_pass: impl Fn(&Path) -> bool) -> Option<PathBuf> {
                     place.push(part);
                     continue;
                 }
-                // Where drives have letters, the canonical root is spelt otherwise.
+                // The canonical root of a drive with a letter is spelt differently.
                 Component::RootDir => place = place.join(part).canonicalize().ok()?,
                 Component::ParentDir if !place.is_dir() => return None,
                 Component::ParentDir => {

@@ -1,9 +1,9 @@
-//! Replaces files as a whole or not at all, and removes what killed programs leave behind.
+//! Replaces files as a whole or not at all, and removes temporary files of killed programs.
 //!
 //! The new content is written to a temporary file beside the target, which is then renamed. A program that is killed in
 //! between leaves the temporary file. Every writer therefore holds a lock on its temporary file, and a later write into
-//! the same folder removes those that are old and not locked. The lock makes that safe for two programs that write into
-//! one folder at the same time; `O_TMPFILE` would not help, for a file without a name cannot replace one, and not every
+//! the same folder removes old ones that are not locked. The lock makes that safe for two programs that write into one
+//! folder at the same time; `O_TMPFILE` would not help, for a file without a name cannot replace one, and not every
 //! system and file system has it.
 //!
 //! Locks folders, so that programs that work on the same files take turns.
@@ -20,7 +20,7 @@ use tempfile::{NamedTempFile, TempPath};
 use super::record::is_kept;
 use super::set::finish_all;
 
-/// How the names of temporary files begin.
+/// The prefix of the names of temporary files.
 pub(super) const PREFIX: &str = ".sunroom-";
 const SUFFIX: &str = ".part";
 
@@ -32,8 +32,8 @@ const LEFTOVER_AGE: Duration = Duration::from_secs(3600);
 const MOST_LINKS: usize = 40;
 
 /// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure
-/// the old content is there. A symbolic link stays one, also one to a file that is not there yet; an old file keeps its
-/// permissions. Folders, devices and pipes are refused, and so are files that the program has read, if that was [asked
+/// the old content is intact. A symbolic link stays one, even a dangling one; an old file keeps its permissions.
+/// Folders, devices and pipes are refused, and so are files that the program has read, if that was [asked
 /// for](super::keep_reads).
 ///
 /// The first write of a process into a folder also removes the temporary files that killed programs have left there.
@@ -41,7 +41,7 @@ pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()
     write_atomically_with(path, |file| file.write_all(content.as_ref()))
 }
 
-/// [`write_atomically`] for content that `write` writes piece by piece.
+/// [`write_atomically`] with a function that writes the content piece by piece.
 pub fn write_atomically_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let target = Target::new(path)?;
     let folder = target.folder().to_owned();
@@ -50,8 +50,8 @@ pub fn write_atomically_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> 
     Ok(())
 }
 
-/// Whether [`write_atomically`] can replace this file, as far as that can be known before there is something to write.
-/// The error is the one that the write would have.
+/// Checks whether [`write_atomically`] can replace this file, as far as that is known before there is content. The
+/// error is the one that the write would give.
 pub fn check_writable(path: &Path) -> io::Result<()> {
     Target::new(path)?.temporary_file().map(drop)
 }
@@ -59,20 +59,20 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
 /// A file to be replaced.
 #[derive(Debug)]
 pub(super) struct Target {
-    /// The path of the file itself, after all links.
+    /// The path of the file itself, after following all links.
     pub path: PathBuf,
 }
 
-/// The new content of a file, which lies beside it. It is removed with this value.
+/// The new content of a file, in a temporary file beside it, which is removed on drop.
 #[derive(Debug)]
 pub(super) struct Waiting {
-    // It is closed, so that a set may have more files than a program may have open.
+    // The file is closed, since a set may have more files than a program may have open.
     file: TempPath,
     target: PathBuf,
 }
 
 impl Target {
-    /// An error if nothing can be written there whatever the permissions are.
+    /// An error if nothing can be written there, with any permissions.
     pub fn new(path: &Path) -> io::Result<Self> {
         let target = Self { path: followed(path)? };
         let folder = target.folder();
@@ -91,7 +91,7 @@ impl Target {
                 let message = "the scene is made of this file; choose another name";
                 Err(io::Error::other(message))
             }
-            // A temporary file has a short name, and would not show that this one is too long.
+            // A temporary file has a short name, and would not reveal that this one is too long.
             Err(error) if error.kind() == ErrorKind::InvalidFilename => Err(error),
             _ => Ok(target),
         }
@@ -101,7 +101,7 @@ impl Target {
         folder_of(&self.path)
     }
 
-    /// An empty file beside the target, locked; it is removed when it is dropped.
+    /// A locked, empty temporary file beside the target, removed on drop.
     pub fn temporary_file(&self) -> io::Result<NamedTempFile> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(SUFFIX);
@@ -115,7 +115,7 @@ impl Target {
         Ok(file)
     }
 
-    /// Writes the new content beside the old.
+    /// Writes the new content to a temporary file beside the target.
     pub fn write(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Waiting> {
         let mut file = self.temporary_file()?;
         if let Ok(old) = fs::metadata(&self.path) {
@@ -140,19 +140,19 @@ impl Waiting {
         &self.target
     }
 
-    /// The same, but the file with the new content stays when this value goes.
+    /// The same content, whose temporary file stays on drop.
     pub fn kept(mut self) -> Self {
         self.file.disable_cleanup(true);
         self
     }
 
-    /// Puts the new content in the place of the old.
+    /// Renames the temporary file to the target.
     pub fn replace(self) -> io::Result<()> {
         self.file.persist(&self.target).map_err(|error| error.error)
     }
 }
 
-/// Writes the content of a temporary file to the disk.
+/// Writes the content of a temporary file and flushes it to the disk.
 pub(super) fn fill(file: &mut NamedTempFile, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
     let mut buffered = io::BufWriter::new(file.as_file_mut());
@@ -169,12 +169,12 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The file that a path leads to, also where links lead to a file that is not there. An error if they lead in a circle.
+/// The file that a path leads to, even if it does not exist. An error if its links form a cycle.
 pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
     for _ in 0..=MOST_LINKS {
         let Ok(target) = place.read_link() else {
-            // The folder's path is the same whether the file is there or not.
+            // The folder's path is the same whether the file exists or not.
             let in_folder = || Some(folder_of(&place).canonicalize().ok()?.join(place.file_name()?));
             return Ok(place.canonicalize().ok().or_else(in_folder).unwrap_or(place));
         };
@@ -186,7 +186,7 @@ pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
     ))
 }
 
-/// Removes leftovers unless this process has done so before: a folder with many files takes long to list.
+/// Removes leftovers unless this process has done so before: listing a folder with many files takes long.
 pub(super) fn remove_leftovers_once(folder: &Path) {
     static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -196,7 +196,7 @@ pub(super) fn remove_leftovers_once(folder: &Path) {
     }
 }
 
-/// Removes the temporary files of programs that run no more. What cannot be listed, locked or removed stays.
+/// Removes the temporary files of programs that no longer run, as far as they can be listed, locked and removed.
 fn remove_leftovers(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let old: Vec<PathBuf> = entries
@@ -206,7 +206,7 @@ fn remove_leftovers(folder: &Path) {
     if old.is_empty() {
         return;
     }
-    // The files of a set may lie in a folder beside the one that names them.
+    // The files of a set may lie in a folder beside the main file.
     let waiting: HashSet<PathBuf> = folder.ancestors().take(2).flat_map(finish_all).collect();
     for path in old.iter().filter(|path| !waiting.contains(*path)) {
         let file = File::options().read(true).write(true).open(path);
@@ -219,7 +219,7 @@ fn remove_leftovers(folder: &Path) {
     }
 }
 
-/// Whether a file is called as temporary files are.
+/// Whether a file has the name of a temporary file.
 pub(super) fn is_file_of_write(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().as_encoded_bytes();
     name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes())
@@ -227,25 +227,25 @@ pub(super) fn is_file_of_write(path: &Path) -> bool {
 
 fn is_old_temporary_file(entry: &DirEntry) -> bool {
     let is_ours = is_file_of_write(&entry.path());
-    // The metadata of an entry are those of a link itself, not of its target.
+    // The metadata are those of a link itself, not of its target.
     let about = entry.metadata().ok().filter(|about| is_ours && about.is_file());
     let modified = about.and_then(|about| about.modified().ok());
     let age = modified.and_then(|time| time.elapsed().ok());
     age.is_some_and(|age| age >= LEFTOVER_AGE)
 }
 
-/// A folder is locked while this is there.
+/// The lock of a folder, released on drop.
 #[derive(Debug)]
 pub struct FolderLock {
     _folder: Option<File>,
 }
 
-/// Another program held the lock for the whole time.
+/// The error that another program held the lock for the whole time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FolderBusy;
 
-/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, no lock is taken, and that is
-/// no error: locks only help other programs that take them, too.
+/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, this succeeds without a lock:
+/// locks only help against other programs that take them, too.
 pub fn lock_folder(folder: &Path, longest: Duration) -> Result<FolderLock, FolderBusy> {
     // Only a folder is opened, which neither blocks nor has effects.
     let opened = folder.is_dir().then(|| File::open(folder).ok());

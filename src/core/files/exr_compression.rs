@@ -4,7 +4,7 @@ declare_names! {
     /// The ways in which OpenEXR makes files smaller.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum ExrCompression {
-        /// Samples as they are.
+        /// Uncompressed.
         None = "none" => "none",
         /// Runs of equal bytes.
         Rle = "rle" => "rle",
@@ -13,11 +13,11 @@ declare_names! {
         /// Deflate of 16 rows at a time.
         #[default]
         Zip = "zip" => "zip",
-        /// Wavelets, without loss; best for noise.
+        /// Wavelets, lossless; best for noise.
         Piz = "piz" => "piz, for noise",
-        /// Floats lose their last eight bits; the rest is without loss.
+        /// Floats lose their last eight bits; other types are lossless.
         Pxr24 = "pxr24" => "pxr24, with loss",
-        /// Halves in blocks of a fixed size, with loss; the rest is not compressed.
+        /// Halves in blocks of a fixed size, lossy; other types are not compressed.
         B44 = "b44" => "b44, with loss",
         /// The method of [`Self::B44`], with smaller blocks where all pixels of a block are equal.
         B44a = "b44a" => "b44a, with loss",
@@ -29,14 +29,14 @@ declare_names! {
 }
 
 impl ExrCompression {
-    /// Whether the bits of a float survive.
+    /// Whether floats are stored without loss.
     pub fn keeps_floats(self) -> bool {
         !matches!(self, Self::Pxr24 | Self::Dwaa | Self::Dwab)
     }
 
-    /// Whether floats in channels whose names end in `.Y` are taken for luminances and stored with the loss that the
-    /// eye forgives in colours: the method decides by the last part of a name, whatever the layer is (`Classifier`
-    /// in OpenEXR's `internal_dwa_classifier.h`).
+    /// Whether float channels whose names end in `.Y` are taken for luminances and compressed with the loss that is
+    /// meant for colours: the method looks only at the last part of a name, whatever the layer is (`Classifier` in
+    /// OpenEXR's `internal_dwa_classifier.h`).
     pub fn takes_y_for_luminance(self) -> bool {
         matches!(self, Self::Dwaa | Self::Dwab)
     }

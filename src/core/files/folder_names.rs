@@ -1,4 +1,4 @@
-//! The names of what lies in folders, for a search of many files in the same folders.
+//! Caches the names in folders, for a search of many files in the same folders.
 
 use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
@@ -6,28 +6,28 @@ use std::path::{Path, PathBuf};
 
 use super::Access;
 
-/// So often a file is sought in a folder before the folder is listed: for a few files that would take longer.
+/// How often files are sought singly in a folder before it is listed: for a few files listing would take longer.
 const SOUGHT_SINGLY: u32 = 4;
-/// The most names of a folder that are kept. In larger ones every file is sought by itself.
+/// The most names of a folder that are cached. In larger folders every file is sought by itself.
 const MOST_NAMES: usize = 100_000;
 
-/// Folders that were looked into, each at most once: what is said of them is as of then.
+/// The cached folders, each listed at most once: later changes are not seen.
 #[derive(Debug, Default)]
 pub struct FolderNames(HashMap<PathBuf, Folder>);
 
 #[derive(Debug)]
 enum Folder {
-    /// Not listed yet, and asked for so often.
+    /// Not listed yet, with the number of files sought in it.
     Unlisted(u32),
-    /// The names that it holds, in small letters: some file systems do not tell these from capitals.
+    /// Its names in lower case, since some file systems ignore case.
     Listed(HashSet<String>),
-    /// It cannot be listed, or holds too much.
+    /// It cannot be listed, or has too many names.
     Unknown,
 }
 
 impl FolderNames {
-    /// Whether there may be something at this path. False only where there is nothing for certain. Folders that
-    /// `access` refuses are not looked into.
+    /// Whether a file may exist at this path. False only if there is certainly none. Folders that `access` refuses are
+    /// not listed.
     pub fn may_have(&mut self, path: &Path, access: &Access) -> bool {
         let (Some(parent), Some(name)) = (path.parent(), path.file_name().and_then(|name| name.to_str())) else {
             return true;
@@ -35,7 +35,7 @@ impl FolderNames {
         if !access.covers(path) {
             return true;
         }
-        // File systems disagree on how other letters are spelt.
+        // File systems disagree on how non-ASCII letters are encoded.
         if !name.is_ascii() {
             return true;
         }

@@ -1,9 +1,9 @@
 //! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces
 //! files as a whole, and [`FileSet`] several that belong together.
 //!
-//! What a scene names is opened through its [`Access`], which may be limited to some folders.
+//! Files named by a scene are opened through its [`Access`], which may be limited to some folders.
 //!
-//! No other module opens a file for reading (`tests/layering` holds that), so that no device, pipe or endless file is
+//! No other module opens a file for reading (`tests/layering` checks that), so that no device, pipe or endless file is
 //! read anywhere.
 
 mod access;

@@ -1,14 +1,14 @@
-//! Opens regular files of a bounded length. Devices, pipes, sockets and folders are refused, also behind symbolic
+//! Opens regular files of a bounded length. Devices, pipes, sockets and folders are refused, even behind symbolic
 //! links, and opening one never blocks.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The longest mesh, picture or set of rays in bytes. The memory of a usual machine ends before.
+/// The size limit of a mesh, picture or set of rays in bytes, more than the memory of a usual machine.
 pub const LARGEST_DATA: u64 = 64 << 30;
 
-/// The longest script, preferences file or other small text in bytes.
+/// The size limit of a script, preferences file or other small text in bytes.
 pub const LARGEST_NOTE: u64 = 64 << 20;
 
 /// The reason why a file is not read. The messages do not name the file; the caller adds its name.
@@ -25,12 +25,12 @@ pub enum FileError {
     /// `limit` is in bytes.
     #[error("is larger than {} MiB, the most that is read of such a file", limit >> 20)]
     TooLarge { limit: u64 },
-    /// Holds the memory budget in words.
+    /// The text of the error of the memory budget.
     #[error("is larger than {0}")]
     OverBudget(String),
     #[error("is not UTF-8 text")]
     NotUtf8,
-    /// Says why the files cannot be made to belong together again, and what to do.
+    /// The reason why an interrupted set of files cannot be completed, and advice.
     #[error("is one of several files that were being replaced together when the program ended: {0}")]
     BrokenOff(String),
     /// An [`Access`](super::Access) refused the file.
@@ -39,7 +39,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// Whether a link has taken the place of the file or of a folder on the way to it.
+    /// Whether a link has replaced the file or a folder in its path.
     #[cfg(unix)]
     pub(super) fn is_link(&self) -> bool {
         use rustix::io::Errno;
@@ -66,7 +66,7 @@ impl From<FileError> for io::Error {
     }
 }
 
-/// Whether a file of at most `limit` bytes can be opened, by its metadata alone.
+/// Checks, by metadata alone, whether a file of at most `limit` bytes can be opened.
 pub fn check(path: &Path, limit: u64) -> Result<(), FileError> {
     check_metadata(&path.metadata()?, limit)
 }
@@ -102,7 +102,7 @@ pub(super) fn content(file: &File, limit: u64) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// [`read()`] for text.
+/// [`read()`] as UTF-8 text.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, FileError> {
     String::from_utf8(read(path, limit)?).map_err(|_| FileError::NotUtf8)
 }
@@ -150,16 +150,15 @@ fn open_without_blocking(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// [`open`] for an absolute path without links: the file that is opened lies where the path says, also if others move
-/// and replace files meanwhile. A link that has taken the place of any part of the path is an error, see
-/// [`FileError::is_link`].
+/// [`open`] for an absolute path without links: it opens the file at exactly this path, even if other programs move and
+/// replace files meanwhile. If a link has replaced any part of the path, it fails with [`FileError::is_link`].
 #[cfg(unix)]
 pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileError> {
     use std::os::fd::OwnedFd;
 
     use rustix::fs::{AtFlags, CWD, FileType, Mode, OFlags, openat, statat};
 
-    // Each folder is opened in the one before. Only Linux opens folders that may be passed and not be listed.
+    // Each folder is opened in the one before. Only Linux opens folders that may be traversed but not listed.
     let passing = OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
     #[cfg(target_os = "linux")]
     let passing = passing | OFlags::PATH;
@@ -174,7 +173,7 @@ pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileEr
             folder = Some(open(passing).map_err(io::Error::from)?);
             continue;
         }
-        // Opening a device may have effects of its own. A link is none here, and opening it says so.
+        // Opening a device may have effects of its own, so the type is checked first. Opening a link fails.
         if let Some(folder) = &folder {
             let about = statat(folder, part.as_os_str(), AtFlags::SYMLINK_NOFOLLOW).map_err(io::Error::from)?;
             match FileType::from_raw_mode(about.st_mode) {
@@ -193,7 +192,7 @@ pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileEr
     Err(FileError::Folder)
 }
 
-/// [`open`]: where there is no way to open a file in an open folder, the path is followed once more.
+/// [`open`]: without a system call to open a file in an open folder, the path is resolved once more.
 #[cfg(not(unix))]
 pub(super) fn open_without_links(path: &Path, limit: u64) -> Result<File, FileError> {
     open(path, limit)

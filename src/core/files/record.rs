@@ -1,5 +1,5 @@
-//! Remembers which files are read through an [`Access`](super::Access) and those that are noted, so that a program can
-//! tell what a scene consists of, and replaces none of it.
+//! Records which files are read through an [`Access`](super::Access) or noted, so that a program can list the files of
+//! a scene, and overwrites none of them.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fs::File;
@@ -11,16 +11,16 @@ use super::atomic::followed;
 
 static OPENED: Mutex<Option<Opened>> = Mutex::new(None);
 
-/// Whether the files that are remembered are not to be replaced.
+/// Whether the recorded files must not be replaced.
 static KEPT: AtomicBool = AtomicBool::new(false);
 
-/// Has every file of scenes remembered that this process reads from now on.
+/// Starts recording the scene files that this process reads.
 pub fn record_reads() {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     opened.get_or_insert_default();
 }
 
-/// Has every file of scenes remembered that this process reads from now on, and refuses to write any of them.
+/// Starts recording the scene files that this process reads, and refuses to overwrite them.
 pub fn keep_reads() {
     record_reads();
     KEPT.store(true, Ordering::Relaxed);
@@ -32,15 +32,14 @@ pub fn recorded_reads() -> Vec<PathBuf> {
     opened.iter().flat_map(|opened| &opened.names).cloned().collect()
 }
 
-/// Remembers a file that a scene consists of, if that was asked for.
+/// Records a file of the scene, if recording has started.
 pub fn note_read(path: &Path) {
     if let Some(opened) = &mut *OPENED.lock().unwrap_or_else(PoisonError::into_inner) {
         opened.note(path);
     }
 }
 
-/// Whether this file was read and is not to be replaced, under whatever name it was. The path is given as the links to
-/// it lead.
+/// Whether this file was read, under any of its names, and must not be replaced. All links in the path are resolved.
 pub(super) fn is_kept(path: &Path) -> bool {
     if !KEPT.load(Ordering::Relaxed) {
         return false;
@@ -53,9 +52,9 @@ pub(super) fn is_kept(path: &Path) -> bool {
 #[derive(Debug, Default)]
 struct Opened {
     names: BTreeSet<PathBuf>,
-    /// The same after all links.
+    /// Their paths after following all links.
     places: HashSet<PathBuf>,
-    /// The names by the files that were there when they were read.
+    /// The paths of each file, by its identity when it was read.
     files: HashMap<Identity, Vec<PathBuf>>,
 }
 
@@ -70,25 +69,25 @@ impl Opened {
         }
     }
 
-    /// Whether a file was read. It looks at no other files: there may be very many, and a program may ask at each
-    /// picture that it writes.
+    /// Whether a file was read. This examines only the given file: there may be very many, and a program may ask at
+    /// each picture that it writes.
     fn has(&self, path: &Path) -> bool {
         let Some(file) = Identity::of(path) else {
             return false;
         };
-        // Of a file that is gone, another may have the number.
+        // The identity of a deleted file may be reused by another.
         let names = self.files.get(&file);
         self.places.contains(path) || names.is_some_and(|names| SameFiles::of(names).has(path))
     }
 }
 
-/// Whether both names are of one file, be it there or not. Links are followed.
+/// Whether both paths lead to one file, existing or not. Links are followed.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     let place = |path: &Path| followed(path).and_then(std::path::absolute).ok();
     one == other || place(one).is_some_and(|one| place(other) == Some(one)) || SameFiles::of([one]).has(other)
 }
 
-/// Tells whether a name is one of some files, be it a link to one of them or written in letters of another case.
+/// A set of files, which recognises each under any name: a link to it, or its name in other case.
 #[derive(Debug)]
 pub struct SameFiles(HashSet<Identity>);
 
@@ -109,7 +108,7 @@ impl SameFiles {
     }
 }
 
-/// The same for all names of one file: on Unix the device and the number that the file has there.
+/// The identity of a file, equal for all of its names: on Unix its device and inode.
 #[derive(Debug, PartialEq, Eq, Hash)]
 pub(super) struct Identity {
     #[cfg(unix)]
@@ -127,7 +126,7 @@ impl Identity {
         }
     }
 
-    /// The identity of the file at a path, after all links; None if there is no file.
+    /// The identity of the file at a path, after following all links; None if there is no file.
     pub fn of(path: &Path) -> Option<Self> {
         path.metadata().ok().map(|about| Self::new(&about))
     }
@@ -140,12 +139,12 @@ impl Identity {
 
 #[cfg(not(unix))]
 impl Identity {
-    /// The identity of the file at a path, after all links; None if there is no file.
+    /// The identity of the file at a path, after following all links; None if there is no file.
     pub fn of(path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(|path| Self { path })
     }
 
-    /// Whether an open file has this identity. It cannot be known here, and the answer is yes.
+    /// Whether an open file has this identity. This is unknown here, so it is assumed.
     pub fn is_of(&self, _: &File) -> bool {
         true
     }

@@ -1,15 +1,16 @@
 //! Replaces several files that belong together: a level and its lightmaps, a glTF file and its buffer, a scene and its
 //! meshes.
 //!
-//! All new contents are first written beside their places, which is where disks become full and where time goes. Then a
-//! note is made that says which file goes where, and the files are renamed, the one that names the others last. Before
-//! the first rename all files are the old ones. From there on, all will be the new ones: a program that is killed among
-//! the renames leaves the note, and who reads or replaces the set next finishes it ([`finish_set`]). That takes no
-//! space on the disk. The note is removed at the end, and with the new files if not even the first rename can be done.
+//! All new contents are first written to temporary files beside their targets, which is where disks become full and
+//! where time goes. Then a journal, called the note, is written that lists the renames, and the files are renamed, the
+//! main file, which names the others, last. Before the first rename all files are the old ones. From there on, all will
+//! be the new ones: a program that is killed among the renames leaves the note, and the next program that reads or
+//! replaces the set completes it ([`finish_set`]). That takes no space on the disk. The note is removed at the end, and
+//! with the new files if not even the first rename succeeds.
 //!
-//! The note lies in the folder of the file that names the others. It may come from others with that folder, so it can
-//! only do what those could do themselves: rename files within the folder and below it, where the files that are
-//! replaced or removed are as they were when it was made.
+//! The note lies in the folder of the main file. It may come from a third party with that folder, so it can only do
+//! what that party could do itself: rename files in and below the folder, if the files that are replaced or removed
+//! have not changed since.
 
 use std::collections::HashSet;
 use std::fs::{self, File, Metadata, TryLockError};
@@ -25,13 +26,13 @@ use super::atomic::{PREFIX, Target, Waiting, fill, followed, is_file_of_write, r
 use super::reading::{FileError, LARGEST_NOTE, content, open};
 use super::record::Identity;
 
-/// Notes are called [`PREFIX`], the checksum of the name of the file that names the others, and this.
+/// The name of a note is [`PREFIX`], the checksum of the name of the main file, and this suffix.
 const NOTE_SUFFIX: &str = ".set";
 
 /// The longest wait for another program that is renaming the files of the same set, which takes milliseconds.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// Times of files may be this much apart, in seconds, and be the same: some file systems keep even seconds only.
+/// The difference of file times, in seconds, up to which they count as equal: some file systems keep even seconds only.
 const CLOCK: u64 = 2;
 
 /// The CRC-32 of some bytes, as in ZIP and PNG files, in eight hexadecimal digits.
@@ -47,7 +48,7 @@ pub fn checksum(bytes: &[u8]) -> String {
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// What the system says.
+    /// The error of the system.
     pub source: io::Error,
 }
 
@@ -56,12 +57,12 @@ fn failed(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
     |source| WriteError { path, source }
 }
 
-/// New contents of files, which replace the old ones together. Until then they lie beside them, and are removed with
-/// this value.
+/// New contents of files, which replace the old ones together. Until then they are in temporary files, which are
+/// removed on drop.
 #[derive(Debug)]
 pub struct FileSet {
     main: PathBuf,
-    /// The files as they were named.
+    /// The files with their paths as named by the caller.
     files: Vec<(PathBuf, Waiting)>,
     outdated: Vec<PathBuf>,
 }
@@ -76,12 +77,12 @@ impl FileSet {
         }
     }
 
-    /// Adds a file with this content. It does not replace folders, devices and files that the program has read.
+    /// Adds a file with this content. Folders, devices and files that the program has read are refused.
     pub fn add(&mut self, path: &Path, content: impl AsRef<[u8]>) -> Result<(), WriteError> {
         self.add_with(path, |file| file.write_all(content.as_ref()))
     }
 
-    /// [`Self::add`] for content that `write` writes piece by piece.
+    /// [`Self::add`] with a function that writes the content piece by piece.
     pub fn add_with(
         &mut self,
         path: &Path,
@@ -92,25 +93,25 @@ impl FileSet {
         Ok(())
     }
 
-    /// Has a file of the older set removed that the new one has no more, once the new files are in their places.
+    /// Marks a file of the old set for removal once the new files are in place.
     pub fn remove(&mut self, path: &Path) {
         self.outdated.push(path.to_owned());
     }
 
-    /// Replaces the files. After an error before the first of them all are as they were; a later one is mended by
-    /// [`finish_set`], if it can be.
+    /// Replaces the files. After an error before the first rename all are as they were; after a later one
+    /// [`finish_set`] completes the set, if possible.
     pub fn replace(self) -> Result<(), WriteError> {
         self.replace_until(usize::MAX)
     }
 
-    /// Does what [`Self::replace`] does, and stops after `stop` renames and removals, as a killed program does.
+    /// [`Self::replace`], stopped after `stop` renames and removals, as if the program was killed.
     fn replace_until(mut self, stop: usize) -> Result<(), WriteError> {
-        // The order of the others stays.
+        // The others keep their order.
         self.files.sort_by_key(|(path, _)| *path == self.main);
         let main = Target::new(&self.main).map_err(failed(&self.main))?;
         let folder = main.folder().to_owned();
-        // Its file may belong to another set, of which only some files are replaced. If that cannot be finished, its
-        // reader will be told.
+        // The file may belong to another set, of which only some files are replaced. If that cannot be completed, its
+        // reader gets the error.
         for note in notes_of_others(&main.path) {
             let _ = finish(&note, &Access::everywhere());
         }
@@ -122,7 +123,7 @@ impl FileSet {
         {
             left -= 1;
             if let Err(error) = waiting.replace() {
-                // All files are the old ones. The new ones go, and before them the note that promises them.
+                // All files are the old ones. The note is removed first, then the new files that it lists.
                 if let Some(note) = note {
                     let _ = fs::remove_file(&note.path);
                 }
@@ -130,7 +131,7 @@ impl FileSet {
             }
         }
         let files = files.map(|(path, waiting)| {
-            // What the note promises stays there.
+            // The files listed by the note stay.
             let waiting = if note.is_some() { waiting.kept() } else { waiting };
             (path, waiting)
         });
@@ -150,7 +151,7 @@ impl FileSet {
                 return Ok(());
             }
             left -= 1;
-            // What is there no longer needs no removal.
+            // A file that is already gone needs no removal.
             let _ = fs::remove_file(path);
         }
         if left > 0 {
@@ -163,7 +164,7 @@ impl FileSet {
     }
 }
 
-/// The length of a file and the time of its last change, in seconds since 1970.
+/// The length of a file and its modification time, in seconds since 1970.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Stamp {
     length: u64,
@@ -180,14 +181,13 @@ impl Stamp {
         }
     }
 
-    /// The stamp of a plain file; None if the path has no plain file. A link does not count as the file that it leads
-    /// to.
+    /// The stamp of a regular file; None if the path has no regular file. A link does not count as its target.
     fn of(path: &Path) -> Option<Self> {
         let about = fs::symlink_metadata(path).ok()?;
         about.is_file().then(|| Self::new(&about))
     }
 
-    /// The stamp of a plain file that is below a folder or that `access` permits.
+    /// The stamp of a regular file that is below a folder or that `access` permits.
     fn within(folder: &Path, name: &Path, access: &Access) -> Option<Self> {
         let path = folder.join(name);
         let is_seen = access.covers(&path) || is_inside(folder, name);
@@ -199,22 +199,21 @@ impl Stamp {
     }
 }
 
-/// A file that is to be renamed. Names are relative to the folder of the note; those of places that are not below it
-/// are absolute.
+/// A pending rename. Paths below the folder of the note are relative to it; others are absolute.
 #[derive(Debug, Serialize, Deserialize)]
 struct Rename {
     from: PathBuf,
     to: PathBuf,
     new: Stamp,
-    /// What is replaced; None if there was nothing.
+    /// The stamp of the file that is replaced; None if there was none.
     old: Option<Stamp>,
 }
 
-/// What a note says.
+/// The content of a note.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Plan {
     files: Vec<Rename>,
-    /// The files that are removed at last.
+    /// The files that are removed at the end.
     outdated: Vec<(PathBuf, Stamp)>,
 }
 
@@ -239,8 +238,8 @@ impl Plan {
         })
     }
 
-    /// Does what is left to do. Nothing is done unless all of it can be; the error says why it cannot. Files elsewhere
-    /// that `access` does not permit count as not there.
+    /// Completes the remaining renames and removals, or none if some are impossible; the error says why. Files
+    /// elsewhere that `access` does not permit count as missing.
     fn finish(&self, folder: &Path, access: &Access) -> Result<(), String> {
         let stamp = |name: &Path| Stamp::within(folder, name, access);
         let mut renames = Vec::new();
@@ -277,14 +276,14 @@ impl Plan {
         Ok(())
     }
 
-    /// Whether no file has been renamed, as far as `access` lets that be seen.
+    /// Whether no file has been renamed, as far as `access` permits to see it.
     fn is_not_begun(&self, folder: &Path, access: &Access) -> bool {
         let stamp = |name: &Path| Stamp::within(folder, name, access);
         let mut files = self.files.iter();
         files.all(|file| stamp(&file.from).is_some_and(|from| from.matches(file.new)))
     }
 
-    /// The files that wait to be renamed.
+    /// The temporary files that are to be renamed.
     fn waiting(&self, folder: &Path) -> impl Iterator<Item = PathBuf> {
         let names = self.files.iter().map(|file| &file.from);
         let own = names.filter(|name| is_inside(folder, name) && is_file_of_write(name));
@@ -292,7 +291,7 @@ impl Plan {
     }
 }
 
-/// Whether a relative name stays below the folder, also by the links on its way.
+/// Whether a relative path stays below the folder, with its links followed.
 fn is_inside(folder: &Path, name: &Path) -> bool {
     if !name.components().all(|part| matches!(part, Component::Normal(_))) {
         return false;
@@ -302,7 +301,7 @@ fn is_inside(folder: &Path, name: &Path) -> bool {
     real.is_some_and(|(around, folder)| around.starts_with(folder))
 }
 
-/// A note that is in its place, locked for as long as this value lives.
+/// A written note, locked until drop.
 #[derive(Debug)]
 struct Note {
     path: PathBuf,
@@ -310,8 +309,8 @@ struct Note {
 }
 
 impl Note {
-    /// Makes the note of a set; None if it needs none. Notes of others in that place are finished first, or replaced if
-    /// they cannot be.
+    /// Writes the note of a set; None if it needs none. Other notes at that path are completed first, or replaced if
+    /// that fails.
     fn publish(set: &FileSet, main: &Target) -> Result<Option<Self>, WriteError> {
         let is_alone = set.files.len() < 2 && set.outdated.is_empty();
         let folder = main.folder();
@@ -326,14 +325,14 @@ impl Note {
                 return Err(failed(&set.main)(error));
             }
             let stale = match &left {
-                // It is replaced, and what it kept is in no use then.
+                // That note is replaced, so its temporary files are no longer needed.
                 Err(_) => waiting_for(&path, folder),
                 Ok(()) => Vec::new(),
             };
             if is_alone && left.is_ok() {
                 return Ok(None);
             }
-            // Names that are no text cannot be in a note, nor in the files that name others.
+            // Names that are not UTF-8 cannot be in a note, nor in main files.
             let plan = Plan::of(set, folder).map_err(failed(&set.main))?;
             let Ok(text) = serde_json::to_vec(&plan) else {
                 return Ok(None);
@@ -349,7 +348,7 @@ impl Note {
             };
             let published = published.or_else(|error| match error.error.kind() {
                 ErrorKind::AlreadyExists => Err(error),
-                // Some file systems have no renames that replace nothing, and no hard links in their place.
+                // Some file systems have neither exclusive renames nor hard links.
                 _ => error.file.persist(&path),
             });
             match published.map_err(|error| error.error) {
@@ -365,7 +364,7 @@ impl Note {
     }
 }
 
-/// The note of the set of a file, which is given as the links to it lead.
+/// The path of the note for a main file whose links are resolved.
 fn note_path(main: &Path) -> PathBuf {
     let name = main.file_name().unwrap_or_default().as_encoded_bytes();
     main.with_file_name(format!("{PREFIX}{}{NOTE_SUFFIX}", checksum(name)))
@@ -375,31 +374,31 @@ fn is_note(name: &[u8]) -> bool {
     name.starts_with(PREFIX.as_bytes()) && name.ends_with(NOTE_SUFFIX.as_bytes())
 }
 
-/// Has the note on the disk before what it announces. Where folders cannot be flushed, the system decides.
+/// Flushes the note to the disk before the renames. Where folders cannot be flushed, the system decides.
 fn sync_folder(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Finishes what a killed program has begun: the replacement of a file and of those that belong to it. To be called
-/// before the file is read. An error says that the files do not belong together and cannot be made to.
+/// Completes a replacement that a killed program has begun, of a file and those that belong to it. Call it before
+/// reading the file. An error says that the files do not belong together, and why that cannot be repaired.
 pub fn finish_set(main: &Path) -> Result<(), FileError> {
     finish_set_within(main, &Access::everywhere())
 }
 
-/// [`finish_set`] for a file that comes from others: nothing is looked up that `access` does not permit, so that the
-/// error tells nothing of it.
+/// [`finish_set`] for a file from a third party: no file is looked up that `access` does not permit, so that the error
+/// reveals nothing.
 pub fn finish_set_within(main: &Path, access: &Access) -> Result<(), FileError> {
     match followed(main) {
         Ok(main) => {
             finish(&note_path(&main), access)?;
             notes_of_others(&main).try_for_each(|note| finish(&note, access))
         }
-        // Reading it says what is wrong.
+        // The reader of the file gets this error.
         Err(_) => Ok(()),
     }
 }
 
-/// The notes of other files in the folder of a file that is replaced together with them.
+/// The notes of other main files in the folder of a file that is replaced together with them.
 fn notes_of_others(file: &Path) -> impl Iterator<Item = PathBuf> {
     let own = note_path(file);
     notes_in(file.parent().unwrap_or(Path::new(""))).filter(move |note| {
@@ -419,12 +418,12 @@ fn notes_in(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     notes.map(|entry| entry.path())
 }
 
-/// What a note says; None if it cannot be read.
+/// The content of a note; None if it cannot be read.
 fn plan_at(note: &Path) -> Option<Plan> {
     read_plan(&open(note, LARGEST_NOTE).ok()?).ok()
 }
 
-/// Finishes what the note says, if there is one. Waits for a program that is doing so.
+/// Completes the note, if there is one. Waits for a program that is doing so.
 fn finish(note: &Path, access: &Access) -> Result<(), FileError> {
     let deadline = Instant::now() + LONGEST_WAIT;
     let broken = |why: String| {
@@ -451,10 +450,10 @@ fn finish(note: &Path, access: &Access) -> Result<(), FileError> {
                 let message = "another program is replacing this file and those that belong to it";
                 return Err(io::Error::new(ErrorKind::WouldBlock, message).into());
             }
-            // Where files cannot be locked, it is done without a lock.
+            // Where files cannot be locked, continue without a lock.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        // Another program may have finished it before the lock was free, and begun the next.
+        // Another program may have completed this note before the lock was free, and written the next.
         if !Identity::of(note).is_some_and(|there| there.is_of(&file)) {
             continue;
         }
@@ -462,7 +461,7 @@ fn finish(note: &Path, access: &Access) -> Result<(), FileError> {
         let plan = read_plan(&file).map_err(broken)?;
         return match plan.finish(folder, access) {
             Ok(()) => fs::remove_file(note).map_err(|error| broken(error.to_string())),
-            // The old files belong together. If the note cannot be removed, it needs the others.
+            // The old files still belong together. If the note cannot be removed, it needs its temporary files.
             Err(_) if plan.is_not_begun(folder, access) => {
                 if fs::remove_file(note).is_ok() {
                     plan.waiting(folder).for_each(|path| drop(fs::remove_file(path)));
@@ -474,19 +473,18 @@ fn finish(note: &Path, access: &Access) -> Result<(), FileError> {
     }
 }
 
-/// Reads an open note: where locks bind everybody, it cannot be opened a second time while it is locked.
+/// Reads an open note: where locks are mandatory, it cannot be opened a second time while it is locked.
 fn read_plan(note: &File) -> Result<Plan, String> {
     let text = content(note, LARGEST_NOTE).map_err(|error| error.to_string())?;
     serde_json::from_slice(&text).map_err(|error| error.to_string())
 }
 
-/// The files that wait for a note in this folder.
+/// The temporary files of a note in this folder.
 fn waiting_for(note: &Path, folder: &Path) -> Vec<PathBuf> {
     plan_at(note).map_or_else(Vec::new, |plan| plan.waiting(folder).collect())
 }
 
-/// Finishes all sets in a folder, as far as that is possible. Returns the files that those wait for which cannot be
-/// finished.
+/// Completes all sets in a folder, as far as possible. Returns the temporary files of sets that cannot be completed.
 pub(super) fn finish_all(folder: &Path) -> HashSet<PathBuf> {
     let mut waiting = HashSet::new();
     for note in notes_in(folder) {

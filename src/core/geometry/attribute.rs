@@ -4,34 +4,35 @@ use glam::Vec3;
 
 use crate::color::linear_from_srgb8;
 
-/// A named array of values. Its name begins with `vertex_` or `face_`, as in Mitsuba, whatever it belongs to.
+/// A named array of values. The prefix of its name, `vertex_` or `face_`, follows Mitsuba and need not match its
+/// domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshAttribute {
     /// The name by which textures refer to it, with its prefix.
     pub name: String,
-    /// The elements that have a value each.
+    /// Whether vertices or triangles have the values.
     pub domain: AttributeDomain,
-    /// The number of channels of an element: 1, or 3 for a colour.
+    /// The number of channels of a value: 1, or 3 for a colour.
     pub channels: usize,
-    /// The values, `channels` for each vertex or triangle, element by element.
+    /// `channels` numbers for each vertex or triangle in turn.
     pub values: AttributeValues,
 }
 
-/// The elements of a mesh that have a value each.
+/// The mesh elements that have a value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AttributeDomain {
     /// The vertices. Values are interpolated over each triangle.
     Vertex,
-    /// A polygon's value is repeated for each of its triangles.
+    /// The triangles. A polygon's value is repeated for each of its triangles.
     Triangle,
 }
 
-/// The values, as compact as in the file.
+/// The values in their compact file format.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AttributeValues {
-    /// Bytes that stand for [0, 1], encoded as sRGB, which is how Mitsuba reads whole numbers.
+    /// Bytes that stand for [0, 1], encoded as sRGB, which is how Mitsuba reads integers.
     Srgb8(Vec<u8>),
-    /// Linear numbers, taken as they are.
+    /// Linear numbers, unchanged.
     F32(Vec<f32>),
 }
 
@@ -61,8 +62,8 @@ impl AttributeValues {
 }
 
 impl MeshAttribute {
-    /// The value on one of the mesh's `triangles`, interpolated between corners by their weights; a single number is a
-    /// grey. Zero outside of the mesh.
+    /// The value on one of the mesh's `triangles`, interpolated with barycentric weights; a single channel gives a
+    /// grey. Zero for indices outside the mesh.
     pub fn value(&self, triangles: &[[u32; 3]], triangle: u32, barycentric: Vec3) -> Vec3 {
         match self.domain {
             AttributeDomain::Triangle => self.element(triangle),

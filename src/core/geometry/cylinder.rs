@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// The nearer of the two crossings that has t_min < t < t_max and is between the ends. Both sides are hit.
+/// The nearer of the two intersections with t_min < t < t_max and z between the ends. Both sides can be hit.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let (o, d) = (origin.truncate(), dir.truncate());
@@ -56,7 +56,7 @@ pub(crate) fn parametrisation(position: Vec3) -> Parametrisation {
     }
 }
 
-/// The parametrisation at a point of the cylinder.
+/// The texture coordinates at a point of the cylinder.
 pub fn uv(p: Vec3) -> Vec2 {
     let turn = p.y.atan2(p.x) / TAU;
     let turn = if turn < 0.0 { turn + 1.0 } else { turn };

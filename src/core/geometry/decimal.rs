@@ -1,5 +1,5 @@
-//! Reads the numbers of text files. Plain and short ones are read faster than by the standard library, with the very
-//! same result.
+//! Reads the numbers of text files. Plain and short ones are read faster than by the standard library, with the same
+//! bits.
 //!
 //! A decimal of up to 15 digits and its power of ten are exact in an `f64`, so that one product or quotient of them is
 //! rounded once (Clinger, "How to read floating point numbers accurately", 1990). Rounding that once more to `f32` goes
@@ -11,8 +11,8 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// Reads the number at the beginning of `text`, and gives its length, as `str::parse` does. `None` if it is no number,
-/// or one that takes more care than is taken here.
+/// The number at the beginning of `text`, as `str::parse` reads it, and its length. `None` if it is no number, or one
+/// that this fast path cannot round correctly.
 #[inline]
 pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     let sign = usize::from(text.first() == Some(&b'-'));
@@ -53,8 +53,8 @@ pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     Some((if sign == 1 { -value } else { value }, end))
 }
 
-/// The longest number at the beginning of `text`, whatever follows it: 3.1 of `3.1+e2`, 0.5 of `0.5f`. None if there is
-/// no digit, and before a comma: `1,5` is a number of another language, of which 1 would be a wrong reading.
+/// The longest number at the beginning of `text`, with any text after it: 3.1 of `3.1+e2`, 0.5 of `0.5f`. None if there
+/// is no digit, and before a comma: `1,5` has a decimal comma, so that 1 would be a wrong reading.
 pub(super) fn longest_number(text: &[u8]) -> Option<f32> {
     let is_sign = |place: usize| matches!(text.get(place), Some(b'+' | b'-'));
     let digits_from = |place: usize| {
@@ -85,14 +85,14 @@ pub(super) fn longest_number(text: &[u8]) -> Option<f32> {
     std::str::from_utf8(text.get(..end)?).ok()?.parse().ok()
 }
 
-/// The whole number at the beginning of `text` without a sign, and its length: at most nine digits.
+/// The unsigned integer at the beginning of `text`, and its length: at most nine digits.
 #[inline]
 pub(super) fn leading_u32(text: &[u8]) -> Option<(u32, usize)> {
     let (number, end) = digits(text, 0, 0);
     (1..10).contains(&end).then_some((number as u32, end))
 }
 
-/// Reads digits from `begin` on behind those of `number`, and gives the place where they end. Wraps around after many.
+/// Appends the digits from `begin` on to `number`, and returns the position of their end. Wraps around after many.
 #[inline(always)]
 fn digits(text: &[u8], begin: usize, mut number: u64) -> (u64, usize) {
     let mut end = begin;

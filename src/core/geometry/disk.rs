@@ -23,8 +23,8 @@ pub fn surface(x: f32, y: f32) -> LocalSurface {
     }
 }
 
-/// The parametrisation at local (x, y): uv = (radius, angle from +x towards +y in turns). In the centre nothing moves
-/// with v, and u has no direction.
+/// The parametrisation at local (x, y): uv = (radius, angle from +x towards +y in turns). In the centre the position
+/// does not depend on v, and u has no direction.
 pub(crate) fn parametrisation(x: f32, y: f32) -> Parametrisation {
     let turn = y.atan2(x) / TAU;
     let radius = x.hypot(y);

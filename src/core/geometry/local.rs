@@ -21,10 +21,10 @@ pub struct LocalHit {
 /// The surface at a hit, in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSurface<R: Real = f32> {
-    /// The point on the surface within rounding. It is never computed as origin + t dir.
+    /// The point on the surface, up to rounding. It is never computed as origin + t dir.
     pub position: R::Vec3,
-    /// The bound, per coordinate, on how far `position` is off the surface as the intersection test sees it.
-    /// Displacement within the surface is not counted: it cannot make a ray that leaves meet the surface again.
+    /// The bound, per coordinate, on the distance of `position` from the surface as the intersection test sees it.
+    /// Displacement within the surface is not counted: it cannot make an outgoing ray meet the surface again.
     pub error: R::Vec3,
     /// The geometric normal, not of unit length.
     pub normal: R::Vec3,

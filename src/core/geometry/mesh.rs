@@ -14,8 +14,8 @@ use crate::memory::{self, Held, Shortage};
 /// An indexed triangle mesh in its own local space, as it was loaded.
 ///
 /// `normals` and `uvs` are empty or as long as `positions`, `material_of_triangle` is empty or as long as `triangles`.
-/// Positions are finite, every vertex index is below `positions.len()`, every material index below `materials.len()`;
-/// loaders guarantee it. Triangles may be degenerate.
+/// Loaders guarantee that positions are finite, vertex indices below `positions.len()`, and material indices below
+/// `materials.len()`. Triangles may be degenerate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// The vertices.
@@ -23,30 +23,29 @@ pub struct MeshData {
     /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are
     /// computed, as Mitsuba does. A shape with `face_normals` ignores them.
     pub normals: Vec<Vec3>,
-    /// Whether the file has no normals and all of them were computed from the triangles. They then follow the order of
-    /// the corners: a mirroring transform turns them around with the triangles, as in Mitsuba, which computes them
-    /// after the transform.
+    /// Whether the file has no normals and all of them were computed from the triangles. They then follow the winding
+    /// of the triangles: a mirroring transform flips them too, as in Mitsuba, which computes them after the transform.
     pub has_computed_normals: bool,
     /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there
     /// by default, false for `ply`): see [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
     /// The vertex indices of the corners, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Further values of vertices or faces in the file, each name once.
+    /// Further attributes of vertices or faces in the file, with unique names.
     pub attributes: Vec<MeshAttribute>,
-    /// Index into `materials` per triangle, or empty when the file names none.
+    /// Index into `materials` per triangle, or empty if the file names none.
     pub material_of_triangle: Vec<u16>,
-    /// The materials of the file itself (OBJ's MTL), used by shapes that name no bsdf.
+    /// The materials of the file itself (OBJ's MTL), used by shapes without a bsdf.
     pub materials: Vec<MtlMaterial>,
     /// The memory reserved for the mesh and its acceleration structure.
     pub memory: Held,
 }
 
-/// Bytes per triangle of an acceleration structure while it is built. Built, it takes a little more than half of that
-/// (the Stanford dragon: 57 bytes; the whole process grows by 120 bytes per triangle with mesh and structure).
+/// Bytes per triangle of an acceleration structure while it is built. The finished one takes a little more than half of
+/// that (the Stanford dragon: 57 bytes; the whole process grows by 120 bytes per triangle with mesh and structure).
 pub(super) const HIERARCHY_BYTES: u64 = 100;
 
-/// A material of an MTL library, as numbers. The scene decides what they mean as a BSDF.
+/// The values of a material of an MTL library. The scene turns them into a BSDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMaterial {
     /// The name that the library gives after `newmtl`.
@@ -61,17 +60,17 @@ pub struct MtlMaterial {
     pub ns: f32,
     /// Index of refraction.
     pub ni: f32,
-    /// The opacity in [0, 1]: the share of the surface that is there.
+    /// The opacity in [0, 1].
     pub d: f32,
-    /// The share of the light, per colour and in [0, 1], that comes through the object.
+    /// The transmittance of the object, per colour and in [0, 1].
     pub tf: Vec3,
     /// The illumination model of the MTL specification, 0 to 10.
     pub illum: Option<u8>,
-    /// The roughness of the PBR extension, in [0, 1], where given.
+    /// The roughness of the PBR extension, in [0, 1], if given.
     pub pr: Option<f32>,
-    /// The metallic of the PBR extension, in [0, 1], where given.
+    /// The metallic of the PBR extension, in [0, 1], if given.
     pub pm: Option<f32>,
-    /// The pictures in place of numbers.
+    /// The textures that replace values.
     pub maps: MtlMaps,
 }
 
@@ -81,7 +80,7 @@ pub const TANGENT: &str = "vertex_tangent";
 pub const TANGENT_SIGN: &str = "vertex_tangent_sign";
 
 impl MeshData {
-    /// The box around all vertices, also those of no triangle.
+    /// The bounding box of all vertices, including unused ones.
     pub fn bounds(&self) -> Aabb {
         Aabb::from_points(self.positions.iter().copied())
     }
@@ -96,8 +95,7 @@ impl MeshData {
         ]
     }
 
-    /// The corners of a triangle that a ray can hit: None if one of them does not exist or is not finite, or where it
-    /// has no area.
+    /// The corners of a triangle that a ray can hit: None if a corner is missing or not finite, or if the area is zero.
     pub fn regular_corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
         let [a, b, c] = self.triangles[triangle].map(|corner| self.positions.get(corner as usize).copied());
         Some([a?, b?, c?]).filter(|&corners| is_regular(corners))
@@ -109,7 +107,7 @@ impl MeshData {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Finds an attribute by its whole name.
+    /// Finds an attribute by its name, including the prefix.
     pub fn attribute(&self, name: &str) -> Option<&MeshAttribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
@@ -137,15 +135,15 @@ impl MeshData {
         self.heap_bytes() as u64 + HIERARCHY_BYTES * self.triangles.len() as u64
     }
 
-    /// This mesh with smooth normals from its own triangles in place of any it had. Vertices that only share a position
-    /// stay apart: the crease between them remains.
+    /// This mesh with smooth normals computed from its triangles, replacing its normals. Vertices that only share a
+    /// position are not merged: the crease between them remains.
     pub fn with_vertex_normals(mut self) -> Self {
         self.normals = angle_weighted_normals(&self.positions, &self.triangles);
         self.has_computed_normals = true;
         self
     }
 
-    /// A copy whose texture coordinates are flipped vertically, with memory of its own for itself and its acceleration
+    /// A copy with vertically flipped texture coordinates, and with memory reserved for itself and its acceleration
     /// structure.
     pub fn with_flipped_tex_coords(&self) -> Result<Self, Shortage> {
         let memory = memory::reserve(self.memory_bytes())?.into();
@@ -154,16 +152,16 @@ impl MeshData {
         Ok(copy)
     }
 
-    /// Turns every texture coordinate upside down: v becomes 1 - v.
+    /// Flips every texture coordinate vertically: v becomes 1 - v.
     pub fn flip_tex_coords(&mut self) {
         for uv in &mut self.uvs {
             uv.y = 1.0 - uv.y;
         }
     }
 
-    /// The number of edges that do not have as many triangles on one side as on the other; 0 for a mesh without holes.
-    /// Vertices at the same place count as one, because files repeat those where texture coordinates or normals
-    /// differ. Triangles without area do not count.
+    /// The number of edges with a different number of triangles on each side; 0 for a mesh without holes. Vertices at
+    /// the same position count as one, because files repeat those where texture coordinates or normals differ.
+    /// Triangles without area do not count.
     pub fn open_edges(&self) -> usize {
         let vertices = self.welded();
         let mut edges: Vec<(u32, u32, i32)> = Vec::with_capacity(3 * self.triangles.len());
@@ -184,9 +182,9 @@ impl MeshData {
             .count()
     }
 
-    /// For each vertex the first one at its place.
+    /// For each vertex the first vertex at its position.
     fn welded(&self) -> Vec<u32> {
-        // Zero of either sign is the same place.
+        // -0 and +0 are the same coordinate.
         let key = |place: Vec3| (place + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut first = HashMap::with_capacity(self.positions.len());
         let places = self.positions.iter().zip(0..);

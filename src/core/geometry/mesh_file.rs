@@ -1,4 +1,4 @@
-//! The result of every mesh file reader: the mesh with its warnings, or one error that says where and what.
+//! The result of every mesh file reader: the mesh with its warnings, or one error with its place.
 
 use std::fmt;
 
@@ -11,17 +11,17 @@ use super::vertex_normals::{angle_weighted_normals, unit};
 use crate::color::BRIGHTEST;
 use crate::memory::{self, Reservation, Shortage};
 
-/// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
+/// A mesh that was read, and what was left out or repaired, one sentence each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedMesh {
     /// The complete mesh, with normals.
     pub mesh: MeshData,
-    /// The warnings, bounded in number whatever the file holds; equal ones are counted, not repeated.
+    /// The warnings, limited in number for any file; equal ones are counted, not repeated.
     pub warnings: Vec<String>,
 }
 
 impl LoadedMesh {
-    /// Returns the mesh with warnings that show no text of the file.
+    /// The mesh with warnings that quote no text of the file.
     pub fn without_quotes(mut self) -> Self {
         for warning in &mut self.warnings {
             // Quoted text may contain the quotation mark itself.
@@ -65,7 +65,7 @@ pub enum MeshError {
         /// The offending text, quoted and shortened, or a description such as "the end of the line".
         found: String,
     },
-    /// An index that names nothing. `index` is as the file writes it (OBJ counts from 1, or backwards from -1).
+    /// An index out of range. `index` is as written in the file (OBJ counts from 1, or backwards from -1).
     #[error("{place}: {what} index {index} is out of range: the file has {count}")]
     IndexOutOfRange {
         place: Place,
@@ -93,7 +93,7 @@ pub(super) struct MeshMemory {
 }
 
 impl MeshMemory {
-    /// Reserves bytes. `what` is what they are for: a plural noun with its number.
+    /// Reserves bytes. `what` says what they hold: a plural noun with its number.
     pub fn reserve(bytes: u64, what: impl FnOnce() -> String) -> Result<Self, MeshError> {
         match memory::reserve(bytes) {
             Ok(reservation) => Ok(Self { reservation }),
@@ -108,7 +108,7 @@ impl MeshMemory {
         resized.map_err(|shortage| MeshError::Memory { what: what(), shortage })
     }
 
-    /// The mesh, which from now on holds the memory that it and its acceleration structure need.
+    /// The mesh, which now holds the reservation for itself and its acceleration structure.
     pub fn hold(mut self, mut mesh: MeshData) -> Result<MeshData, MeshError> {
         let resized = self.reservation.resize(mesh.memory_bytes());
         resized.map_err(|shortage| MeshError::Memory {
@@ -121,7 +121,7 @@ impl MeshMemory {
 }
 
 impl MeshError {
-    /// Returns the error without text of the file.
+    /// The error without text of the file.
     pub fn without_quotes(self) -> Self {
         match self {
             Self::Syntax { place, expected, .. } => Self::syntax(place, expected, "something else"),
@@ -166,7 +166,8 @@ pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
     }
 }
 
-/// Collects warnings: equal ones are counted under the place of the first, and their kinds are bounded in number.
+/// Collects warnings: equal ones are counted under the place of the first, and the different ones are limited in
+/// number.
 #[derive(Default)]
 pub(crate) struct Warnings {
     kinds: Vec<Kind>,
@@ -236,8 +237,8 @@ impl Warnings {
     }
 }
 
-/// Sets texture coordinates and numbers of attributes that are not finite to zero, and limits those of attributes,
-/// which may be light; with warnings.
+/// Replaces texture coordinates and attribute values that are not finite by zero, and limits attribute values, which
+/// may be light; with warnings.
 pub(crate) fn replace_not_finite(mesh: &mut MeshData, warnings: &mut Warnings) {
     for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
         *uv = Vec2::ZERO;

@@ -1,4 +1,4 @@
-//! Shapes: what a ray meets, in the shape's own space, and the files meshes come from.
+//! Shapes: ray intersection in the shape's own space, and the readers of mesh files.
 
 pub mod attribute;
 pub mod cylinder;

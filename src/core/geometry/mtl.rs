@@ -1,6 +1,6 @@
-//! Reads MTL material libraries, the companions of OBJ files, and says what their materials are meant to be.
+//! Reads MTL material libraries, the companions of OBJ files, and interprets their materials.
 //!
-//! The `tobj` crate reads the statements that it knows. It gets them one by one: in a whole library it stops at the
+//! The `tobj` crate parses the statements that it knows. It gets them one by one: in a whole library it stops at the
 //! first statement that it does not understand, without saying where. Such a statement is a warning here.
 
 use std::collections::HashSet;
@@ -13,10 +13,10 @@ use super::mesh::MtlMaterial;
 use super::mesh_file::{Place, Warnings, decode, excerpt};
 use super::mtl_map::{MtlMaps, parse_map};
 
-/// The most materials of a library that are read: triangles count them with sixteen bits.
+/// The most materials of a library that are read: triangles index them with sixteen bits.
 const MOST_MATERIALS: usize = 1 << 16;
 
-/// The material of triangles whose `usemtl` names none that exists: the grey that Mitsuba gives shapes without a bsdf.
+/// The material of triangles whose `usemtl` names no existing one: the grey that Mitsuba gives shapes without a bsdf.
 pub(super) fn default_material(name: &str) -> MtlMaterial {
     MtlMaterial {
         name: name.to_owned(),
@@ -34,10 +34,10 @@ pub(super) fn default_material(name: &str) -> MtlMaterial {
     }
 }
 
-/// The materials of one library, in the order of the file. `library` names it in the warnings.
+/// The materials of one library, in the order of the file. `library` is its name in warnings.
 ///
-/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another
-/// colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
+/// Texture paths are relative to the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has
+/// another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1; Tf white.
 fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
     let library_name = library.replace('\\', "/");
     let folder = Path::new(&library_name).parent().unwrap_or(Path::new(""));
@@ -82,7 +82,7 @@ fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMate
     materials
 }
 
-/// Warns of what is hardly meant, and of what is not kept.
+/// Warns of values that are probably mistakes, and of values that are ignored.
 fn warn_of_oddities(material: &MtlMaterial, library: &str, warnings: &mut Warnings) {
     let name = excerpt(material.name.as_bytes());
     let of_material = format!("{library} material {name}");
@@ -100,14 +100,14 @@ fn warn_of_oddities(material: &MtlMaterial, library: &str, warnings: &mut Warnin
     }
 }
 
-/// The values of a material that others give way to.
+/// Which values with precedence over others are given.
 #[derive(Default)]
 struct Given {
     kd: bool,
     d: bool,
 }
 
-/// Takes over a statement that is no texture. None if it makes no sense.
+/// Applies a statement that is no texture. None if it makes no sense.
 fn read_statement(material: &mut MtlMaterial, given: &mut Given, keyword: &str, values: &[&str]) -> Option<()> {
     let halo = values.strip_prefix(&["-halo"]).filter(|_| keyword == "d");
     let values = halo.unwrap_or(values);
@@ -127,7 +127,7 @@ fn read_statement(material: &mut MtlMaterial, given: &mut Given, keyword: &str, 
         "Pr" => material.pr = Some(number(0.0, 1.0)?),
         "Pm" => material.pm = Some(number(0.0, 1.0)?),
         "illum" => material.illum = Some(number(0.0, 10.0)? as u8),
-        // Ambient light and the like have no meaning for a path tracer.
+        // Ambient light and similar values have no meaning for a path tracer.
         _ => {}
     }
     given.kd |= keyword == "Kd";
@@ -138,7 +138,7 @@ fn read_statement(material: &mut MtlMaterial, given: &mut Given, keyword: &str, 
     Some(())
 }
 
-/// Reads a statement into a material of its own.
+/// Parses one statement into a new material.
 fn read_by_tobj(keyword: &str, values: &[&str]) -> Option<tobj::Material> {
     let values = match keyword.starts_with('K') {
         // The crate panics at colours of fewer numbers.
@@ -180,24 +180,24 @@ fn within(value: Option<f32>, least: f32, most: f32) -> Option<f32> {
     value.filter(|value| (least..=most).contains(value))
 }
 
-/// A diffuse colour up to this is written by exporters that avoid zero.
+/// The largest diffuse colour that counts as black: some exporters avoid zero.
 const AS_GOOD_AS_BLACK: f32 = 0.02;
 
 /// The kinds of surfaces that MTL materials stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MtlModel {
-    /// Clear glass, through which light comes out in the colour `tf`.
+    /// Clear glass with the transmission colour `tf`.
     Glass {
         /// The index of refraction.
         index: f32,
     },
-    /// Rough metal in the colour `kd`.
+    /// Rough metal with the colour `kd`.
     Metal {
-        /// The square root of the spread of its facets, as the file gives it: at least [`MtlModel::LEAST_ROUGHNESS`]
-        /// is meant.
+        /// The roughness as the file gives it, the square root of the width of the microfacet distribution; use at
+        /// least [`MtlModel::LEAST_ROUGHNESS`].
         roughness: f32,
     },
-    /// A mirror in the colour `ks`.
+    /// A mirror with the colour `ks`.
     Mirror,
     /// Diffuse `kd`.
     Matt,
@@ -209,8 +209,8 @@ impl MtlModel {
 }
 
 impl MtlMaterial {
-    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Of what is no glass, the
-    /// share [`MtlMaterial::d`] is there.
+    /// The kind of surface. MTL describes Phong-like shading, so this is an interpretation. Surfaces other than glass
+    /// have the opacity [`MtlMaterial::d`].
     pub fn model(&self) -> MtlModel {
         let refracts = (self.ni - 1.0).abs() > 1e-3 && self.ni > 0.0;
         if matches!(self.illum, Some(6 | 7)) || refracts && matches!(self.illum, Some(4 | 9)) {
@@ -228,20 +228,20 @@ impl MtlMaterial {
     }
 }
 
-/// The most libraries that are looked for, more than any real file names.
+/// The most libraries that are searched, more than any real file names.
 const MOST_LIBRARIES: usize = 64;
 
-/// The libraries of a file while its statements are gone through.
+/// The material libraries of a file while its statements are read.
 pub(super) struct Libraries<'l> {
     fetch: &'l mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-    /// The names that were asked for. However often the file has a name, it is asked for once.
+    /// The names of libraries requested so far. Each is requested only once.
     asked: HashSet<String>,
     /// The materials so far, in the order of the statements.
     pub materials: Vec<MtlMaterial>,
 }
 
 impl<'l> Libraries<'l> {
-    /// `fetch` gives the content of the library with a name.
+    /// `fetch` returns the content of the library with a name.
     pub fn new(fetch: &'l mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Self {
         Self {
             fetch,
@@ -250,8 +250,8 @@ impl<'l> Libraries<'l> {
         }
     }
 
-    /// Reads the library or libraries of a statement: `names` is one file name, spaces and all, or if there is no such
-    /// file, several.
+    /// Reads the library or libraries of a statement: `names` is one file name, spaces included, or if there is no such
+    /// file, several names.
     pub fn add(&mut self, names: &str, place: Place, warnings: &mut Warnings) {
         let whole = names.trim_matches('"');
         let Err(error) = self.read(whole, place, warnings) else {
@@ -269,7 +269,7 @@ impl<'l> Libraries<'l> {
         }
     }
 
-    /// Reads one library, unless it was asked for before.
+    /// Reads one library, unless it was requested before.
     fn read(&mut self, name: &str, place: Place, warnings: &mut Warnings) -> io::Result<()> {
         if self.asked.contains(name) {
             return Ok(());

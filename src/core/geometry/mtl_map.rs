@@ -4,22 +4,22 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec2;
 
-/// A picture over the mesh's own uv, as a library names it.
+/// A texture over the mesh's own uv, as a library names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMap {
     /// The path relative to the folder of the mesh; it begins with the path to the library's folder.
     pub file: PathBuf,
-    /// The scale: the picture is looked up at uv times `scale` plus `offset`; v counts from the bottom up, as in OBJ.
+    /// The scale: the texture is looked up at uv times `scale` plus `offset`; v counts from the bottom up, as in OBJ.
     pub scale: Vec2,
     /// The offset, see `scale`.
     pub offset: Vec2,
-    /// Whether the picture's edge continues outside of the unit square, instead of a repetition.
+    /// Whether the texture is clamped to its edge outside of the unit square, instead of repeated.
     pub clamp: bool,
-    /// What `-bm` says, the factor of heights; 1 without.
+    /// The factor of heights, `-bm`; 1 by default.
     pub bump: f32,
 }
 
-/// The pictures of a material; each takes the place of the number of the same name.
+/// The textures of a material; each replaces the value of the same name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaps {
     /// The map of the diffuse colour.
@@ -28,14 +28,14 @@ pub struct MtlMaps {
     pub ke: Option<MtlMap>,
     /// The map of the opacity.
     pub d: Option<MtlMap>,
-    /// The map of heights, in units of the mesh once multiplied by [`MtlMap::bump`].
+    /// The height map; [`MtlMap::bump`] scales it to units of the mesh.
     pub bump: Option<MtlMap>,
-    /// The map of normals in the tangent frame, as colours.
+    /// The normal map in tangent space.
     pub norm: Option<MtlMap>,
 }
 
 impl MtlMaps {
-    /// The field that `keyword` means, in any case; None if no such picture is kept.
+    /// The field for `keyword`, ignoring case; None for an unsupported texture.
     pub(super) fn slot(&mut self, keyword: &str) -> Option<&mut Option<MtlMap>> {
         Some(match &*keyword.to_ascii_lowercase() {
             "map_kd" => &mut self.kd,
@@ -47,20 +47,21 @@ impl MtlMaps {
         })
     }
 
-    /// The pictures that are given.
+    /// The textures that are given.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MtlMap> {
         let Self { kd, ke, d, bump, norm } = self;
         [kd, ke, d, bump, norm].into_iter().flatten()
     }
 
-    /// The pictures that are given.
+    /// The textures that are given.
     pub fn iter(&self) -> impl Iterator<Item = &MtlMap> {
         let Self { kd, ke, d, bump, norm } = self;
         [kd, ke, d, bump, norm].into_iter().flatten()
     }
 }
 
-/// Parses what follows the keyword: options, then a name in `folder`, which may have blanks. None without a name.
+/// Parses the text after the keyword: options, then a file name in `folder`, which may have blanks. None without a
+/// name.
 pub(super) fn parse_map(text: &str, folder: &Path) -> Option<MtlMap> {
     let mut map = MtlMap {
         file: PathBuf::new(),
@@ -77,7 +78,7 @@ pub(super) fn parse_map(text: &str, folder: &Path) -> Option<MtlMap> {
             "-mm" => (2, false),
             "-bm" | "-boost" | "-texres" => (1, false),
             "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" | "-colorspace" => (0, true),
-            // A name that begins so.
+            // A file name that begins with a minus.
             _ => break,
         };
         let mut values = [None; 3];
@@ -105,7 +106,7 @@ pub(super) fn parse_map(text: &str, folder: &Path) -> Option<MtlMap> {
             _ => {}
         }
     }
-    // This is for libraries that were made on Windows.
+    // Libraries made on Windows have quotes and backslashes.
     let name = rest.trim_matches('"').replace('\\', "/");
     map.file = folder.join(&name);
     (!name.is_empty()).then_some(map)

@@ -31,18 +31,18 @@ use super::obj_vertices::SharedVertices;
 use super::polygon::triangulate;
 use super::vertex_normals::{angle_weighted_normals, unit};
 
-/// Reads a whole OBJ file by all threads. `library` fetches the MTL files it names, relative to it, with `/` between
-/// folders; one that cannot be had is a warning. Errors name the line.
+/// Reads a whole OBJ file on all threads. `library` returns the content of an MTL file named relative to it, with `/`
+/// between folders; a missing one is a warning. Errors name the line.
 pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Result<LoadedMesh, MeshError> {
     load_in_stretches(bytes, STRETCH, library)
 }
 
-/// The size of a stretch in bytes: large enough to keep a thread busy, small enough for all threads to end at about the
+/// The size of a chunk in bytes: large enough to keep a thread busy, small enough for all threads to end at about the
 /// same time.
 const STRETCH: usize = 1 << 18;
-/// The bytes of memory that statements take for each byte of text, without colours.
+/// The bytes of memory that parsed statements take for each byte of text, without colours.
 const BYTES_PER_BYTE: u64 = 4;
-/// The bytes of memory for the colour of a vertex, in its part and where the parts are joined.
+/// The bytes of memory for the colour of a vertex, in its part and in the joined array.
 const BYTES_PER_COLOR: u64 = 2 * size_of::<Vec3>() as u64;
 
 fn load_in_stretches(
@@ -50,7 +50,7 @@ fn load_in_stretches(
     length: usize,
     library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
 ) -> Result<LoadedMesh, MeshError> {
-    // Every statement takes two bytes, so all counts below fit 32 bits.
+    // Every statement takes at least two bytes, so all counts below fit 32 bits.
     if bytes.len() > u32::MAX as usize {
         return Err(MeshError::TooLarge {
             what: "the size of the file in bytes",
@@ -81,16 +81,16 @@ fn load_in_stretches(
     })
 }
 
-/// The file's statements as they stand.
+/// The parsed statements of the file.
 struct Statements {
     positions: Vec<Vec3>,
-    /// One for each position, or empty.
+    /// One colour for each position, or empty.
     colors: Vec<Vec3>,
     /// The number of positions that have a colour in the file.
     colored: usize,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
-    /// The rest, in the order of the file.
+    /// The other statements, in the order of the file.
     parts: Vec<Part>,
     materials: Vec<MtlMaterial>,
 }
@@ -116,7 +116,7 @@ impl Statements {
         }
         let colored = parts.iter().map(|part| part.colored).sum();
         if colored > 0 {
-            // One vertex with a colour gives all of them one.
+            // If one vertex has a colour, all get one.
             let count: usize = parts.iter().map(|part| part.positions.len()).sum();
             memory.add(BYTES_PER_COLOR * count as u64, || {
                 format!("{count} colours of vertices")
@@ -144,8 +144,8 @@ impl Statements {
         self.materials = libraries.materials;
     }
 
-    /// Checks indices. They may point forward, so that is done at the end. Texture coordinates and normals of a file
-    /// that defines none at all are no error: [`Self::build`] leaves them out.
+    /// Checks indices. They may point forward, so this comes at the end. Missing texture coordinates and normals are no
+    /// error if the file defines none at all: [`Self::build`] leaves them out.
     fn check_indices(&self) -> Result<(), MeshError> {
         let forgiving = |count: usize| if count == 0 { usize::MAX } else { count };
         let pools = [
@@ -174,7 +174,7 @@ impl Statements {
         self.parts.par_iter().find_map_first(first_error).map_or(Ok(()), Err)
     }
 
-    /// Builds the mesh without its materials; `material_of_triangle` holds nothing yet.
+    /// Builds the mesh without its materials; `material_of_triangle` stays empty.
     fn build(&self, warnings: &mut Warnings) -> MeshData {
         let mut vertices = SharedVertices::new(self.positions.len());
         let ids: Vec<Vec<u32>> = self.parts.iter().map(|part| vertices.ids_of(&part.corners)).collect();
@@ -281,7 +281,7 @@ impl Statements {
             }
             return Ok(());
         }
-        // Of several materials with one name the first counts.
+        // The first of several materials with one name counts.
         let mut index_of_name: HashMap<&str, usize> = HashMap::new();
         for (index, material) in self.materials.iter().enumerate() {
             index_of_name.entry(&material.name).or_insert(index);
@@ -291,7 +291,7 @@ impl Statements {
             stand_ins.push(default_material(name));
             self.materials.len() + stand_ins.len() - 1
         };
-        // The indices of the materials, by part and by name that the part uses.
+        // For each part, the material index of each name that the part uses.
         let mut indices: Vec<Vec<usize>> = Vec::with_capacity(self.parts.len());
         for part in &self.parts {
             let mut of_part = Vec::with_capacity(part.used_names.len());
@@ -326,7 +326,7 @@ impl Statements {
     }
 }
 
-/// Takes an array from each part.
+/// Concatenates an array of all parts.
 fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Vec<T> {
     let mut all = Vec::with_capacity(parts.iter_mut().map(|part| array(part).len()).sum());
     for part in parts {

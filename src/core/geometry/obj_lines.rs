@@ -1,4 +1,4 @@
-//! Cuts OBJ text into numbered lines and words, and into stretches of whole statements.
+//! Cuts OBJ text into numbered lines and words, and into chunks of whole statements.
 
 use std::borrow::Cow;
 
@@ -17,7 +17,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The number of lines that have been taken from the text.
+    /// The number of lines read from the text so far.
     pub fn taken(&self) -> u32 {
         self.next_number - 1
     }
@@ -62,13 +62,13 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// A line without the backslash that ends it.
+/// The line without a backslash at its end; None if it has none.
 #[inline]
 fn before_backslash(line: &[u8]) -> Option<&[u8]> {
     line.trim_ascii_end().strip_suffix(b"\\")
 }
 
-/// The part up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte
+/// The length up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte
 /// repeated eight times, the borrows of the subtraction show the lowest byte that is zero (Warren, "Hacker's delight",
 /// 6-1).
 #[inline]
@@ -87,12 +87,12 @@ fn length_of_line(bytes: &[u8]) -> usize {
     8 * words.len() + rest.iter().position(ends).unwrap_or(rest.len())
 }
 
-/// Cuts a text between statements, into stretches of about `length` bytes or as little more as it takes.
+/// Cuts a text between statements, into chunks of `length` bytes or slightly more.
 pub fn stretches(mut text: &[u8], length: usize) -> Vec<&[u8]> {
     let mut stretches = Vec::new();
     while text.len() > length {
         let mut lines = Lines::new(&text[length..]);
-        // The first line is seen from somewhere in its middle on: where that is blank, a backslash may come before.
+        // The text may be cut within a line: if it is blank from there on, a backslash may come before.
         let mut may_continue = lines
             .next_physical()
             .is_none_or(|line| line.trim_ascii_end().is_empty() || before_backslash(line).is_some());
@@ -115,13 +115,13 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Begins at the first word of `line`, which has no line end.
+    /// Starts at the first word of `line`, which has no line end.
     pub fn new(line: &'a [u8]) -> Self {
         Self { rest: line }
     }
 
-    /// The next word as `read` reads it, which gives the value and the number of bytes that it took. If it did not take
-    /// the whole word, the result is `None`, and the word stays.
+    /// The next word parsed by `read`, which returns the value and the number of bytes used. If it did not use the
+    /// whole word, the result is `None`, and the word stays.
     #[inline]
     pub fn next_if<T>(&mut self, read: impl Fn(&[u8]) -> Option<(T, usize)>) -> Option<T> {
         self.skip_blanks();

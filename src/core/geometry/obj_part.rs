@@ -1,8 +1,8 @@
-//! Reads the statements of a stretch of an OBJ file as they stand.
+//! Parses the statements of a chunk of an OBJ file.
 //!
-//! What a stretch says depends on those before it in little: the numbers of its lines, and what indices that count
-//! backwards mean. So stretches are read side by side, and those where that matters once more when it is known: see
-//! [`Part::follow`].
+//! A chunk depends little on those before it: only for its line numbers and for the meaning of indices that count
+//! backwards. So chunks are parsed in parallel, and those with such indices once more when the counts before them are
+//! known: see [`Part::follow`].
 
 use std::collections::HashMap;
 
@@ -12,10 +12,10 @@ use super::decimal::{leading_f32, leading_u32, longest_number};
 use super::mesh_file::{MeshError, Place, Warnings, decode, excerpt};
 use super::obj_lines::{Lines, Words};
 
-/// The mark of an index that a corner does not give, and of "no material yet".
+/// Stands for an index that a corner lacks, and for "no material yet".
 pub const NONE: u32 = u32::MAX;
 
-/// The indices from 0 into the file's positions, uvs and normals.
+/// Zero-based indices into the file's positions, uvs and normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Corner {
     pub position: u32,
@@ -26,13 +26,13 @@ pub struct Corner {
 pub struct Face {
     pub first_corner: u32,
     pub corner_count: u32,
-    /// Index into the names this part uses, or [`NONE`] before the first of them.
+    /// Index into the material names of this part, or [`NONE`] before the first of them.
     pub material: u32,
     /// The line within the part, from 1.
     pub line: u32,
 }
 
-/// The numbers of statements in a text.
+/// The numbers of position, uv and normal statements in a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub lines: u32,
@@ -56,13 +56,13 @@ impl std::ops::Add for Counts {
 
 #[derive(Default)]
 pub struct Part {
-    /// The counts of the file before this part; zero if they are not known yet.
+    /// The counts in the file before this part; zero if not known yet.
     before: Counts,
     knows_before: bool,
-    /// The lines up to an error.
+    /// The number of lines read, up to an error.
     pub lines: u32,
     pub positions: Vec<Vec3>,
-    /// The colours of the positions up to the last that has one, white for those that have none.
+    /// The colours of the positions up to the last coloured one; white where a colour is missing.
     pub colors: Vec<Vec3>,
     /// The number of positions with a colour.
     pub colored: usize,
@@ -71,19 +71,19 @@ pub struct Part {
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
     pub used_names: Vec<String>,
-    /// The name that was used last as an index, or [`NONE`].
+    /// The index of the current material name, or [`NONE`].
     pub material: u32,
-    /// The lines and arguments of `mtllib`, from the first line of the file on.
+    /// The lines and arguments of `mtllib`, counted from the first line of the file.
     pub libraries: Vec<(u32, String)>,
     pub warnings: Warnings,
-    /// The first one; nothing is read after it.
+    /// The first error, at which parsing stops.
     pub error: Option<MeshError>,
-    /// Whether some indices are not known yet.
+    /// Whether the part has indices that count backwards across its start.
     counts_backwards: bool,
 }
 
 impl Part {
-    /// Reads a part. `before` holds the counts of the file before `text`, if they are known.
+    /// Parses a part. `before` holds the counts in the file before `text`, if they are known.
     pub fn read(text: &[u8], before: Option<Counts>) -> Self {
         let mut part = Self {
             before: before.unwrap_or_default(),
@@ -112,7 +112,7 @@ impl Part {
         }
     }
 
-    /// Completes the part, once it is known that a text of `before` precedes it; `text` is what it was read from.
+    /// Completes the part when the counts `before` it are known; `text` is the text of the part.
     pub fn follow(&mut self, before: Counts, text: &[u8]) {
         let matters =
             self.counts_backwards || self.error.is_some() || !self.warnings.is_empty() || !self.libraries.is_empty();
@@ -126,7 +126,7 @@ impl Part {
         &self.corners[face.first_corner as usize..][..face.corner_count as usize]
     }
 
-    /// The place of a face in the file.
+    /// The line of a face in the file.
     pub fn place_of(&self, face: &Face) -> Place {
         Place::Line((self.before.lines + face.line).into())
     }
@@ -211,7 +211,7 @@ impl Part {
         Ok(numbers)
     }
 
-    /// The number that a word is or, with a warning, begins with: tinyobjloader and Assimp take that as well.
+    /// The number of a word or, with a warning, the number at its beginning, as tinyobjloader and Assimp read it.
     fn number(&mut self, word: Option<&[u8]>, place: Place) -> Option<f32> {
         let word = word?;
         let whole = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
@@ -226,7 +226,7 @@ impl Part {
         })
     }
 
-    /// One to three numbers, of which two count. A pair that is not finite becomes 0 0, with a warning.
+    /// Parses one to three numbers, of which two are used. A pair that is not finite becomes 0 0, with a warning.
     fn texture_coordinate(&mut self, words: &mut Words, place: Place, line: &[u8]) -> Result<Vec2, MeshError> {
         const EXPECTED: &str = "one to three texture coordinates";
         let [u] = self.numbers(words, place, line, EXPECTED)?;
@@ -299,8 +299,8 @@ impl Part {
     }
 }
 
-/// The colour behind the coordinates of a vertex, as MeshLab and Blender write it: three numbers; a fourth is its
-/// alpha, which is not kept. One number alone is a weight of the vertex, which polygons do not have.
+/// The colour after the coordinates of a vertex, as MeshLab and Blender write it: three numbers, and a fourth, alpha,
+/// which is ignored. A single number is a weight of the vertex, which polygons do not have.
 #[inline]
 fn color_of_vertex(words: &mut Words) -> Option<Vec3> {
     let mut next = || {
@@ -311,7 +311,7 @@ fn color_of_vertex(words: &mut Words) -> Option<Vec3> {
     color.is_finite().then_some(color)
 }
 
-/// The corner at the beginning of `text` and its length, if it is written as most are: in whole numbers from 1 on.
+/// The corner at the beginning of `text` and its length, if it is in the usual form: indices from 1 on.
 #[inline]
 fn plain_corner(text: &[u8]) -> Option<(Corner, usize)> {
     let mut indices = [NONE; 3];
@@ -338,8 +338,8 @@ fn argument<'a>(text: &'a [u8], keyword: &[u8]) -> &'a [u8] {
     text.trim_ascii_start()[keyword.len()..].trim_ascii()
 }
 
-/// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against
-/// the whole file.
+/// Converts an index of the file, from 1 or backwards from -1 with `defined` so far, to an index from 0; not yet
+/// checked against the whole file.
 fn zero_based(text: &[u8], what: &'static str, defined: usize, place: Place) -> Result<u32, MeshError> {
     let index: i64 = std::str::from_utf8(text)
         .ok()

@@ -6,17 +6,17 @@ use super::obj_part::{Corner, NONE};
 
 /// The vertices so far, numbered by first use.
 pub struct SharedVertices {
-    /// The corner that each vertex was made of.
+    /// The corner of each vertex.
     corners: Vec<Corner>,
-    /// For each vertex the one at the same position that was added before it, or [`NONE`].
+    /// For each vertex the previous vertex at the same position, or [`NONE`].
     older: Vec<u32>,
-    /// For each position the vertex that was added last.
+    /// For each position its latest vertex.
     newest: Vec<u32>,
-    /// The vertices of crowded positions.
+    /// The vertices of positions that have more than [`CROWD`] vertices.
     others: HashMap<Corner, u32>,
 }
 
-/// A position is hardly ever shared by more vertices than this; if so, the others go into a table.
+/// The most vertices in the list of a position, which is rarely reached; further ones go into a hash table.
 const CROWD: usize = 8;
 
 impl SharedVertices {

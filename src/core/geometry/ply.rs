@@ -2,12 +2,13 @@
 //!
 //! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the
 //! list `vertex_indices` (or `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford archive has
-//! them, with -1 between strips. Colours and other values in groups become attributes of the mesh, see
+//! them, with -1 between strips. Colours and other grouped values become attributes of the mesh, see
 //! `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared
-//! vertices, as Mitsuba does; single normals that are zero or not finite are replaced likewise. The texture coordinates
+//! vertices, as Mitsuba does; single normals that are zero or not finite are computed likewise. The texture coordinates
 //! stay as they are.
 //!
-//! Counts of the header are checked against the bytes really there before anything is allocated or looped over.
+//! Counts of the header are checked against the number of bytes in the file before anything is allocated or looped
+//! over.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -21,7 +22,7 @@ use super::ply_records::Records;
 use super::ply_source::{Ascii, Binary, Source};
 use super::polygon::triangulate;
 
-/// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
+/// Reads a whole PLY file. Errors name the line, or the byte in a binary body.
 pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
     let header = parse_header(bytes)?;
     let body = &bytes[header.length..];
@@ -40,7 +41,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     let mut fans = Vec::new();
     for element in &header.elements {
         let smallest = element.smallest_record(header.format);
-        // The last number of a text needs nothing after it.
+        // The last number of a text needs no separator after it.
         if smallest.saturating_mul(element.count) > source.bytes_left() + 1 {
             return Err(MeshError::Truncated {
                 place: Place::Line(element.line),
@@ -97,7 +98,7 @@ fn bytes_per_element(name: &str) -> u64 {
     }
 }
 
-/// Checks that the elements that matter exist once and have the needed properties; gives the number of vertices.
+/// Checks that the needed elements exist once and have the needed properties; returns the number of vertices.
 fn check_elements(header: &Header) -> Result<u64, MeshError> {
     let find = |name: &str| {
         let mut named = header.elements.iter().filter(|element| element.name == name);
@@ -177,8 +178,8 @@ fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError
     }
 }
 
-/// The properties of a vertex that are geometry, in this order. The next place takes those that are not needed, and
-/// attributes follow.
+/// The properties of a vertex that are geometry, in this order. One more slot takes the properties that are skipped,
+/// and attributes follow.
 const SLOTS: [&[&str]; 8] = [
     &["x"],
     &["y"],
@@ -251,7 +252,7 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
     Ok(())
 }
 
-/// Reads the vertices by all threads at once, unless there is a list or anything odd among them; then nothing is read.
+/// Reads the vertices on all threads, unless there is a list or an irregular value among them; then it reads nothing.
 fn vertices_abreast(
     element: &Element,
     source: &mut impl Source,
@@ -308,13 +309,13 @@ fn checked_index(index: f64, source: &impl Source, vertex_count: u64) -> Result<
     }
 }
 
-/// The triangles of a polygon of more than three corners: those of a mesh from `first` on.
+/// The fan of a polygon of more than three corners: the triangles of the mesh from `first` on.
 struct Fan {
     first: usize,
     triangles: usize,
 }
 
-/// Reads the faces, polygons as fans around their first corner. Returns these fans.
+/// Reads the faces, polygons as fans around their first corner. Returns the fans.
 fn read_faces(
     element: &Element,
     source: &mut impl Source,
@@ -375,7 +376,7 @@ fn read_faces(
             }
         }
         let triangles = mesh.triangles.len() - before;
-        // The values of a polygon are repeated, so that they may take far more than they do in the file.
+        // The values of a polygon are repeated, so that they may take far more memory than in the file.
         let repeated = attributes.bytes_per_record() * (triangles as u64).saturating_sub(1);
         if repeated > 0 {
             memory.add(repeated, || format!("the attributes of {triangles} triangles"))?;
@@ -386,8 +387,8 @@ fn read_faces(
     Ok(fans)
 }
 
-/// Cuts those polygons anew that a fan does not fit. The vertices may stand behind the faces, so that this comes after
-/// all is read.
+/// Triangulates polygons again where a fan is wrong. The vertices may come after the faces in the file, so this is done
+/// last.
 fn cut_polygons(fans: &[Fan], mesh: &mut MeshData) {
     let cut = |fan: &Fan| {
         let triangles = &mesh.triangles[fan.first..][..fan.triangles];
@@ -407,8 +408,8 @@ fn cut_polygons(fans: &[Fan], mesh: &mut MeshData) {
     }
 }
 
-/// Adds the fan of a list of indices that comes next, of at least three, if it is binary and all is well; it is not
-/// passed over.
+/// Adds the fan of the next list of indices, of at least three, if the body is binary and the list is valid; the source
+/// is not advanced.
 #[inline]
 fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, triangles: &mut Vec<[u32; 3]>) -> bool {
     let Some(numbers) = source.binary().filter(|_| matches!(item, Scalar::I32 | Scalar::U32)) else {
@@ -429,7 +430,7 @@ fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, 
         largest = largest.max(next);
         last = next;
     }
-    // Negative indices are large here, so that the number of vertices must be below them.
+    // Negative indices wrap to large ones here, which the limit below 2^31 vertices rejects.
     let is_good = u64::from(largest) < vertex_count.min(1 << 31);
     if !is_good {
         triangles.truncate(before);
@@ -437,7 +438,7 @@ fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, 
     is_good
 }
 
-/// Reads the faces by all threads at once if all are triangles and nothing is odd; otherwise nothing is read.
+/// Reads the faces on all threads if all are valid triangles; otherwise it reads nothing.
 fn triangles_abreast(
     element: &Element,
     source: &mut impl Source,
@@ -482,7 +483,7 @@ fn read_strips(
                 skip_property(property.kind, source)?;
                 continue;
             }
-            // The last two corners of the strip, and whether the next triangle turns the other way round.
+            // The last two corners of the strip, and whether the next triangle has the opposite winding.
             let (mut before, mut last, mut turned) = (None, None, false);
             for _ in 0..list_length(count, source)? {
                 let index = source.number(item)?;
@@ -492,7 +493,7 @@ fn read_strips(
                 }
                 let next = checked_index(index, source, vertex_count)?;
                 if let (Some(a), Some(b)) = (before, last) {
-                    // Strips repeat a vertex to change direction; those triangles are meant to vanish.
+                    // Strips repeat a vertex to change direction; these degenerate triangles are dropped.
                     if a != b && b != next && a != next {
                         mesh.triangles.push(if turned { [b, a, next] } else { [a, b, next] });
                     }

@@ -17,19 +17,19 @@ use super::ply_header::{Element, Kind, Property, Scalar};
 use super::ply_records::Records;
 use crate::color::linear_from_srgb;
 
-/// Attributes while an element is read: numbers are set in any order, and one record after the other is pushed.
+/// The attributes of an element while it is read: values of a record are set in any order, then the record is pushed.
 pub(super) struct Attributes {
     attributes: Vec<MeshAttribute>,
-    /// For each place of a record the type that it has in the file.
+    /// The file type of each slot of a record.
     types: Vec<Scalar>,
-    /// For each property of the element its place in the record.
+    /// For each property of the element its slot in the record.
     places: Vec<Option<usize>>,
     record: Vec<f64>,
 }
 
 impl Attributes {
-    /// Prepares for an element. `is_taken` tells which properties are something else already. About `expected` records
-    /// will follow.
+    /// Prepares for an element. `is_taken` says which properties are already used for geometry. About `expected`
+    /// records will follow.
     pub fn new(element: &Element, domain: AttributeDomain, is_taken: impl Fn(&str) -> bool, expected: usize) -> Self {
         let mut result = Self {
             attributes: Vec::new(),
@@ -63,7 +63,7 @@ impl Attributes {
         result
     }
 
-    /// The place of a property in the record; `None` if it is no attribute.
+    /// The slot of a property in the record; `None` if it is no attribute.
     pub fn place_of(&self, property: usize) -> Option<usize> {
         self.places[property]
     }
@@ -96,7 +96,7 @@ impl Attributes {
         self.attributes.iter().map(bytes).sum::<usize>() as u64
     }
 
-    /// Ends a record, which counts for `times` vertices or triangles.
+    /// Ends a record, whose values are repeated for `times` vertices or triangles.
     pub fn push(&mut self, times: usize) {
         let mut place = 0;
         for attribute in &mut self.attributes {
@@ -128,7 +128,7 @@ impl Attributes {
     }
 }
 
-/// Drops the attributes of faces if triangles of strips, which have none, stand among the faces.
+/// Drops the attributes of faces if there are also triangles of strips, which have none.
 pub(super) fn drop_attributes_beside_strips(mesh: &mut MeshData, warnings: &mut Warnings) {
     let triangles = mesh.triangles.len();
     mesh.attributes.retain(|attribute| {
@@ -192,7 +192,7 @@ fn groups(properties: &[Property], is_taken: impl Fn(&str) -> bool) -> Vec<Group
     groups.list
 }
 
-/// Groups in the order of the file, each name once.
+/// Groups of properties in the order of the file, with unique names.
 #[derive(Default)]
 struct Groups {
     list: Vec<Group>,

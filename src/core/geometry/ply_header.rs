@@ -1,5 +1,5 @@
-//! The text header of a PLY file: which elements follow, in which order, made of which properties (Turk, "The PLY
-//! polygon file format", 1994).
+//! The text header of a PLY file: the elements of the body in order, with their properties (Turk, "The PLY polygon file
+//! format", 1994).
 
 use super::mesh_file::{MeshError, Place, excerpt};
 
@@ -44,7 +44,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes in a binary body.
+    /// Bytes of a number in a binary body.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -54,7 +54,7 @@ impl Scalar {
         }
     }
 
-    /// The number at the beginning of a binary record's bytes; 0 where they end early.
+    /// The number at the beginning of a binary record's bytes; 0 if there are too few bytes.
     #[inline]
     pub fn number(self, bytes: &[u8], big_endian: bool) -> f64 {
         macro_rules! read {
@@ -81,7 +81,7 @@ impl Scalar {
         }
     }
 
-    /// The largest value of a type of whole numbers.
+    /// The largest value of an integer type; None for floats.
     pub fn largest_whole(self) -> Option<f64> {
         Some(match self {
             Self::I8 => i8::MAX.into(),
@@ -116,7 +116,7 @@ pub enum Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
     pub name: String,
-    /// The number of elements that the header promises. The body may have fewer.
+    /// The number of elements that the header declares. The body may have fewer.
     pub count: u64,
     pub properties: Vec<Property>,
     /// The line of the header that declares the element.
@@ -129,10 +129,10 @@ impl Element {
         self.properties.iter().any(|p| p.name == property)
     }
 
-    /// The fewest bytes one record takes in the body; zero only without properties.
+    /// The fewest bytes of a record in the body; zero only without properties.
     pub(crate) fn smallest_record(&self, format: Format) -> u64 {
         let sizes = self.properties.iter().map(|property| match (format, property.kind) {
-            // A digit and what parts it from the next.
+            // A digit and a separator.
             (Format::Ascii, _) => 2,
             (_, Kind::Scalar(scalar)) => scalar.size() as u64,
             (_, Kind::List { count, .. }) => count.size() as u64,
@@ -145,7 +145,7 @@ impl Element {
 pub struct Header {
     pub format: Format,
     pub elements: Vec<Element>,
-    /// Lines the header takes.
+    /// The number of lines of the header.
     pub lines: u64,
     /// The offset of the body.
     pub length: usize,
@@ -267,8 +267,8 @@ fn name_of(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Lines ending in LF, CR LF or a lone CR. A lone CR ends a line only where the first line ends so too: the first byte
-/// of a binary body may well look like one.
+/// Lines ending in LF, CR LF or a lone CR. A lone CR ends a line only if it ends the first one too: the first byte of a
+/// binary body may happen to be a CR.
 struct HeaderLines<'a> {
     bytes: &'a [u8],
     offset: usize,
@@ -276,7 +276,7 @@ struct HeaderLines<'a> {
 }
 
 impl<'a> HeaderLines<'a> {
-    /// The longest header; no sane one is longer.
+    /// The length limit of the header, in bytes.
     const LONGEST: usize = 1 << 20;
 
     fn next(&mut self) -> Result<&'a [u8], MeshError> {

@@ -1,8 +1,8 @@
-//! Binary PLY elements whose records are all of one length, read by all threads at once: vertices without lists, and
-//! faces that are all triangles.
+//! Binary PLY elements with records of fixed length, read on all threads: vertices without lists, and faces that are
+//! all triangles.
 //!
-//! It says only that something is odd (a fourth corner, an index out of range): then the reader that takes one number
-//! after the other has its turn, which knows what to say of it.
+//! It only reports that a record is irregular (a fourth corner, an index out of range); the sequential reader then
+//! reads the element again and gives the error.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::ply_header::{Element, Kind, Scalar};
 use super::ply_source::BinaryNumbers;
 
-/// The records that one thread reads at once: their work is much more than the cost of claiming them.
+/// The number of records that a thread reads at once: their work is much more than the cost of claiming them.
 const STRETCH: usize = 1 << 12;
 
-/// An element's records one after the other.
+/// The consecutive records of an element.
 pub(super) struct Records<'a> {
     numbers: BinaryNumbers<'a>,
     length: usize,
@@ -23,7 +23,7 @@ pub(super) struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    /// The records at the beginning of `body`, if every list has `items` items. `None` if there is a list although
+    /// The records at the beginning of `body`, with `items` items in each list. `None` if there is a list although
     /// `items` is `None`, or if the body is too short.
     pub fn new(element: &Element, items: Option<usize>, body: BinaryNumbers<'a>) -> Option<Self> {
         let mut length = 0;
@@ -50,14 +50,14 @@ impl<'a> Records<'a> {
         self.numbers.bytes
     }
 
-    /// Calls `each` with every record in turn, as what gives the number of a property.
+    /// Calls `each` for every record in turn, with a function that returns the number of a property.
     pub fn each(&self, mut each: impl FnMut(&dyn Fn(usize, Scalar) -> f64)) {
         for record in self.numbers.bytes.chunks_exact(self.length) {
             each(&|property, scalar| scalar.number(&record[self.offsets[property]..], self.numbers.big_endian));
         }
     }
 
-    /// The vectors of `N` properties of all records.
+    /// For each record, the vector of the numbers of `N` properties.
     pub fn vectors<const N: usize, V: From<[f32; N]> + Clone + Default + Send>(
         &self,
         properties: [(usize, Scalar); N],
@@ -74,9 +74,9 @@ impl<'a> Records<'a> {
         self.read(|record| fields.map(|field| number(record, field)).into())
     }
 
-    /// The lists of property `list`, if all have three items that are indices below `vertex_count`.
+    /// The index triples of the list property `list`; `None` unless all have three items below `vertex_count`.
     pub fn triangles(&self, list: usize, count: Scalar, item: Scalar, vertex_count: u64) -> Option<Vec<[u32; 3]>> {
-        // Negative indices are too large then.
+        // Negative indices are too large as unsigned ones.
         let count_of_indices = u32::try_from(vertex_count).ok().filter(|&count| count <= 1 << 31)?;
         if !matches!(item, Scalar::I32 | Scalar::U32) {
             return None;
@@ -114,7 +114,7 @@ impl<'a> Records<'a> {
         all
     }
 
-    /// The numbers of four bytes at the beginning of `bytes`; 0 beyond their end.
+    /// The four-byte numbers at the beginning of `bytes`; 0 beyond their end.
     #[inline(always)]
     fn words<const N: usize>(&self, bytes: &[u8]) -> [u32; N] {
         let mut words = [0; N];

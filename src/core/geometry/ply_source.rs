@@ -1,20 +1,20 @@
-//! The numbers of a PLY body, be it text or binary in either byte order.
+//! The numbers of a PLY body, in text or in binary of either byte order.
 
 use super::mesh_file::{MeshError, Place, excerpt};
 use super::ply_header::Scalar;
 
-/// A source of the body's numbers, one after the other. An `f64` holds every number type of PLY exactly, except
-/// integers beyond 2⁵³ that no index or position needs.
+/// A sequential source of the body's numbers. An `f64` holds every number type of PLY exactly, except integers beyond
+/// 2⁵³, which no index or position needs.
 pub(super) trait Source {
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
     /// The place of the number that was read last.
     fn place(&self) -> Place;
-    /// The place of what follows.
+    /// The place of the next number.
     fn next_place(&self) -> Place;
     /// The bytes that have not been read yet.
     fn rest(&self) -> &[u8];
-    /// The bytes that have not been read yet, with the order of bytes in their numbers. `None` for a text.
+    /// The unread bytes, with the byte order of their numbers. `None` for a text.
     fn binary(&self) -> Option<BinaryNumbers<'_>>;
 
     fn bytes_left(&self) -> u64 {
@@ -29,7 +29,7 @@ pub(super) struct BinaryNumbers<'a> {
 }
 
 impl BinaryNumbers<'_> {
-    /// A number of four bytes.
+    /// Converts a number of four bytes.
     #[inline(always)]
     pub fn word(&self, bytes: [u8; 4]) -> u32 {
         let word = u32::from_le_bytes(bytes);
@@ -39,7 +39,7 @@ impl BinaryNumbers<'_> {
 
 pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
     rest: &'a [u8],
-    /// The offset of the end of `rest` in the file.
+    /// The offset in the file at which `rest` ends.
     end: u64,
     last: u64,
 }
@@ -140,7 +140,7 @@ impl<'a> Ascii<'a> {
 impl Source for Ascii<'_> {
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
         let word = self.word()?;
-        // Most numbers are short and whole, above all in faces.
+        // Most numbers are short integers, above all in faces.
         if word.len() <= 9 && word.iter().all(u8::is_ascii_digit) {
             return Ok(word
                 .iter()
@@ -148,7 +148,7 @@ impl Source for Ascii<'_> {
                 .into());
         }
         let parsed = std::str::from_utf8(word).ok().and_then(|text| match scalar {
-            // The text is rounded once, so that it gives the same float as a binary file would hold.
+            // The text is rounded once, to the same float as in a binary file.
             Scalar::F32 => text.parse::<f32>().ok().map(f64::from),
             _ => text.parse().ok(),
         });

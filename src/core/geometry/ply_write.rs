@@ -1,10 +1,10 @@
-//! Writes meshes as binary PLY files, with all that the reader of this program and that of Mitsuba take from one.
+//! Writes meshes as binary PLY files, with all data that this program's reader and Mitsuba's use.
 
 use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use super::mesh::MeshData;
 use crate::color::linear_from_srgb8;
 
-/// The mesh with its normals, texture coordinates and attributes. Materials of its file are left out: PLY has none.
+/// The mesh with its normals, texture coordinates and attributes. Materials are left out: PLY has none.
 pub fn binary_ply(mesh: &MeshData) -> Vec<u8> {
     let of = |domain| {
         mesh.attributes
@@ -62,8 +62,8 @@ pub fn binary_ply(mesh: &MeshData) -> Vec<u8> {
     bytes
 }
 
-/// The declarations of attributes. Colours have the names that other programs know; the endings of others tell the
-/// reader which belong together.
+/// The declarations of attributes. Colours have the names that other programs know; the suffixes of others tell the
+/// reader which properties form an attribute.
 fn attribute_properties(attributes: &[&MeshAttribute]) -> String {
     let declared = |attribute: &&MeshAttribute| {
         let name = attribute

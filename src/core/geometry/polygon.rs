@@ -1,13 +1,13 @@
 //! Cuts polygons into triangles.
 //!
-//! Convex polygons become the fan around their first corner, as in Mitsuba, so that bent quads crease along the same
-//! diagonal. Concave ones, where a fan would leave the outline, lose one ear after the other (Meisters, "Polygons have
-//! ears", 1975). What is neither (crossing itself, without area, of very many corners) becomes a fan too: some picture,
-//! never a hang.
+//! Convex polygons become the fan around their first corner, as in Mitsuba, so that non-planar quads crease along the
+//! same diagonal. Concave ones, where a fan would leave the outline, lose one ear after the other (Meisters, "Polygons
+//! have ears", 1975). Other polygons (self-intersecting, without area, with very many corners) become a fan too: some
+//! picture, never a hang.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// The most corners of a polygon for ear clipping, which looks at every pair of corners, and more in bad cases.
+/// The most corners of a polygon for ear clipping, whose time is quadratic in them, and worse in bad cases.
 const MOST_CORNERS_TO_CLIP: usize = 512;
 
 /// Calls `emit` with each triangle of a polygon, as indices into `corners`; always `corners.len() - 2` of them, in the
@@ -27,11 +27,11 @@ pub fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The polygon in the plane that it is closest to, counter-clockwise; `None` without area.
+/// The polygon projected onto its best-fitting plane, counter-clockwise; `None` without area.
 fn flattened(corners: &[Vec3]) -> Option<Vec<DVec2>> {
     let origin = corners[0].as_dvec3();
     let local: Vec<DVec3> = corners.iter().map(|corner| corner.as_dvec3() - origin).collect();
-    // Newell's normal: twice the area seen along each axis.
+    // Newell's normal: twice the projected area along each axis.
     let normal: DVec3 = (0..local.len())
         .map(|i| local[i].cross(local[(i + 1) % local.len()]))
         .sum();
@@ -51,7 +51,7 @@ fn flattened(corners: &[Vec3]) -> Option<Vec<DVec2>> {
     Some(local.iter().map(project).collect())
 }
 
-/// Twice the signed area of a triangle; it is positive if the corners turn counter-clockwise.
+/// Twice the signed area of a triangle; positive if it is counter-clockwise.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - b)
 }
@@ -64,8 +64,8 @@ fn is_convex(outline: &[DVec2]) -> bool {
 fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     let mut left: Vec<usize> = (0..outline.len()).collect();
     let mut is_left = vec![true; outline.len()];
-    // What was found to keep a corner from being an ear. It is not looked for again while it and the neighbours of the
-    // corner are left.
+    // For each corner the obstacle that keeps it from being an ear. It stays valid until the obstacle or a neighbour of
+    // the corner is clipped.
     let mut obstacles: Vec<Option<usize>> = vec![None; outline.len()];
     let mut tip = 1;
     let mut tried = 0;
@@ -92,8 +92,8 @@ fn clip_ears(outline: &[DVec2], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// What keeps a corner, with its neighbours, from being an ear: a corner in their triangle, or the corner itself, where
-/// the outline turns inwards.
+/// The obstacle that keeps a corner from being an ear: another corner in the triangle with its neighbours, or the
+/// corner itself, if the outline is concave there.
 fn obstacle(outline: &[DVec2], left: &[usize], ear: [usize; 3]) -> Option<usize> {
     let [a, b, c] = ear.map(|i| outline[i]);
     if turn(a, b, c) <= 0.0 {
@@ -102,7 +102,7 @@ fn obstacle(outline: &[DVec2], left: &[usize], ear: [usize; 3]) -> Option<usize>
     let is_outside = |p: DVec2| turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0;
     left.iter().copied().find(|&i| {
         let p = outline[i];
-        // Corners may coincide (a bridge to a hole); such a twin does not spoil the ear.
+        // Corners may coincide (a bridge to a hole); such a duplicate is no obstacle.
         p != a && p != b && p != c && !is_outside(p)
     })
 }

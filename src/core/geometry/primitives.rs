@@ -1,4 +1,4 @@
-//! Makes shapes that are meshes from the start.
+//! Makes the built-in meshes: triangle and cube.
 
 use glam::{Vec2, Vec3};
 

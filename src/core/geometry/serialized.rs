@@ -1,8 +1,8 @@
 //! Reads Mitsuba's `serialized` meshes: several shapes in one file, each a zlib stream (RFC 1950), versions 3 and 4.
 //!
 //! A shape holds flags, in version 4 a name, the counts, and then positions, normals, texture coordinates and colours
-//! of all vertices in single or double precision, and the triangles. The colours are passed over, as Mitsuba 3 does. A
-//! table at the file's end says where each shape begins. Normals are computed where there are none.
+//! of all vertices in single or double precision, and the triangles. The colours are skipped, as in Mitsuba 3. A table
+//! at the file's end gives the offset of each shape. Missing normals are computed.
 
 use std::io::Read;
 
@@ -14,7 +14,7 @@ use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, compl
 
 const MAGIC: u16 = 0x041c;
 
-/// The file's magic number and version, before every shape.
+/// Bytes of the magic number and version before every shape.
 const HEADER: usize = 4;
 
 const HAS_NORMALS: u32 = 0x1;
@@ -22,13 +22,13 @@ const HAS_TEXTURE_COORDINATES: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// The most bytes that deflate packs into one.
+/// The highest compression ratio of deflate.
 const MOST_PER_BYTE: u64 = 1032;
 
 /// The longest name of a shape, in bytes.
 const LONGEST_NAME: usize = 1 << 16;
 
-/// Whether a file says of itself that it is one.
+/// Whether a file has the magic number of the format.
 pub fn is_serialized(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC.to_le_bytes())
 }
@@ -86,7 +86,7 @@ fn syntax(byte: u64, expected: &str, found: impl Into<String>) -> MeshError {
     MeshError::syntax(Place::Byte(byte), expected, found)
 }
 
-/// The table: the places of all shapes (4 bytes each in version 3, 8 in version 4), then their number.
+/// The table: the offsets of all shapes (4 bytes each in version 3, 8 in version 4), then their number.
 fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
     let end = bytes.len() as u64;
     let promised = || MeshError::Truncated {
@@ -104,7 +104,7 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
         u64::from_le_bytes(wide)
     };
     let offsets: Vec<u64> = table.chunks_exact(width).map(offset).collect();
-    // Otherwise a small file could hold one shape a million times.
+    // Otherwise a small file could contain one shape a million times.
     if !offsets.is_sorted_by(|before, after| before < after) {
         return Err(syntax(
             end,
@@ -115,11 +115,11 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
     Ok(offsets)
 }
 
-/// The content of one shape, unpacked as it is read.
+/// The content of one shape, decompressed while it is read.
 struct Unpacked<'a> {
     decoder: ZlibDecoder<&'a [u8]>,
     read: u64,
-    /// The most bytes that can be left.
+    /// The largest number of bytes that can be left.
     most: u64,
 }
 
@@ -132,7 +132,7 @@ impl<'a> Unpacked<'a> {
         }
     }
 
-    /// Reads bytes. Memory grows only with what is really there.
+    /// Reads bytes. Memory grows only with bytes actually read.
     fn bytes(&mut self, count: u64) -> Result<Vec<u8>, MeshError> {
         let mut bytes = Vec::new();
         let result = self.decoder.by_ref().take(count).read_to_end(&mut bytes);
@@ -155,7 +155,7 @@ impl<'a> Unpacked<'a> {
         Ok(array)
     }
 
-    /// The place of what comes next.
+    /// The place of the next byte.
     fn place(&self) -> Place {
         Place::Unpacked(self.read)
     }
@@ -268,7 +268,7 @@ fn skip_name(source: &mut Unpacked) -> Result<(), MeshError> {
     ))
 }
 
-/// Reserves what the counts promise, before anything of it is unpacked.
+/// Reserves memory for the declared counts, before any of it is decompressed.
 fn reserve(source: &Unpacked, flags: u32, vertices: u64, triangles: u64) -> Result<MeshMemory, MeshError> {
     let width = if flags & DOUBLE_PRECISION != 0 { 8 } else { 4 };
     let numbers = |flag: u32, count: u64| if flags & flag != 0 { count } else { 0 };
@@ -281,7 +281,7 @@ fn reserve(source: &Unpacked, flags: u32, vertices: u64, triangles: u64) -> Resu
             promised: "its counts promise more than can be packed into it".into(),
         });
     }
-    // Normals are always there in the end.
+    // Normals are always present in the finished mesh.
     let arrays = vertices * 4 * (6 + numbers(HAS_TEXTURE_COORDINATES, 2)) + triangles * 12;
     // One list of the file is in memory while it is converted; the acceleration structure comes later.
     let unpacked = (vertices * 3 * width).max(triangles * 12);

@@ -1,8 +1,8 @@
-//! Meshes of building parts that are given by a few numbers: walls with openings, stairs, prisms.
+//! Meshes of parametric building parts: walls with openings, stairs, prisms.
 //!
 //! All stand on the plane z = 0 of their own space, with z upwards. They are closed surfaces with flat normals outward.
 //! Texture coordinates are lengths on the face in the units of the space, u to the right and v downwards as seen from
-//! outside, so that pictures stand upright and keep their size on faces of all sizes.
+//! outside, so that textures stand upright and keep their size on faces of all sizes.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
@@ -26,10 +26,10 @@ pub struct Hole {
 }
 
 /// The box from (0, -thickness / 2, 0) to (length, thickness / 2, height) without its openings, which go through it
-/// along y. Openings may overlap, and end where the wall does. The faces are cut along the edges of all openings, so
+/// along y. Openings may overlap, and are clipped to the wall. The faces are cut along the edges of all openings, so
 /// that neighbours share whole edges.
 pub fn wall(length: f32, height: f32, thickness: f32, holes: &[Hole]) -> MeshData {
-    // There is no wall if a number is no possible length.
+    // An invalid length gives an empty mesh.
     let [length, height] = [length, height].map(|extent| extent.max(0.0));
     let inside: Vec<[f32; 4]> = holes
         .iter()
@@ -82,7 +82,7 @@ pub fn wall(length: f32, height: f32, thickness: f32, holes: &[Hole]) -> MeshDat
     facets.finish()
 }
 
-/// The sorted places of all edges between 0 and the end, each once.
+/// The sorted positions of all edges between 0 and `end`, without duplicates.
 fn cuts(end: f32, edges: impl Iterator<Item = f32>) -> Vec<f32> {
     let mut cuts: Vec<f32> = edges.chain([0.0, end]).collect();
     cuts.sort_by(f32::total_cmp);
@@ -154,10 +154,10 @@ pub fn prism(radius: f32, top_radius: f32, height: f32, sides: u32) -> MeshData 
     facets.finish()
 }
 
-/// The flat polygons of a mesh so far.
+/// The flat polygons of a mesh under construction.
 struct Facets {
     mesh: MeshData,
-    /// The point that has the texture coordinates (0, 0).
+    /// The point with the texture coordinates (0, 0).
     origin: Vec3,
 }
 
@@ -169,7 +169,7 @@ impl Facets {
         }
     }
 
-    /// Adds a flat polygon, counter-clockwise as seen from outside. One without area adds nothing.
+    /// Adds a flat polygon, counter-clockwise as seen from outside. A polygon without area adds nothing.
     fn polygon(&mut self, corners: &[Vec3]) {
         let [first, ..] = corners else { return };
         // Newell's normal holds for polygons that are not convex, too. It needs double precision, because squares of
@@ -212,8 +212,7 @@ fn directions(normal: Vec3) -> (Vec3, Vec3) {
     (right, right.cross(normal))
 }
 
-/// The mesh with its normals and texture coordinates as PLY text, for programs that do not know the numbers it was made
-/// from.
+/// The mesh with its normals and texture coordinates as PLY text, for programs that do not know its parameters.
 pub fn to_ply(mesh: &MeshData) -> String {
     let mut text = format!(
         "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n\

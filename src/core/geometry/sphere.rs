@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// The nearest of the two crossings with t_min < t < t_max.
+/// The nearest of the two intersections with t_min < t < t_max.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let a = dir.length_squared();
@@ -44,7 +44,7 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
 }
 
 /// The parametrisation at a point of the sphere: uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x
-/// towards +y and theta from +z. At the poles, where nothing moves with u, v grows towards +x.
+/// towards +y and theta from +z. At the poles, where the position does not depend on u, v grows towards +x.
 pub(crate) fn parametrisation(position: Vec3) -> Parametrisation {
     Parametrisation {
         uv: uv(position),
@@ -63,7 +63,7 @@ fn down(p: Vec3) -> Vec3 {
     (p.z * outward).extend(-across)
 }
 
-/// The spherical coordinates of a unit vector.
+/// The texture coordinates of a unit vector.
 pub fn uv(p: Vec3) -> Vec2 {
     let phi = p.y.atan2(p.x);
     let theta = (p.x * p.x + p.y * p.y).sqrt().atan2(p.z);

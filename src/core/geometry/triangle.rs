@@ -1,10 +1,10 @@
 //! One triangle: the ray test and the surface at a hit.
 //!
-//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. Those
-//! of the edges are taken where the ray is the third axis, as signed areas (Woop, Benthin, Wald, Watertight
-//! Ray/Triangle Intersection, JCGT 2013): each corner is moved there in one way whatever the triangle, so the two
-//! triangles at a shared edge get exactly opposite numbers and no ray slips between them. The weights are divided by
-//! their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
+//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. The
+//! volumes of the edges are computed in a space where the ray is the third axis, as signed areas (Woop, Benthin, Wald,
+//! Watertight Ray/Triangle Intersection, JCGT 2013): each corner is transformed independently of its triangle, so the
+//! two triangles at a shared edge get exactly opposite numbers and no ray slips between them. The weights are divided
+//! by their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -18,22 +18,21 @@ use crate::math::{Ray, Real, Vector, gamma};
 pub enum Faces {
     /// Rays hit front and back.
     Both,
-    /// Rays hit only the front, and pass from behind.
+    /// Rays hit only the front, and pass through the back.
     FrontOnly,
 }
 
-/// The operations that the test needs of a number: f32, or a vector of them for several triangles at once.
+/// The operations that the test needs of a number: f32, or a SIMD vector for several triangles at once.
 pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
-/// A ray prepared for the test. Axes are permuted so that the third one is that of the largest component of the
-/// direction.
+/// A ray prepared for the test. Axes are permuted so that the largest component of the direction is the third.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TriangleRay {
-    /// The axis of the scene that each of the permuted axes is.
+    /// For each of the permuted axes its original axis.
     pub axes: [usize; 3],
-    /// The origin in permuted axes; all that follows is in them, too.
+    /// The origin in permuted axes, as are all further fields.
     origin: [f32; 3],
     dir: [f32; 3],
     /// The shear along the first two axes for each unit of the third.
@@ -62,7 +61,7 @@ impl TriangleRay {
         }
     }
 
-    /// Points in turned axes, `splat` giving the same number for all of them, relative to the origin.
+    /// Points in permuted axes relative to the origin; `splat` copies a number to all lanes.
     #[inline(always)]
     pub fn relative<T: Number>(&self, corners: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [[T; 3]; 3] {
         let origin = [splat(self.origin[0]), splat(self.origin[1]), splat(self.origin[2])];
@@ -73,7 +72,7 @@ impl TriangleRay {
         ]
     }
 
-    /// The barycentric weights of corners 0, 1, 2, times their sum, of corners [relative](Self::relative) to the
+    /// The barycentric weights of corners 0, 1, 2, times their sum, for corners [relative](Self::relative) to the
     /// origin. The ray's line meets the triangle if none is negative, or none positive.
     #[inline(always)]
     pub fn weights<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 3] {
@@ -84,7 +83,7 @@ impl TriangleRay {
     }
 
     /// The numerator and the denominator of the distance to the plane of corners [relative](Self::relative) to the
-    /// origin. The denominator is negative when the ray meets the front.
+    /// origin. The denominator is negative if the ray meets the front.
     #[inline(always)]
     pub fn plane<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 2] {
         let normal = cross(sub(b, a), sub(c, a));
@@ -118,7 +117,7 @@ fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The hit of `ray` with the triangle, `None` for a miss, a ray within the plane, a triangle without area.
+/// The hit of `ray` with the triangle; `None` for a miss, a ray within the plane, or a triangle without area.
 pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit> {
     let own = TriangleRay::new(ray);
     let corners = own.relative(corners.map(|p| own.axes.map(|axis| p[axis])), |x| x);
@@ -136,7 +135,7 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit
     })
 }
 
-/// Whether a triangle has finite corners and an area that the test can see; others can never be hit and need not be
+/// Whether a triangle has finite corners and an area that the test can resolve; others can never be hit and need not be
 /// stored.
 pub(crate) fn is_regular(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners;
@@ -144,7 +143,7 @@ pub(crate) fn is_regular(corners: [Vec3; 3]) -> bool {
     corners.iter().all(|p| p.is_finite()) && normal.is_finite() && normal != Vec3::ZERO
 }
 
-/// The surface at the weights `u`, `v` of corners 1 and 2.
+/// The surface at the barycentric weights `u`, `v` of corners 1 and 2.
 #[inline(always)]
 pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> {
     let w = R::ONE - u - v;
@@ -152,8 +151,8 @@ pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> 
     let (edge_b, edge_c) = (b - a, c - a);
     let normal = edge_b.cross(edge_c);
 
-    // The rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) .
-    // normal, where each component of the normal is a difference of products (large for slivers).
+    // The rounding error of the interpolation, and of the distance to the plane as the ray test evaluates it: (a -
+    // origin) . normal, where each component of the normal is a difference of products (large for slivers).
     let size = |v: R::Vec3| v.map(R::abs);
     let interpolation = (size(a) * w.abs() + size(b) * u.abs() + size(c) * v.abs()) * R::splat(gamma(7));
     let (p, q) = (size(edge_b), size(edge_c));
@@ -172,8 +171,8 @@ pub fn surface<R: Real>([a, b, c]: [R::Vec3; 3], u: R, v: R) -> LocalSurface<R> 
     }
 }
 
-/// The parametrisation at the weights `u`, `v` of corners 1 and 2 that takes the values `uvs` at the corners; without
-/// them uv is (u, v). Where they have no area, the derivatives are zero.
+/// The parametrisation at the barycentric weights `u`, `v` of corners 1 and 2, with `uvs` at the corners; without them
+/// uv is (u, v). If they have no area, the derivatives are zero.
 pub(crate) fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
     let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let Some(uvs) = uvs else {
@@ -193,8 +192,8 @@ pub(crate) fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[V
     }
 }
 
-/// Slivers so thin that their computed plane is mere rounding must not push rays visibly far away; in units of the
-/// longest edge.
+/// The largest error of the plane, in units of the longest edge: the computed plane of very thin slivers is mere
+/// rounding and must not push rays visibly far away.
 const MAX_PLANE_ERROR: f32 = 1e-3;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Smooth vertex normals from the triangles around each vertex, for files that carry none.
+//! Smooth vertex normals from the triangles around each vertex, for files without normals.
 //!
 //! Each triangle adds its unit normal, weighted by its interior angle at the vertex (Thürmer and Wüthrich, "Computing
 //! vertex normals from polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3.9 does the same when a mesh
@@ -8,21 +8,20 @@ use glam::Vec3;
 use rayon::prelude::*;
 use wide::{f32x4, u32x4};
 
-/// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
+/// The normal of a vertex without triangles that have an area; no ray sees it, but it has unit length all the same.
 pub(crate) const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
-/// The number of triangles that are computed side by side.
+/// The number of triangles that are computed at once.
 const LANES: usize = 4;
 
-/// The least number of triangles that is shared among threads: smaller meshes are done before other threads have woken
-/// up.
+/// The least number of triangles for several threads: smaller meshes are done before other threads have woken up.
 const FEWEST_TO_SHARE: usize = 1 << 13;
 
 /// One unit normal for each position. Every index must be below `positions.len()`.
 ///
-/// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets
-/// [`NORMAL_OF_LONE_VERTEX`]. Threads share out the vertices, and each takes their triangles in order: the sums do not
-/// depend on how many there are.
+/// Triangles without area do not count; a vertex whose triangles cancel out, or that has none, gets
+/// [`NORMAL_OF_LONE_VERTEX`]. Each thread has a range of vertices, and adds their triangles in order: the sums do not
+/// depend on the number of threads.
 pub(crate) fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
     let shares = match triangles.len() {
@@ -39,7 +38,7 @@ pub(crate) fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]])
     sums
 }
 
-/// Adds the weighted normals of all triangles to the sums of the vertices from `first` on.
+/// Adds the weighted normals of all triangles to `sums`, which belong to the vertices from `first` on.
 fn add_normals(positions: &[Vec3], triangles: &[[u32; 3]], first: usize, sums: &mut [Vec3]) {
     // There are at most as many vertices as indices.
     let (first, count) = (first as u32, sums.len() as u32);
@@ -57,7 +56,7 @@ fn add_normals(positions: &[Vec3], triangles: &[[u32; 3]], first: usize, sums: &
         let angles = [angles[0].to_array(), angles[1].to_array(), angles[2].to_array()];
         for (lane, triangle) in block.iter().enumerate() {
             let normal = Vec3::new(x[lane], y[lane], z[lane]);
-            // The normal is no number if there is no area.
+            // The normal is NaN if the area is zero.
             if !normal.is_finite() {
                 continue;
             }
@@ -120,7 +119,7 @@ fn scaled(v: [f32x4; 3], factor: f32x4) -> [f32x4; 3] {
     [v[0] * factor, v[1] * factor, v[2] * factor]
 }
 
-/// The power of two at or below a positive number, and its inverse; 0 and 2^127 below 2^-126, 2^127 and 0 from there
+/// The power of two at or below a positive number, and its inverse; 0 and 2^127 below 2^-126, 2^127 and 0 from 2^127
 /// on.
 #[inline(always)]
 fn power_of_two(x: f32x4) -> (f32x4, f32x4) {
@@ -150,7 +149,7 @@ fn largest(v: [f32x4; 3]) -> f32x4 {
     v[0].abs().fast_max(v[1].abs()).fast_max(v[2].abs())
 }
 
-/// The direction of `vector`, whatever its length, even if its square is beyond an `f32`; `None` for zero and vectors
+/// The unit vector along `vector` for any length, even if its square is beyond an `f32`; `None` for zero and vectors
 /// that are not finite.
 pub fn unit(vector: Vec3) -> Option<Vec3> {
     let square = vector.length_squared();

@@ -1,9 +1,6 @@
-//! Borders of media: what a camera ray meets behind those that light does not notice, and the medium at a place.
-//!
-//! How much medium is before the first surface: the optical depth along the camera ray.
-//!
-//! Surfaces lit by nothing but a lamp at the camera: complete with the first sample, wherever the lights of the scene
-//! are.
+//! Camera rays through borders of media: the medium at a point, the first surface behind borders that do not bend or
+//! absorb light, the optical depth up to it, and its colour if a lamp at the camera is the only light. That colour is
+//! complete with the first sample, wherever the lights of the scene are.
 
 use glam::Vec3;
 

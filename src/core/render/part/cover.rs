@@ -1,26 +1,26 @@
-//! Whether parts make up a whole picture.
+//! Checks whether parts make up a whole picture.
 
 use super::{Crop, PartHeader};
 use crate::render::tile::{Tile, tiles};
 
-/// What is wrong with the samples that parts have of one place.
+/// A fault in the samples that parts have at one place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields mean")]
 pub enum Fault {
-    /// Two parts have the same samples.
+    /// Two parts have samples in common.
     #[error("{first} and {second} both have samples {}..{}", .samples[0], .samples[1])]
     Overlap {
         first: String,
         second: String,
         samples: [u32; 2],
     },
-    /// No part has these samples. `part` is what parts are called.
+    /// No part has these samples. `part` is the word for parts in the message.
     #[error("no {part} has samples {}..{}", .samples[0], .samples[1])]
     Gap { part: &'static str, samples: [u32; 2] },
 }
 
-/// The first fault of parts with these names and samples, which are to have those from 0 to `end` once each. Messages
-/// call them by the word `part`.
+/// The first fault of parts with these names and sample ranges, which must have each sample from 0 to `end` once.
+/// Messages call them by the word `part`.
 pub fn fault<'a>(
     part: &'static str,
     parts: impl Iterator<Item = (&'a String, [u32; 2])>,
@@ -50,7 +50,7 @@ pub fn fault<'a>(
     }
 }
 
-/// The reason why parts are not a whole picture. `place` is the rectangle around the pixels that it is about.
+/// The reason why parts are not a whole picture. `place` is the rectangle of the affected pixels.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{fault} of the {} x {} pixels at {},{}", .place.width, .place.height, .place.x, .place.y)]
 #[allow(missing_docs, reason = "the message says what the fields mean")]

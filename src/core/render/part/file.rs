@@ -1,4 +1,4 @@
-//! The file of a part of a picture: an EXR picture, and behind it the state.
+//! The file of a part of a picture: an EXR picture, followed by the state.
 
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read};
@@ -30,7 +30,7 @@ pub enum PartError {
     Damaged(#[from] Damaged),
 }
 
-/// Writes a part in one step: after a failure the old file is there. `picture` is the content of an EXR file, `tiles`
+/// Writes a part in one step: after a failure the old file is intact. `picture` is the content of an EXR file, `tiles`
 /// are the tiles of the part that have samples, and `job` is the state of the engine's job.
 pub fn write_part(
     path: &Path,
@@ -60,7 +60,7 @@ pub fn write_part(
     })
 }
 
-/// The file of a part, of which the header was read.
+/// The open file of a part, with its header read.
 pub struct PartFile {
     path: PathBuf,
     access: Access,
@@ -68,12 +68,12 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// Reads the header.
+    /// Opens a part and reads its header.
     pub fn open(path: &Path) -> Result<Self, PartError> {
         Self::open_within(path, &Access::everywhere())
     }
 
-    /// [`Self::open`] for a file that comes from others, and is opened as far as `access` permits.
+    /// [`Self::open`] for a file from a third party, if `access` permits it.
     pub fn open_within(path: &Path, access: &Access) -> Result<Self, PartError> {
         let mut file = access.open_apart(path, LARGEST_DATA)?;
         let mut start = Vec::new();
@@ -90,17 +90,17 @@ impl PartFile {
         })
     }
 
-    /// What the file says of its part.
+    /// The header of the part.
     pub fn header(&self) -> &PartHeader {
         &self.header
     }
 
-    /// Adds the samples to a film of the picture's size and layers, and returns what the engine has written of its job.
-    /// The film is spoilt after an error.
+    /// Adds the samples to a film of the picture's size and layers, and returns the state of the engine's job. After an
+    /// error the film is invalid.
     pub fn read_into(&self, film: &mut Film) -> Result<Vec<u8>, PartError> {
         let mut file = self.access.open_apart(&self.path, LARGEST_DATA)?;
         let (header, state) = open_state::<PartHeader, _>(&mut file)?;
-        // Another file may have its name by now.
+        // Another file may have replaced it meanwhile.
         Damaged::unless(header == self.header)?;
         let mut file = BufReader::new(state);
         let tiles = self.header.crop.tiles(self.header.width, self.header.height);
@@ -127,7 +127,7 @@ impl PartFile {
 }
 
 impl PartHeader {
-    /// Whether the numbers can be those of a picture.
+    /// Whether the header can be that of a picture.
     fn is_possible(&self) -> bool {
         const MOST: u32 = 1 << 16;
         let sides = [self.width, self.height];

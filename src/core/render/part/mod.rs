@@ -1,8 +1,8 @@
 //! Parts of a picture with their exact sums: shares that are merged, and checkpoints that are resumed.
 //!
-//! A part is an EXR file. Any program shows the picture in it, which has what was rendered so far. Behind the picture,
-//! where readers of EXR do not look, follows the state: a header in JSON, the sums of each tile bit by bit, and what
-//! the engine knows of its job. A checkpoint is a part that is not finished.
+//! A part is an EXR file. Any program shows the picture in it, which is the picture rendered so far. The state follows
+//! after the picture, where readers of EXR do not look: a header in JSON, the sums of each tile bit by bit, and the
+//! state of the engine's job. A checkpoint is a part that is not finished.
 
 mod cover;
 mod file;
@@ -44,7 +44,7 @@ impl Crop {
         }
     }
 
-    /// An error in words if it does not lie in a picture of this size, or cuts tiles.
+    /// An error in words if it is not inside a picture of this size, or cuts tiles.
     pub fn check(self, width: u32, height: u32) -> Result<(), String> {
         let axes = [("X", self.x, self.width, width), ("Y", self.y, self.height, height)];
         for (axis, start, length, all) in axes {
@@ -66,7 +66,7 @@ impl Crop {
         Ok(())
     }
 
-    /// Whether it has the pixels of the tile.
+    /// Whether it contains the tile.
     pub fn has(self, tile: Tile) -> bool {
         (self.x..self.x + self.width).contains(&tile.x) && (self.y..self.y + self.height).contains(&tile.y)
     }
@@ -77,10 +77,10 @@ impl Crop {
     }
 }
 
-/// What a file says of its part.
+/// The header of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartHeader {
-    /// What the picture is of.
+    /// The scene, settings and version on which the samples depend.
     pub origin: Origin,
     /// The width of the whole picture in pixels.
     pub width: u32,
@@ -88,27 +88,27 @@ pub struct PartHeader {
     pub height: u32,
     /// The pixels of the part.
     pub crop: Crop,
-    /// The first sample of each pixel, and the end of its samples as they were asked for.
+    /// The first sample of each pixel, and the end of the samples asked for.
     pub samples: [u32; 2],
-    /// The samples of each pixel of the whole picture; None where they are not known.
+    /// The number of samples of each pixel in the whole picture; None if unknown.
     #[serde(default)]
     pub samples_of_whole: Option<u32>,
     /// Whether the part has all of these samples.
     pub is_finished: bool,
-    /// The layers that are kept, by name.
+    /// The names of the layers.
     pub layers: Vec<String>,
-    /// Whether paths from the lights bring light to any pixel.
+    /// Whether pixels receive splats of paths from lights.
     pub splats: bool,
-    /// What is needed to write the picture.
+    /// The metadata of the picture.
     pub about: About,
 }
 
-/// What is needed to write the picture of a part without its scene.
+/// The metadata with which the picture of a part is written without its scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct About {
-    /// The attributes of the picture that are texts.
+    /// The string attributes of the picture.
     pub texts: Vec<(String, String)>,
-    /// The seed, as the picture's attribute says it.
+    /// The seed, as in the picture's attribute.
     pub seed: u32,
     /// The names of the shapes by instance, if a layer needs them.
     pub objects: Vec<String>,
@@ -116,7 +116,7 @@ pub struct About {
     pub materials: Vec<String>,
     /// The names of the light groups.
     pub light_groups: Vec<String>,
-    /// The bits of the axes of the camera in the world, for layers in camera space.
+    /// The bits of the camera axes in world space, for layers in camera space.
     pub camera_axes: [u32; 9],
     /// The bits of the attributes `worldToCamera` and `worldToNDC`, see
     /// [`crate::render::layered_image::Attribute::Matrix`].
@@ -126,7 +126,7 @@ pub struct About {
 }
 
 impl PartHeader {
-    /// What the film keeps.
+    /// The layers of the film.
     pub fn film_layers(&self) -> FilmLayers {
         let known = self.layers.iter().filter_map(|name| Layer::of_name(name));
         FilmLayers {

@@ -1,4 +1,4 @@
-//! What a picture was rendered of, and how two such differ.
+//! The scene, settings and version from which a picture was rendered, and the differences between two of them.
 
 use std::collections::HashMap;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 /// A file that was read, and a digest of its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileDigest {
-    /// The path, from the folder of the scene on where it lies below that.
+    /// The path, relative to the folder of the scene if it is below that.
     pub path: String,
     /// A digest of the content.
     pub digest: String,
 }
 
-/// Everything that the samples of a picture depend on.
+/// All inputs on which the samples of a picture depend.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// The version of the program.
     pub version: String,
-    /// The version of its samples, [`Self::SAMPLES`]. It is 0 in files that do not have it.
+    /// The version of its samples, [`Self::SAMPLES`]. It is 0 in files without it.
     #[serde(default)]
     pub samples: u32,
-    /// The files that the scene consists of, in the order of their paths.
+    /// The files of the scene, in the order of their paths.
     pub files: Vec<FileDigest>,
-    /// Everything else, by name.
+    /// All other inputs, by name.
     pub settings: Vec<(String, String)>,
 }
 
@@ -31,20 +31,20 @@ pub struct Origin {
 const LONGEST_QUOTED: usize = 60;
 
 impl Origin {
-    /// The version of samples. Raise it with every change after which a sample of the same scene, settings, seed and
-    /// index is another one, of pictures or of bakes: in what paths do, in their densities, or in the random
-    /// numbers that they use. Files of an older version would be continued with other samples, and the result would
-    /// have the bits of neither version.
+    /// The version of samples. Raise it with every change that alters a sample of the same scene, settings, seed and
+    /// index, in pictures or in bakes: changes of paths, of their densities, or of the random numbers that they use.
+    /// Files of an older version would be continued with other samples, and the result would have the bits of neither
+    /// version.
     pub const SAMPLES: u32 = 2;
 
-    /// A file that the picture `then` was of as well, with another content.
+    /// A file of both pictures whose content has changed since `then`.
     pub fn changed_file(&self, then: &Self) -> Option<&FileDigest> {
         let then = first_of_each(then.files.iter().map(|file| (&file.path, &file.digest)));
         let has_changed = |file: &&FileDigest| then.get(&file.path).is_some_and(|digest| **digest != file.digest);
         self.files.iter().find(has_changed)
     }
 
-    /// How the picture now differs from `then`, a sentence for each difference.
+    /// The differences between this picture and `then`, a sentence each.
     pub fn differences(&self, then: &Self) -> Vec<String> {
         let mut found = Vec::new();
         if self.version != then.version {
@@ -96,7 +96,7 @@ impl Origin {
     }
 }
 
-/// The values by their names, of several of one name the first. A file may have millions.
+/// The values by name; the first of several with one name counts. A file may have millions.
 fn first_of_each<'a>(list: impl Iterator<Item = (&'a String, &'a String)>) -> HashMap<&'a String, &'a String> {
     let mut first = HashMap::new();
     for (name, value) in list {

@@ -11,15 +11,15 @@ use serde::de::DeserializeOwned;
 use super::PartError;
 use crate::render::bytes::{Damaged, Writer};
 
-/// The version of the format of the state. That of the samples is [`Origin::SAMPLES`](super::Origin::SAMPLES).
+/// The version of the format of the state. The version of samples is [`Origin::SAMPLES`](super::Origin::SAMPLES).
 pub(crate) const FORMAT: u32 = 6;
 const MAGIC: &[u8; 8] = b"SUNROOM+";
-/// The checksum, the length of the state, and [`MAGIC`].
+/// Bytes of the checksum, the length of the state, and [`MAGIC`].
 const TAIL: u64 = 4 + 8 + 8;
 /// The longest header in bytes: it has the names of all shapes.
 const LONGEST_HEADER: usize = 1 << 26;
 
-/// A state that is being written, with the checksum and the length of what was written so far.
+/// Writes a state, and counts the checksum and the length of the bytes written so far.
 pub(crate) struct StateWriter<'a> {
     file: &'a mut dyn Write,
     crc: Crc,
@@ -34,13 +34,13 @@ impl StateWriter<'_> {
         self.file.write_all(bytes)
     }
 
-    /// Writes a number, or several that have a type together.
+    /// Writes a number, or an array or tuple of numbers.
     pub fn put(&mut self, value: impl NoUninit) -> io::Result<()> {
         self.write(bytemuck::bytes_of(&value))
     }
 }
 
-/// Writes a state to the end of a file: a header, and what `write` adds.
+/// Appends a state to a file: a header, and the bytes written by `write`.
 pub(crate) fn write_state(
     file: &mut dyn Write,
     header: &impl Serialize,
@@ -62,8 +62,8 @@ pub(crate) fn write_state(
     state.file.write_all(&tail.0)
 }
 
-/// Reads the header of the state at the end of a file, whose checksum is right. Returns what follows on the header as
-/// well.
+/// Reads the header of the state at the end of a file, after checking the checksum. Also returns a reader of the bytes
+/// after the header.
 pub(crate) fn open_state<H: DeserializeOwned, F: Read + Seek>(file: &mut F) -> Result<(H, Take<&mut F>), PartError> {
     let length = file.seek(SeekFrom::End(0))?;
     let tail_at = length.checked_sub(TAIL).ok_or(PartError::NoState)?;
@@ -95,7 +95,7 @@ pub(crate) fn open_state<H: DeserializeOwned, F: Read + Seek>(file: &mut F) -> R
     Ok((serde_json::from_slice(&text).map_err(|_| Damaged)?, state))
 }
 
-/// Reads a number, or several that have a type together.
+/// Reads a number, or an array of numbers.
 pub(super) fn read<T: Pod>(file: &mut impl Read) -> Result<T, PartError> {
     let mut value = T::zeroed();
     match file.read_exact(bytemuck::bytes_of_mut(&mut value)) {
