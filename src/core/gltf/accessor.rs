@@ -37,7 +37,7 @@ impl Component {
         }
     }
 
-    /// Reads one number from `bytes`. Whole numbers that are `normalized` stand for [0, 1] or [-1, 1].
+    /// Reads one number from `bytes`. A `normalized` integer stands for [0, 1] or [-1, 1].
     fn float(self, bytes: &[u8], normalized: bool) -> f32 {
         let share = |number: f32, largest: f32| {
             if normalized {
@@ -57,7 +57,7 @@ impl Component {
         }
     }
 
-    /// Reads one index; None for types that are no indices.
+    /// Reads one index; None for types that cannot be indices.
     fn index(self, bytes: &[u8]) -> Option<u32> {
         match (self, bytes) {
             (Self::U8, &[a, ..]) => Some(a.into()),
@@ -78,7 +78,7 @@ struct Strided<'a> {
 }
 
 impl<'a> Strided<'a> {
-    /// One that is there.
+    /// The bytes of element `i`, which must exist.
     fn element(&self, i: usize) -> &'a [u8] {
         &self.bytes[i * self.stride..i * self.stride + self.size]
     }
@@ -89,8 +89,8 @@ impl<'a> Strided<'a> {
 }
 
 impl Gltf {
-    /// Elements as vectors of `N` numbers; `kind` is the accessor type this must be, such as `VEC3`. `used`: which
-    /// elements, in ascending order; None for all.
+    /// Elements as vectors of `N` numbers; `kind` is the required accessor type, such as `VEC3`. `used`: the indices of
+    /// the elements to read, in ascending order; None for all.
     pub(super) fn vectors<const N: usize>(
         &self,
         index: usize,
@@ -164,7 +164,7 @@ impl Gltf {
         indices.elements().map(whole).collect()
     }
 
-    /// The elements as indices of vertices.
+    /// The elements as vertex indices.
     pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, GltfError> {
         let accessor = self.accessor(index)?;
         let component = component(index, accessor.component_type)?;
@@ -186,7 +186,7 @@ impl Gltf {
         elements.elements().map(whole).collect()
     }
 
-    /// An accessor whose elements can be numbered with 32 bits, as the indices of triangles are.
+    /// An accessor whose elements can be numbered with 32 bits, as vertex indices require.
     pub(super) fn accessor(&self, index: usize) -> Result<&Accessor, GltfError> {
         let accessor = self.get("accessor", &self.root.accessors, index)?;
         match u32::try_from(accessor.count) {
@@ -198,7 +198,7 @@ impl Gltf {
         }
     }
 
-    /// Reads strided elements. `place` is the buffer view and the offset into it.
+    /// Finds strided elements. `place` is the buffer view and the offset into it.
     fn strided(
         &self,
         accessor: usize,

@@ -1,5 +1,5 @@
-//! Bounds on what is made of a file. By naming one thing again and again, a small file could ask for far more than its
-//! size: for thousands of meshes of the same vertices, curves of the same numbers, and pictures of the same picture.
+//! Limits on the output made of a file. By naming one element again and again, a small file could ask for far more than
+//! its size: for thousands of meshes of the same vertices, curves of the same numbers, and copies of the same picture.
 
 use std::collections::HashSet;
 
@@ -8,48 +8,48 @@ use super::zeros::MOST_ZEROS;
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 
-/// The most instances of all nodes together. One of a mesh with several primitives counts for each of them, for each
-/// becomes a shape.
+/// The most instances of all nodes together. An instance of a mesh with several primitives counts for each of them,
+/// since each becomes a shape.
 pub(super) const MOST_INSTANCES: usize = 1 << 16;
 
-/// The most places of primitives that stand elsewhere as well. In a file of 200 kB, thousands of nodes may each place
-/// thousands of primitives.
+/// The most repeated placements of primitives. In a file of 200 kB, thousands of nodes may each place thousands of
+/// primitives.
 pub(super) const MOST_REPEATS: usize = 1 << 20;
 
-/// The most vectors of the targets of a file that are added. Each target is named in a few bytes, and may have any
+/// The most vectors of morph targets that are added in a file. Each target is named in a few bytes, and may have any
 /// number of vectors.
 pub(super) const MOST_MOVES: usize = 1 << 28;
 
-/// The bytes of meshes for each byte of the buffers. Where primitives share nothing, a byte becomes at most twenty.
+/// The most bytes of meshes for each byte of the buffers. If primitives share nothing, a byte becomes at most twenty.
 const MESH_BYTES: u64 = 32;
-/// The bytes of meshes beside these, for small files whose primitives share their vertices.
+/// More bytes of meshes, for small files whose primitives share their vertices.
 const MORE_MESH_BYTES: u64 = 64 << 20;
-/// The bytes of a vertex and of a triangle in the file of a mesh, about.
+/// The approximate bytes of a vertex and of a triangle in the file of a mesh.
 const VERTEX_BYTES: u64 = 32;
 const TRIANGLE_BYTES: u64 = 12;
 
-/// The bytes of numbers of curves for each byte of the buffers: a number becomes four bytes, and has one at least.
+/// The most bytes of curve values for each byte of the buffers: a number becomes four bytes, and has one at least.
 const CURVE_BYTES: u64 = 4;
-/// The bytes of numbers of curves beside these.
+/// More bytes of curve values.
 const MORE_CURVE_BYTES: u64 = 16 << 20;
 
-/// The most pixels of all pictures that are made of images of which one was made before.
+/// The most pixels of all pictures that are made of an image that was used before.
 const MOST_PIXELS: u64 = 1 << 31;
 
 impl Gltf {
-    /// The bytes of the buffers, and the zeros that stand in no buffer.
+    /// The bytes of the buffers, and the number of zeros that are in no buffer.
     fn sizes(&self) -> [u64; 2] {
         let bytes = self.buffers.iter().map(|buffer| buffer.len() as u64).sum();
         [bytes, self.zeros.min(MOST_ZEROS) as u64]
     }
 
-    /// The bytes that the numbers of curves may have.
+    /// The most bytes that the values of curves may have.
     pub(super) fn curve_allowance(&self) -> u64 {
         let [bytes, zeros] = self.sizes();
         CURVE_BYTES * bytes + 16 * zeros + MORE_CURVE_BYTES
     }
 
-    /// What identifies the file of an image.
+    /// The source of an image, which identifies its file.
     fn source_of(&self, image: usize) -> Source<'_> {
         let image = self.root.images.get(image);
         let view = |image: &super::schema::Image| self.root.buffer_views.get(image.buffer_view?);
@@ -61,29 +61,29 @@ impl Gltf {
     }
 }
 
-/// The meshes that may still be made of a file.
+/// The bytes of meshes that may still be made of a file.
 pub(super) struct MeshAllowance(u64);
 
 impl MeshAllowance {
-    /// What a file may have before any of its meshes is made.
+    /// The allowance of a file before any mesh is made.
     pub fn of(gltf: &Gltf) -> Self {
         let [bytes, zeros] = gltf.sizes();
         Self(MESH_BYTES * bytes + (VERTEX_BYTES + TRIANGLE_BYTES) * zeros + MORE_MESH_BYTES)
     }
 
-    /// Whether no mesh may be made any more.
+    /// Whether no more meshes may be made.
     pub fn is_spent(&self) -> bool {
         self.0 == 0
     }
 
-    /// Counts a mesh.
+    /// Subtracts a mesh.
     pub fn spend(&mut self, mesh: &MeshData) {
         let bytes = VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64;
         self.0 = self.0.saturating_sub(bytes);
     }
 }
 
-/// How often primitives may still be placed that stand elsewhere as well.
+/// The number of repeated placements of primitives that are left.
 pub(super) struct RepeatAllowance {
     placed: HashSet<u32>,
     left: usize,
@@ -99,7 +99,7 @@ impl Default for RepeatAllowance {
 }
 
 impl RepeatAllowance {
-    /// Counts places of a primitive. Returns how many of them there may be.
+    /// Counts placements of a primitive. Returns how many of them are allowed.
     pub fn spend(&mut self, primitive: u32, places: usize) -> usize {
         let first = usize::from(places > 0 && self.placed.insert(primitive));
         let again = (places - first).min(self.left);
@@ -108,16 +108,16 @@ impl RepeatAllowance {
     }
 }
 
-/// The file that an image is read from.
+/// The source of an image's file.
 #[derive(PartialEq, Eq, Hash)]
 enum Source<'a> {
     Uri(&'a str),
-    /// In a buffer, from a byte on.
+    /// In this buffer, from this byte on.
     Bytes(usize, usize),
     Nothing,
 }
 
-/// The pictures that may still be made of a file.
+/// The pixels of pictures that may still be made of a file.
 pub(super) struct PictureAllowance<'a> {
     made: HashSet<Source<'a>>,
     pixels_left: u64,
@@ -133,7 +133,7 @@ impl Default for PictureAllowance<'_> {
 }
 
 impl<'a> PictureAllowance<'a> {
-    /// Makes a picture of an image, and counts it. An error if too many were made of images that had been used before.
+    /// Makes a picture of an image, and counts it. An error if images used before have given too many pixels.
     pub fn spend(
         &mut self,
         gltf: &'a Gltf,

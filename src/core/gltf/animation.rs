@@ -1,4 +1,4 @@
-//! Animations: the curves along which nodes move, turn and grow (glTF 2.0, section 3.11).
+//! Animations: the curves of the translation, rotation and scale of nodes (glTF 2.0, section 3.11).
 //!
 //! All animations play together from 0 s on. An animation that cannot be read, or that drives a part of a node's pose
 //! that an earlier one drives, is left out as a whole, because files hold alternatives ("walk", "run") as well as the
@@ -14,20 +14,19 @@ use super::schema::{Animation, AnimationSampler, Node};
 use super::{Gltf, GltfError};
 use crate::document::animation::MOST_TIME;
 
-/// A scale that takes the place of smaller ones, 0 above all, by which animations hide things: nothing may be
-/// flattened.
+/// The scale that replaces smaller ones, above all 0, by which animations hide objects: shapes must not be flattened.
 const LEAST_SCALE: f32 = 1e-4;
 
 /// The animations of a file.
 #[derive(Default)]
 pub(super) struct Animations {
-    /// By the index of the node.
+    /// The curves of each node, by its index.
     pub nodes: HashMap<usize, Curves>,
-    /// What is left out.
+    /// The parts that are left out.
     pub passed_over: PassedOver,
 }
 
-/// The moving parts of a node's pose.
+/// The animated parts of a node's pose.
 #[derive(Clone, Default)]
 pub(super) struct Curves {
     translation: Option<Curve<3>>,
@@ -35,17 +34,17 @@ pub(super) struct Curves {
     scale: Option<Curve<3>>,
 }
 
-/// Numbers that depend on the time.
+/// A curve of vectors over time.
 #[derive(Clone)]
 struct Curve<const N: usize> {
-    /// Rising, in seconds; at least one.
+    /// Ascending, in seconds; at least one.
     times: Rc<[[f32; 1]]>,
-    /// One value for each time; for cubic curves three: the tangent before, the value, the tangent after.
+    /// One value for each time; for cubic curves three: in-tangent, value, out-tangent.
     values: Rc<[[f32; N]]>,
     way: Way,
 }
 
-/// The way from one value to the next.
+/// The interpolation between values.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Way {
     Step,
@@ -53,7 +52,7 @@ enum Way {
     Cubic,
 }
 
-/// A part of a pose.
+/// The parts of a pose.
 #[derive(Clone)]
 enum Part {
     Translation(Curve<3>),
@@ -65,19 +64,18 @@ enum Part {
 #[derive(Clone)]
 struct Elements<const N: usize> {
     list: Rc<[[f32; N]]>,
-    /// What is wrong with them, if anything is.
+    /// The reason why they cannot be used, if there is one.
     fault: Option<&'static str>,
 }
 
-/// The accessors that were read already, because many curves share their times; those that cannot be read have the
-/// reason.
+/// The accessors read so far, because many curves share their times; for an unreadable one, the reason.
 type Read<const N: usize> = HashMap<usize, Result<Elements<N>, String>>;
 
 struct Known {
     times: Read<1>,
     triples: Read<3>,
     quadruples: Read<4>,
-    /// The bytes of elements that may still be read.
+    /// The number of bytes of elements that may still be read.
     left: u64,
 }
 
@@ -90,7 +88,7 @@ impl Gltf {
             quadruples: HashMap::new(),
             left: self.curve_allowance(),
         };
-        // The indices of the animations that drive a part of a node.
+        // The indices of the animations that drive each part of each node.
         let mut drivers: HashMap<(usize, &str), usize> = HashMap::new();
         for (index, animation) in self.root.animations.iter().enumerate() {
             let parts = match self.parts((index, animation), &mut known, &mut all.passed_over) {
@@ -222,7 +220,7 @@ impl Gltf {
         }
     }
 
-    /// The elements of an accessor, which are read and looked through once.
+    /// The elements of an accessor, which are read and checked only once.
     fn shared<const N: usize>(
         &self,
         index: usize,
@@ -266,7 +264,7 @@ fn fault_of_values<const N: usize>(values: &[[f32; N]]) -> Option<&'static str> 
     (!are_finite).then_some("has values that are not finite")
 }
 
-/// Accessors whose elements have so many numbers.
+/// Implemented by lists of accessors with `N` numbers per element.
 trait Holds<const N: usize> {
     fn of_width(&mut self) -> &mut Read<N>;
 }
@@ -290,7 +288,7 @@ impl Holds<4> for Known {
 }
 
 impl Curves {
-    /// Parent from local at a time in seconds.
+    /// The transform parent from local at a time in seconds.
     pub fn local(&self, node: &Node, time: f32) -> Mat4 {
         let triple = |curve: &Option<Curve<3>>, rest: Option<[f32; 3]>| match curve {
             Some(curve) => Some(curve.at(time, |from, to, share| {
@@ -299,7 +297,7 @@ impl Curves {
             None => rest,
         };
         let turn = |curve: &Curve<4>| {
-            // Along the shortest arc.
+            // Rotations along the shortest arc.
             curve.at(time, |from, to, share| {
                 rotation(from).slerp(rotation(to), share).to_array()
             })
@@ -320,7 +318,7 @@ impl Curves {
         )
     }
 
-    /// Whether all values hold from key to key.
+    /// Whether all curves have step interpolation.
     pub fn only_step(&self) -> bool {
         self.ways().all(|way| way == Way::Step)
     }
@@ -334,7 +332,7 @@ impl Curves {
         ways.into_iter().flatten()
     }
 
-    /// The number of times that [`Self::times`] adds at most.
+    /// The largest number of times that [`Self::times`] adds.
     pub fn most_times(&self) -> usize {
         let count = |times: Option<&Rc<[[f32; 1]]>>| times.map_or(0, |times| 2 * times.len());
         count(self.translation.as_ref().map(|curve| &curve.times))
@@ -342,7 +340,7 @@ impl Curves {
             + count(self.scale.as_ref().map(|curve| &curve.times))
     }
 
-    /// Adds the times in seconds between which nothing jumps or bends.
+    /// Adds the times in seconds between which the motion is smooth.
     pub fn add_times(&self, times: &mut Vec<f32>) {
         self.translation.iter().for_each(|curve| curve.add_times(times));
         self.rotation.iter().for_each(|curve| curve.add_times(times));
@@ -350,7 +348,7 @@ impl Curves {
     }
 }
 
-/// A name as messages have it: the first 60 letters.
+/// A name shortened for messages to 60 letters.
 fn short(name: &str) -> Cow<'_, str> {
     match name.char_indices().nth(60) {
         Some((end, _)) => format!("{}...", &name[..end]).into(),
@@ -358,20 +356,20 @@ fn short(name: &str) -> Cow<'_, str> {
     }
 }
 
-/// A turn from the numbers of a file. A quaternion without a direction turns nothing.
+/// A rotation from the numbers of a file; the identity for a zero quaternion.
 pub(super) fn rotation(turn: [f32; 4]) -> Quat {
     let unit = Vec4::from_array(turn).try_normalize();
     unit.map_or(Quat::IDENTITY, Quat::from_vec4)
 }
 
-/// The moment of a jump: a rounding before the key. Frames at n / 24 s must not come before a key that has the same
+/// The time of a jump: a rounding error before the key. Frames at n / 24 s must not come before a key that has the same
 /// time in single precision.
 fn jump(time: f32) -> f32 {
     time.next_down()
 }
 
 impl<const N: usize> Curve<N> {
-    /// The value at a time in seconds, with the function by which linear curves go from one value to the next.
+    /// The value at a time in seconds; `mix` interpolates two values of a linear curve.
     fn at(&self, time: f32, mix: impl Fn([f32; N], [f32; N], f32) -> [f32; N]) -> [f32; N] {
         let after = match self.way {
             Way::Step => self.times.partition_point(|key| jump(key[0]) <= time),
@@ -417,16 +415,16 @@ impl<const N: usize> Curve<N> {
     }
 }
 
-/// The kinds of what is passed over.
+/// The kinds of parts that are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// A channel of morph weights.
     Weights,
-    /// A channel of something else that is not read.
+    /// A channel of another property that is not read.
     Property,
-    /// A channel of a node that has a matrix.
+    /// A channel of a node with a matrix.
     Matrix,
-    /// An animation that drives what an earlier one drives.
+    /// An animation that drives a part that an earlier one drives.
     Rival,
     /// An animation that cannot be read.
     Broken,
@@ -441,18 +439,18 @@ impl Kind {
     }
 }
 
-/// What is not read of animations: the first of each kind, in words, and the number of those that follow it, because a
-/// file may have thousands of channels.
+/// The parts of animations that are left out: the first of each kind, in words, and the number of further ones, because
+/// a file may have thousands of channels.
 #[derive(Clone, Default)]
 pub(super) struct PassedOver(Vec<(Kind, String, usize)>);
 
 impl PassedOver {
-    /// Notes one; `sentence` says what it is, without a full stop.
+    /// Adds one; `sentence` describes it, without a full stop.
     fn note(&mut self, kind: Kind, sentence: impl FnOnce() -> String) {
         self.add(kind, sentence, 0);
     }
 
-    /// Notes all of `others`.
+    /// Adds all of `others`.
     fn append(&mut self, others: Self) {
         for (kind, sentence, more) in others.0 {
             self.add(kind, || sentence, more);

@@ -1,4 +1,4 @@
-//! The cameras of a file as sensors, and the one that looks at everything where the file has none.
+//! The cameras of a file as sensors, and an overview camera for files without any.
 
 use std::f32::consts::PI;
 
@@ -11,16 +11,16 @@ use super::scene::Builder;
 use super::schema::Camera;
 use crate::document::{Category, Object, TransformOp, Value};
 
-/// The rows of a picture whose camera gives no pixels, and below its aspect if the camera does not give that.
+/// The height of a picture in pixels, and below its aspect ratio if the camera gives none.
 const ROWS: f32 = 720.0;
 const ASPECT: f32 = 16.0 / 9.0;
-/// The far plane of a camera that sees to infinity, in multiples of the distance of its near plane.
+/// The far plane of a camera with an infinite far plane, in multiples of the distance of its near plane.
 const FARTHEST: f32 = 1e7;
 const SAMPLES: i64 = 64;
-/// The direction from the middle of the scene to the camera, if the file has no camera.
+/// The direction from the centre of the scene to the camera, if the file has no camera.
 const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
 const VIEW_DEGREES: f32 = 40.0;
-/// The largest coordinates of a scene for which a camera is placed. Products of three lengths still fit into single
+/// The largest coordinate of a scene for which a camera is placed. Products of three such lengths still fit in single
 /// precision.
 const FARTHEST_REACH: f32 = 1e12;
 
@@ -60,14 +60,14 @@ impl Builder<'_> {
         self.sensors.push(Object { id, ..sensor });
     }
 
-    /// A camera that sees everything there is. An error if single precision cannot hold its distance from things.
+    /// A camera that sees the whole scene. An error if single precision cannot hold its distance.
     pub(super) fn overview(&mut self) -> Result<Object, GltfError> {
         if self.shapes.is_empty() {
             self.warn("the scene has no triangles".to_owned());
             return Ok(overview(Vec3::ZERO, 1.0));
         }
         let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
-        // A reach that is not a number is refused as well.
+        // NaN is refused as well.
         if reach.is_nan() || reach > FARTHEST_REACH {
             return Err(GltfError::Reach {
                 reach,
@@ -85,7 +85,7 @@ impl Builder<'_> {
     }
 }
 
-/// A length to three digits, with an exponent only where it is very large or very small.
+/// A length rounded to three digits, with an exponent only if it is very large or very small.
 fn rounded(length: f32) -> String {
     let rounded = format!("{length:.2e}").parse().unwrap_or(length);
     match rounded == 0.0 || (1e-4..1e7).contains(&rounded) {

@@ -1,4 +1,4 @@
-//! The light of materials: area emitters of the scene format, and how much they light.
+//! The emission of materials: area emitters of the scene format, and their brightness.
 
 use glam::Vec3;
 
@@ -13,7 +13,7 @@ use crate::color::luminance;
 use crate::document::{Category, Object, Value};
 
 impl Builder<'_> {
-    /// The light of a primitive; None if it sends out none.
+    /// The emission of a primitive; None if it has none.
     pub(super) fn glow(&mut self, index: Option<usize>, mesh: MeshValues) -> Option<Glow> {
         let gltf = self.gltf;
         let material = gltf.root.materials.get(index?)?;
@@ -41,12 +41,12 @@ impl Builder<'_> {
             false => emitter,
         };
         let mean = luminance(mean);
-        // A black picture would take samples from other lights.
+        // A black emitter would take samples from other lights.
         (mean > 0.0).then_some(Glow { emitter, mean })
     }
 
-    /// The light where the surface is, for it shines only as far as its alpha says: a colour, or a texture with its
-    /// picture.
+    /// The emission as a colour, or as a texture with its picture, multiplied by the alpha, since only the visible part
+    /// of the surface emits.
     fn seen_light(
         &mut self,
         material: &Material,

@@ -7,10 +7,10 @@ use crate::memory::Shortage;
 /// Reads a file by its name, relative to the glTF file.
 pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
 
-/// The names of files that are not there, each once.
+/// The names of missing files, each once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingParts {
-    /// The files of buffers, without which nothing can be read.
+    /// The files of buffers, without which the file cannot be opened.
     pub buffers: Vec<String>,
     /// The files of images.
     pub images: Vec<String>,
@@ -35,7 +35,7 @@ pub enum GltfError {
     Version(String),
     #[error("the file requires the extension {0}, which is not supported")]
     Extension(String),
-    /// An index that names nothing.
+    /// An index out of range.
     #[error("{what} {index} is not there: the file has {count}")]
     Index {
         what: &'static str,
@@ -48,7 +48,7 @@ pub enum GltfError {
     View { index: usize },
     #[error("buffer {index} has {held} bytes where {promised} are promised")]
     Buffer { index: usize, held: usize, promised: usize },
-    /// The file of a buffer has another checksum than the one that was written with the glTF file.
+    /// The file of a buffer does not have the checksum that was written with the glTF file.
     #[error(
         "the file of buffer {index} is not the one that was written with this file: export the scene again, or copy all of its files"
     )]
@@ -60,12 +60,12 @@ pub enum GltfError {
     /// A sampler of an animation.
     #[error("sampler {index} {what}")]
     Sampler { index: usize, what: String },
-    /// The most poses of nodes that are computed for key frames.
+    /// The limit on computed node poses for key frames was reached.
     #[error("the animations need more than {0} poses of nodes, which are too many")]
     Poses(usize),
     #[error("image {index}: {what}")]
     Image { index: usize, what: String },
-    /// A number of the scene that the file becomes.
+    /// A number is out of the range of the scene format.
     #[error("`{name}` of {owner} is too large for a number of single precision")]
     Number { name: String, owner: String },
     /// The largest coordinate of the scene, and the largest for which a camera can be placed.
@@ -81,7 +81,7 @@ pub enum GltfError {
     File { name: String, source: std::io::Error },
     #[error("{0}")]
     Missing(MissingParts),
-    /// A part that cannot be written.
+    /// A file made of a part of the glTF file cannot be written.
     #[error("{name} cannot be kept: {source}")]
     Keep { name: String, source: std::io::Error },
 }

@@ -1,5 +1,5 @@
-//! A glTF file taken apart into files that other programs of the scene format read: meshes as PLY, pictures as PNG,
-//! JPEG or EXR.
+//! Splits a glTF file into files that other readers of the scene format know: meshes as PLY, pictures as PNG, JPEG or
+//! EXR.
 
 use std::collections::BTreeSet;
 
@@ -15,11 +15,11 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::ply_write::binary_ply;
 use crate::texture::load_image;
 
-/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once. Returns the name by which the scene finds
-/// it.
+/// Stores the content of a file with a plain name such as `mesh-0.ply`, which is unique. Returns the name by which the
+/// scene finds it.
 pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
 
-/// Makes the scene, whose meshes and pictures are given to `keep`. `read` is as for [`Gltf::open`].
+/// Makes the scene, and passes its meshes and pictures to `keep`. `read` is as for [`Gltf::open`].
 pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Result<Imported, GltfError> {
     let mut parts = Parts {
         gltf,
@@ -41,10 +41,10 @@ struct Parts<'a, 'k, 'r> {
     gltf: &'a Gltf,
     keep: &'a mut KeepFile<'k>,
     read: &'a mut ReadFile<'r>,
-    /// The picture that was made last, whose mean may be asked for next.
+    /// The latest picture, whose mean may be asked for next.
     last: Option<(Picture, PictureFile)>,
     allowance: PictureAllowance<'a>,
-    /// The images whose files are not those that were written with the glTF file.
+    /// The images whose files were replaced since they were written with the glTF file.
     replaced: BTreeSet<usize>,
 }
 
@@ -80,7 +80,7 @@ impl References for Parts<'_, '_, '_> {
             index: picture.image,
             what: error.to_string(),
         })?;
-        // Pictures brighter than white have linear numbers.
+        // Pictures brighter than white are stored as linear numbers.
         Ok(image.mean(made.extension == "exr"))
     }
 

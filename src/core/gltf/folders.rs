@@ -1,6 +1,6 @@
-//! The folders of the scene: nodes at which nothing stands but that have things below, as Blender's empties. Their
-//! names come before the names of what hangs on them, as in `house/room/table`. A folder with a pose of its own becomes
-//! a group, unless it moves: then what is in it has keys that say so.
+//! The folders of the scene: nodes with things below them but none of their own, such as Blender's empties. Their names
+//! are prefixes of the names of the things below, as in `house/room/table`. A folder with a pose of its own becomes a
+//! group, unless it is animated: then the things in it have the keys.
 
 use std::rc::Rc;
 
@@ -14,14 +14,14 @@ use super::{Gltf, GltfError};
 use crate::document::{Category, Object};
 use crate::math::is_invertible;
 
-/// The most folders inside of each other, and the most characters of the name of each: names of things repeat them.
+/// The most nested folders, and the most characters of the name of each: names of things repeat them.
 const DEEPEST: usize = 16;
 const LONGEST_NAME: usize = 64;
 
-/// Where the things of a node lie.
+/// The folder of the things of a node.
 #[derive(Clone, Default)]
 pub(super) struct Folder {
-    /// The names of the folders, each with a slash behind it.
+    /// The names of the folders, each followed by a slash.
     pub path: Rc<str>,
     depth: usize,
 }
@@ -31,7 +31,7 @@ impl Builder<'_> {
     pub fn folders(&mut self, placed: &PlacedNodes) -> Result<Vec<Folder>, GltfError> {
         let gltf = self.gltf;
         let is_used = used(gltf, placed)?;
-        // For each node, where its own things lie, and where its children are.
+        // For each node, the folder of its own things, and that of its children.
         let (mut own, mut below): (Vec<Folder>, Vec<Folder>) = (Vec::new(), Vec::new());
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = gltf.get("node", &gltf.root.nodes, node.index)?;
@@ -56,7 +56,7 @@ impl Builder<'_> {
     }
 }
 
-/// Whether anything stands at or below each node.
+/// For each node, whether there is a thing at or below it.
 fn used(gltf: &Gltf, placed: &PlacedNodes) -> Result<Vec<bool>, GltfError> {
     let mut used = vec![false; placed.nodes.len()];
     // Parents come first.
@@ -69,7 +69,7 @@ fn used(gltf: &Gltf, placed: &PlacedNodes) -> Result<Vec<bool>, GltfError> {
     Ok(used)
 }
 
-/// The group of a folder, as the scene format has it: a volume that nothing uses.
+/// The group of a folder in the scene format: an unused volume.
 fn group(path: &str, world: Mat4) -> Object {
     let volume = with_float(object(Category::Volume, "constvolume"), "value", 1.0);
     Object {

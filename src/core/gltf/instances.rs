@@ -1,4 +1,4 @@
-//! Many places of the mesh of one node (EXT_mesh_gpu_instancing): poses in the space of the node.
+//! Instances of the mesh of a node (EXT_mesh_gpu_instancing): poses in the space of the node.
 
 use std::collections::HashMap;
 
@@ -13,20 +13,20 @@ use super::{Gltf, GltfError};
 
 /// The instances of a node.
 pub(super) struct Instances {
-    /// Local from instance.
+    /// The transforms local from instance.
     pub poses: Vec<Mat4>,
-    /// Whether these are all that the file has.
+    /// Whether no instance of the file is left out.
     pub are_all: bool,
 }
 
 impl Gltf {
-    /// The number of shapes that a mesh becomes, and at least 1.
+    /// The number of shapes that a mesh becomes, at least 1.
     pub(super) fn pieces(&self, mesh: usize) -> usize {
         let mesh = self.root.meshes.get(mesh);
         mesh.map_or(1, |mesh| mesh.primitives.len().max(1))
     }
 
-    /// The instances of a node, of which `left` may still be placed; None if its mesh stands there once.
+    /// The instances of a node, at most `left` shapes in all; None if the node has a single mesh.
     pub(super) fn instances(&self, node: &Node, left: &mut usize) -> Result<Option<Instances>, GltfError> {
         let (Some(instancing), Some(mesh)) = (&node.extensions.instancing, node.mesh) else {
             return Ok(None);
@@ -46,7 +46,7 @@ impl Gltf {
         let possible = count.min(*left / pieces);
         let are_all = possible == count;
         *left = if are_all { *left - count * pieces } else { 0 };
-        // Many nodes may name the same long accessors, which are not read for nothing.
+        // Many nodes may name the same long accessors, which are not read in vain.
         if possible == 0 {
             return Ok(Some(Instances {
                 poses: Vec::new(),
@@ -82,8 +82,8 @@ impl Gltf {
 }
 
 impl Builder<'_> {
-    /// The poses of the instances of a node, as far as there may be more of them; None if its mesh stands there once,
-    /// also (reported) if they cannot be read.
+    /// The poses of the instances of a node, up to the limit; None if the node has a single mesh, or if they cannot be
+    /// read (reported).
     pub(super) fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<Mat4>> {
         match self.gltf.instances(node, &mut self.instances_left) {
             Ok(instances) => {
@@ -105,7 +105,7 @@ impl Builder<'_> {
 }
 
 impl Placement {
-    /// Where something stands whose pose in this place is `local`.
+    /// The placement of an object with the pose `local` in this placement.
     pub(super) fn of_inner(&self, local: Mat4) -> Self {
         Self {
             world: self.world * local,

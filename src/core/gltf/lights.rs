@@ -1,6 +1,6 @@
-//! The lights of a file as emitters, and what stands in for them where nothing lights the scene.
+//! The lights of a file as emitters, and the stand-in light for a scene without any.
 //!
-//! Intensities are taken over as numbers: candela and lux become W/sr and W/m^2.
+//! Intensities keep their numbers: candela and lux become W/sr and W/m^2.
 
 use std::f32::consts::PI;
 
@@ -25,7 +25,7 @@ impl Builder<'_> {
                 let mut emitter = with_color(emitter("directional"), "irradiance", power);
                 let forward = |world: Mat4| Value::Vector(world.transform_vector3(Vec3::NEG_Z));
                 match placement.moves() {
-                    // A direction that turns would not go along an arc.
+                    // An animated direction would be interpolated linearly, not along an arc.
                     true => emitter = with_world(emitter, placement, turn),
                     false => emitter.properties.push(placement.property("direction", forward)),
                 }
@@ -56,7 +56,7 @@ impl Builder<'_> {
         self.emitters.push(emitter);
     }
 
-    /// Adds the light that stands in where nothing lights the scene. Returns its id, if there is one.
+    /// Adds the stand-in light if nothing lights the scene. Returns its id.
     pub(super) fn stand_in_light(&mut self) -> Result<Option<String>, GltfError> {
         if self.lighting.is_enough() {
             return Ok(None);

@@ -1,5 +1,4 @@
-//! Warns of properties of glTF materials that the models of the scene format do not have. Each sentence names the
-//! material.
+//! Warns of properties of glTF materials that the models of the scene format lack. Each sentence names the material.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +14,10 @@ use super::write::SHEEN_ROUGHNESS;
 /// The difference of the channels of a colour up to which it counts as grey.
 const GREY: f32 = 1e-3;
 
-/// The most things that a warning names.
+/// The most elements that a warning names.
 const MOST_NAMES: usize = 5;
 
-/// The names of the first of these things, and how many others there are.
+/// The names of the first elements, and the number of others.
 pub(super) fn first_names<T>(things: &[T], name: impl Fn(&T) -> String) -> String {
     let names: Vec<String> = things.iter().take(MOST_NAMES).map(name).collect();
     match things.len().saturating_sub(MOST_NAMES) {
@@ -28,8 +27,8 @@ pub(super) fn first_names<T>(things: &[T], name: impl Fn(&T) -> String) -> Strin
 }
 
 impl Builder<'_> {
-    /// Says which extensions are not read, and which materials have them. A file may have extensions that it does not
-    /// list.
+    /// Warns of extensions that are not read, with the materials that have them. A file may have extensions that it
+    /// does not list.
     pub(super) fn report_extensions(&mut self) {
         let root = &self.gltf.root;
         let listed = root.extensions_used.iter().filter(|name| !is_supported(name));

@@ -1,8 +1,8 @@
 //! Turns materials of the file into bsdfs of the scene format (glTF 2.0, section 3.9 and appendix B).
 //!
-//! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no
-//! use for culling. Thin transmission (without a volume) is `principledthin`, blended with metal where there is some; a
-//! volume that absorbs light is a medium inside. What is no metal and has a specular factor of 0 is `diffuse`: glTF's
+//! Metallic-roughness is `principled`, in which both numbers have the same meaning. Both sides are shown: a path tracer
+//! has no use for culling. Thin transmission (without a volume) is `principledthin`, blended with metal if there is
+//! some; a volume that absorbs light is a medium inside. A dielectric with a specular factor of 0 is `diffuse`: glTF's
 //! model is Lambert's then, which `principled` is not.
 
 use glam::Vec3;
@@ -30,29 +30,29 @@ impl TextureInfo {
 }
 
 impl Material {
-    /// The share of the light that it lets through; None if it is opaque.
+    /// The transmission; None if the material is opaque.
     pub(super) fn transmission(&self) -> Option<&Transmission> {
         let transmission = self.extensions.transmission.as_ref();
         transmission.filter(|transmission| transmission.transmission_factor > 0.0)
     }
 
-    /// Whether its surfaces are the border of something thick.
+    /// Whether the material bounds a volume.
     fn has_volume(&self) -> bool {
         let volume = self.extensions.volume.as_ref();
         volume.is_some_and(|volume| volume.thickness_factor > 0.0)
     }
 
-    /// Whether light goes through without being bent, as through a pane.
+    /// Whether light is transmitted without refraction, as through a pane.
     pub(super) fn is_thin(&self) -> bool {
         self.transmission().is_some() && !self.has_volume()
     }
 
-    /// Whether its alpha says where it is.
+    /// Whether its alpha is used.
     pub(super) fn counts_alpha(&self) -> bool {
         self.cutoff().is_some() || self.alpha_mode.as_deref() == Some("BLEND")
     }
 
-    /// The alpha below which there is nothing, if there is one.
+    /// The alpha below which the surface is absent, if it has a cutoff.
     pub(super) fn cutoff(&self) -> Option<f32> {
         (self.alpha_mode.as_deref() == Some("MASK")).then(|| self.alpha_cutoff.unwrap_or(CUTOFF))
     }
@@ -60,9 +60,9 @@ impl Material {
     /// The absorption coefficient inside, per unit of length; None if nothing is absorbed. After the attenuation
     /// distance light has the attenuation colour (KHR_materials_volume).
     pub(super) fn absorption(&self) -> Option<Vec3> {
-        /// The least share of light that is left: black would absorb infinitely much.
+        /// The least transmittance: black would need infinite absorption.
         const DARKEST: f32 = 1e-10;
-        /// The most absorption, which is also the most that a scene file may have.
+        /// The most absorption, which is also the limit of scene files.
         const MOST: f32 = 1e9;
         let is_thick = self.transmission().is_some() && self.has_volume() && self.extensions.unlit.is_none();
         let volume = self.extensions.volume.as_ref().filter(|_| is_thick)?;
@@ -73,8 +73,7 @@ impl Material {
         (sigma_a.is_finite() && sigma_a.max_element() > 0.0).then_some(sigma_a)
     }
 
-    /// Whether it is diffuse and nothing else: it is no metal, mirrors nothing and has no further layers
-    /// (KHR_materials_specular).
+    /// Whether it is purely diffuse: no metal, no specular reflection and no further layers (KHR_materials_specular).
     fn is_matt(&self) -> bool {
         let extensions = &self.extensions;
         let specular = extensions.specular.as_ref();
@@ -87,7 +86,7 @@ impl Material {
             && sheen.is_none_or(|sheen| sheen == [0.0; 3])
     }
 
-    /// The textures that are read, the most important ones first.
+    /// The textures that are read, by decreasing importance.
     pub(super) fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let pbr = &self.pbr_metallic_roughness;
         let coat = self.extensions.clearcoat.as_ref();
@@ -105,7 +104,7 @@ impl Material {
 }
 
 impl Gltf {
-    /// The only set of coordinates of a mesh that is read: that of its material's first texture.
+    /// The only set of texture coordinates of a mesh that is read: that of its material's first texture.
     pub(super) fn uv_set(&self, primitive: &Primitive) -> usize {
         let material = primitive.material.and_then(|index| self.root.materials.get(index));
         let first = material.and_then(|material| material.textures().next());
@@ -114,7 +113,7 @@ impl Gltf {
 }
 
 impl Builder<'_> {
-    /// The bsdf of a primitive. `index`: of its material, None for the default.
+    /// The bsdf of a primitive. `index`: the material, None for the default.
     pub(super) fn bsdf(&mut self, index: Option<usize>, mesh: MeshValues) -> Object {
         let gltf = self.gltf;
         let default = Material::default();
@@ -127,7 +126,7 @@ impl Builder<'_> {
         let mut is_two_sided = material.transmission().is_none() || bsdf.plugin == "diffuse";
         if material.is_thin() && bsdf.plugin != "diffuse" {
             bsdf = self.with_metal(bsdf, material, mesh);
-            // What is all metal lets no light through.
+            // Pure metal transmits no light.
             is_two_sided = bsdf.plugin == "principled";
         }
         if let Some(texture) = &material.normal_texture
@@ -146,7 +145,7 @@ impl Builder<'_> {
         self.masked(bsdf, material, mesh)
     }
 
-    /// The model of a material, without what lies about it.
+    /// The bsdf of the surface, without wrappers such as masks.
     fn surface(&mut self, material: &Material, mesh: MeshValues) -> Object {
         let pbr = &material.pbr_metallic_roughness;
         let plugin = if material.extensions.unlit.is_some() || material.is_matt() {
@@ -193,7 +192,7 @@ impl Builder<'_> {
         with_float(bsdf, "clearcoat_gloss", gloss)
     }
 
-    /// A thin surface with its share of metal, through which no light goes (appendix B.2).
+    /// A thin surface blended with its opaque share of metal (appendix B.2).
     fn with_metal(&mut self, thin: Object, material: &Material, mesh: MeshValues) -> Object {
         let pbr = &material.pbr_metallic_roughness;
         if pbr.metallic_factor <= 0.0 {
@@ -228,7 +227,7 @@ impl Builder<'_> {
         let (factor, cutoff) = (pbr.base_color_factor[3], material.cutoff());
         let texture = pbr.base_color_texture.as_ref();
         let mask = object(Category::Bsdf, "mask");
-        // Alpha of vertices times one that is cut off cannot be cut off again.
+        // The product of vertex alpha and a texture that is cut off cannot be cut off again.
         if mesh.alpha && (cutoff.is_none() || texture.is_none()) {
             let alpha = Made::Alpha(Alpha {
                 factor: 1.0,
@@ -252,7 +251,7 @@ impl Builder<'_> {
         let [r, g, b, _] = pbr.base_color_factor;
         let texture = pbr.base_color_texture.as_ref();
         if mesh.colors {
-            // The colours of the mesh have the factor in them.
+            // The vertex colours include the factor.
             let picture = texture.and_then(|texture| self.bitmap("times", texture, Made::Color([1.0; 3])));
             let colors = picture.into_iter().fold(mesh_attribute(VERTEX_COLOR, name), with_child);
             return with_child(bsdf, colors);
@@ -278,7 +277,7 @@ impl Builder<'_> {
     }
 }
 
-/// The values of a mesh as a texture for the parameter `parameter`.
+/// A mesh attribute as a texture for the parameter `parameter`.
 fn mesh_attribute(name: &str, parameter: &str) -> Object {
     let attribute = object(Category::Texture, "mesh_attribute");
     let attribute = with(attribute, "name", Value::String(name.into()));
@@ -297,11 +296,11 @@ pub(super) fn title(index: Option<usize>, material: &Material) -> String {
     }
 }
 
-/// The index of refraction with the reflectance at normal incidence that the specular factor and the grey of the
-/// specular colour leave (KHR_materials_specular).
+/// The index of refraction that gives the reflectance at normal incidence after the specular factor and the luminance
+/// of the specular colour (KHR_materials_specular).
 fn index_of_refraction(material: &Material) -> f32 {
     let given = material.extensions.ior.as_ref().map_or(DEFAULT_IOR, |given| given.ior);
-    // `principled` needs a surface that refracts at least a little.
+    // `principled` needs some refraction.
     const POSSIBLE: std::ops::RangeInclusive<f32> = 1.0001..=100.0;
     let clamped = |eta: f32| eta.clamp(*POSSIBLE.start(), *POSSIBLE.end());
     let Some(specular) = &material.extensions.specular else {

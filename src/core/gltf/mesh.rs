@@ -1,4 +1,4 @@
-//! The triangles of a file: each primitive of each mesh is one mesh of ours, numbered through in the order of the file.
+//! The triangles of a file: each primitive of each mesh becomes one mesh, numbered in the order of the file.
 
 use std::collections::HashMap;
 
@@ -12,18 +12,18 @@ use crate::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
 use crate::geometry::mesh_file::{LoadedMesh, Warnings, complete_normals, replace_not_finite};
 use crate::geometry::vertex_normals::unit;
 
-/// The values of a mesh that its material uses.
+/// The vertex attributes that a material uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct MeshValues {
-    /// Whether there are colours.
+    /// Whether there are vertex colours.
     pub colors: bool,
-    /// Whether these have an alpha that counts.
+    /// Whether the vertex alpha is used.
     pub alpha: bool,
 }
 
 /// The name of vertex colours among a mesh's attributes.
 pub const VERTEX_COLOR: &str = "vertex_color";
-/// The name of the alpha of vertex colours, which is there if the material lets it count.
+/// The name of the vertex alpha, which is present if the material uses it.
 pub const VERTEX_ALPHA: &str = "vertex_alpha";
 
 const TRIANGLES: u32 = 4;
@@ -46,12 +46,12 @@ impl Gltf {
         self.root.meshes.iter().scan(0, first).collect()
     }
 
-    /// The number of meshes that [`Self::mesh`] has.
+    /// The number of meshes for [`Self::mesh`].
     pub fn mesh_count(&self) -> u32 {
         self.primitives().count() as u32
     }
 
-    /// One mesh, in its own space. v is 0 at the upper edge of pictures, as everywhere.
+    /// One mesh, in its own space. v is 0 at the upper edge of pictures, as everywhere in glTF.
     pub fn mesh(&self, number: u32) -> Result<LoadedMesh, GltfError> {
         let count = self.mesh_count() as usize;
         let mut before = number as usize;
@@ -68,7 +68,7 @@ impl Gltf {
         })
     }
 
-    /// One mesh whose number is known. `weights`: those of the morph targets at rest.
+    /// Reads one mesh. `weights`: the morph weights at rest.
     pub(super) fn read_primitive(
         &self,
         number: u32,
@@ -91,7 +91,7 @@ impl Gltf {
             Some(accessor) => Some(triangles(primitive.mode, &self.indices(accessor)?).ok_or_else(no_triangles)?),
             None => None,
         };
-        // Primitives may share their vertices with others, of which each has its part.
+        // Primitives may share vertices; each gets the ones it uses.
         let used = indexed.as_deref().map(used_vertices);
         let used = used.as_deref();
         let mut positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
@@ -110,7 +110,7 @@ impl Gltf {
         if triangles.is_empty() {
             return Err(no_triangles());
         }
-        // The accessor, unless its values are not one per vertex and so of no use.
+        // The accessor, unless it does not have one value per vertex.
         let mut per_vertex = |name: &str| -> Result<Option<usize>, GltfError> {
             let Some(accessor) = attribute(name) else {
                 return Ok(None);
@@ -137,7 +137,7 @@ impl Gltf {
             let counts_alpha = self.look_of(primitive).is_some_and(Material::counts_alpha);
             self.add_colors(accessor, primitive, counts_alpha, used, &mut attributes)?;
         }
-        // Nothing else asks for tangents, and without normals they do not count (section 3.7.2.1).
+        // Only normal maps need tangents, and without normals they are ignored (section 3.7.2.1).
         let has_normal_map = self
             .look_of(primitive)
             .is_some_and(|look| look.normal_texture.is_some());
@@ -158,14 +158,14 @@ impl Gltf {
         let mut found = Warnings::default();
         replace_not_finite(&mut mesh, &mut found);
         complete_normals(&mut mesh, &mut found);
-        // The file that is made of the mesh has them.
+        // The file that is made of the mesh has normals.
         mesh.has_computed_normals = false;
         let found = found.finish().into_iter();
         warnings.extend(found.map(|sentence| format!("primitive {index}: {sentence}")));
         Ok(LoadedMesh { mesh, warnings })
     }
 
-    /// Adds the linear colours of vertices, and their alpha if it counts.
+    /// Adds linear vertex colours, and their alpha if it is used.
     fn add_colors(
         &self,
         accessor: usize,
@@ -189,7 +189,7 @@ impl Gltf {
                 .map(|[r, g, b]| [r, g, b, 1.0])
                 .collect(),
         };
-        // If the material has no picture, its colour is this product, for which there is no other place.
+        // If the material has no texture, this product is the only place for its colour.
         let factor = self.base_color(primitive);
         let linear = |[r, g, b, _]: &[f32; 4]| (Vec3::new(*r, *g, *b) * factor).to_array();
         attributes.push(of_vertices(VERTEX_COLOR, 3, colors.iter().flat_map(linear).collect()));
@@ -200,7 +200,7 @@ impl Gltf {
         Ok(())
     }
 
-    /// Adds tangents, unless one has no direction: those that follow from the coordinates count then.
+    /// Adds tangents, unless one is zero: then tangents follow from the texture coordinates.
     fn add_tangents(
         &self,
         accessor: usize,
@@ -241,7 +241,7 @@ pub(super) fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32;
     numbers.into_iter().map(V::from).collect()
 }
 
-/// The vertices that triangles stand on, ascending.
+/// The vertices used by triangles, ascending.
 fn used_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut used = triangles.as_flattened().to_vec();
     used.sort_unstable();
@@ -250,9 +250,9 @@ fn used_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
     used
 }
 
-/// The triangles with the places of their vertices in `used`, which has them all.
+/// The triangles with each vertex replaced by its index in `used`, which has all of them.
 fn renumbered(mut triangles: Vec<[u32; 3]>, used: &[u32]) -> Vec<[u32; 3]> {
-    // Usually the vertices are those from zero on, and have their numbers already.
+    // Usually the used vertices are the first ones and keep their indices.
     if used.last().is_some_and(|&last| last as usize + 1 != used.len()) {
         for vertex in triangles.as_flattened_mut() {
             *vertex = used.partition_point(|other| other < vertex) as u32;
@@ -261,14 +261,14 @@ fn renumbered(mut triangles: Vec<[u32; 3]>, used: &[u32]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// The triangles by their vertices; None for points, lines and unknown modes.
+/// The triangles of an index list; None for points, lines and unknown modes.
 fn triangles(mode: u32, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
     Some(match mode {
         TRIANGLES => indices
             .chunks_exact(3)
             .map(|three| [three[0], three[1], three[2]])
             .collect(),
-        // Every other triangle of a strip turns the other way.
+        // Every other triangle of a strip has the opposite winding.
         STRIP => indices
             .windows(3)
             .enumerate()
@@ -286,21 +286,21 @@ fn triangles(mode: u32, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
 }
 
 impl Primitive {
-    /// Whether there are triangles to it, rather than points or lines.
+    /// Whether the mode is one of triangles, rather than points or lines.
     pub(super) fn has_triangles(&self) -> bool {
         (TRIANGLES..=FAN).contains(&self.mode)
     }
 
-    /// Whether the primitive has no normals of its own and is to be shaded flat (section 3.7.2.1).
+    /// Whether the primitive has no normals and is shaded flat (section 3.7.2.1).
     pub(super) fn is_flat(&self) -> bool {
         !self.attributes.contains_key("NORMAL")
     }
 }
 
-/// The attributes that targets move.
+/// The attributes that morph targets change.
 const MOVED: [&str; 2] = ["POSITION", "NORMAL"];
 
-/// The targets of a primitive that move something, with their weights.
+/// The morph targets of a primitive with nonzero weights.
 fn weighted<'a>(
     primitive: &'a Primitive,
     weights: &'a [f32],
@@ -310,7 +310,7 @@ fn weighted<'a>(
 }
 
 impl Root {
-    /// The number of vectors in the targets that move something.
+    /// The number of vectors in the morph targets with nonzero weights.
     pub(super) fn moves(&self) -> usize {
         let targets = self.meshes.iter().flat_map(|mesh| {
             let primitives = mesh.primitives.iter();
@@ -323,12 +323,12 @@ impl Root {
 }
 
 impl Gltf {
-    /// Whether a primitive has targets that are left out, because those of the file are too many.
+    /// Whether morph targets of a primitive are left out, because the file has too many.
     pub(super) fn leaves_targets_out(&self, primitive: &Primitive, weights: &[f32]) -> bool {
         self.moves > MOST_MOVES && weighted(primitive, weights).next().is_some()
     }
 
-    /// Moves values of vertices by the targets at rest, of a mesh with so many vertices of which some are used.
+    /// Adds the morph targets at rest to the values of a mesh with `count` vertices, of which some are used.
     pub(super) fn morph(
         &self,
         name: &str,

@@ -66,7 +66,7 @@ fn is_supported(extension: &str) -> bool {
     SUPPORTED.contains(&extension)
 }
 
-/// A character of a name as ids and files may have it, with `_` in place of others.
+/// A character for ids and file names: `_` replaces all others.
 fn plain_character(character: char) -> char {
     match character.is_alphanumeric() || "-_. ".contains(character) {
         true => character,
@@ -82,17 +82,16 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub struct Gltf {
     root: Root,
     buffers: Vec<Vec<u8>>,
-    /// The number of elements of meshes that no buffer holds.
+    /// The number of mesh elements that are zero without a buffer.
     zeros: usize,
-    /// The number of vectors in the morph targets that shape meshes at rest.
+    /// The number of vectors in the morph targets that apply at rest.
     moves: usize,
-    /// The memory reserved for the objects, the buffers and the mesh that is being made of them.
+    /// The memory reserved for the objects, the buffers and the mesh that is being made.
     _memory: Held,
 }
 
-/// The memory in bytes that the objects of a JSON take at most: each of them as much as a material, the largest one,
-/// and every other value as much as a name or a value that is kept as it is. Lists that grow have room for twice as
-/// many.
+/// The most memory in bytes that the objects of a JSON take: each of them counts as a material, the largest one, and
+/// every other value as a name or a raw value. Growing lists have room for twice as many.
 fn json_bytes(json: &[u8]) -> u64 {
     let (mut objects, mut values) = (0, 0);
     for byte in json {
@@ -108,11 +107,11 @@ fn json_bytes(json: &[u8]) -> u64 {
 /// Bytes of a value that is no object, with its name.
 const VALUE_BYTES: u64 = 64;
 
-/// A buffer, a mesh that is made of it, and the file of that mesh.
+/// The number of copies of a buffer: itself, a mesh made of it, and the file of that mesh.
 const COPIES: u64 = 3;
 
 impl Gltf {
-    /// Whether bytes are a glTF file of one kind or the other, rather than XML.
+    /// Whether bytes are a GLB or glTF JSON file, rather than XML.
     pub fn is_gltf(bytes: &[u8]) -> bool {
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         Self::is_binary(bytes) || text.trim_ascii_start().starts_with(b"{")
@@ -122,7 +121,7 @@ impl Gltf {
         bytes.starts_with(b"glTF")
     }
 
-    /// Opens a file. `read` reads the files that it names; pictures are left for later.
+    /// Opens a file. `read` reads the buffer files that it names; pictures are read later.
     pub fn open(bytes: &[u8], read: &mut ReadFile) -> Result<Self, GltfError> {
         let (json, binary) = match Self::is_binary(bytes) {
             true => chunks(bytes)?,
@@ -190,7 +189,7 @@ impl Gltf {
             .ok_or(GltfError::View { index })
     }
 
-    /// The file of a picture as it is, encoded. `read` as for [`Self::open`].
+    /// The encoded file of a picture. `read` as for [`Self::open`].
     fn image_file(&self, index: usize, read: &mut ReadFile) -> Result<Cow<'_, [u8]>, GltfError> {
         let image = self.get("image", &self.root.images, index)?;
         match (&image.uri, image.buffer_view) {

@@ -1,8 +1,8 @@
-//! Key frames of things whose node, or a node above it, moves.
+//! Key frames of things whose node, or a node above it, is animated.
 //!
-//! Poses in the world are taken at all key times of these nodes, and at times between them wherever the way from one
-//! pose to the next would leave the true one: a key frame of the scene format knows no curves, and what turns about
-//! something else moves along an arc.
+//! World transforms are taken at all key times of these nodes, and at times between them wherever the interpolation
+//! would deviate from the true pose: the scene format interpolates linearly, but a rotation about another point moves
+//! along an arc.
 
 use glam::{Affine3A, Mat4, Vec4};
 
@@ -13,23 +13,23 @@ use crate::document::animation::affine_between;
 use crate::document::{Interpolation, Key, Property, Span, Track, Value};
 use crate::math::is_invertible;
 
-/// The most poses of nodes that are computed and kept for the key frames of a file. It bounds their number, and the
-/// time for nodes deep in a tree.
+/// The most poses of nodes that are computed and kept for the key frames of a file. This limits memory, and the time
+/// for nodes deep in a tree.
 const MOST_POSES: usize = 1 << 24;
 
-/// The distance of interpolated poses from the true ones: relative to the size of things, and to the way between two
-/// keys of the file.
+/// The largest deviation of interpolated poses: of axes relative to their length, of positions relative to the distance
+/// between two keys of the file.
 const TOLERANCE: f32 = 1e-3;
-/// The error of places by rounding, relative to their coordinates.
+/// The rounding error of positions, relative to their coordinates.
 const ROUNDING: f32 = 1e-6;
-/// How often the time between two keys of the file is halved.
+/// How often the interval between two keys of the file may be halved.
 const HALVINGS: u32 = 6;
 
-/// Where a node stands.
+/// The world transform of a node over time.
 pub(super) struct Placement {
     /// World from local, at 0 s.
     pub world: Mat4,
-    /// Times in seconds with world transforms; empty if the node stands still.
+    /// Times in seconds with world transforms; empty if the node is not animated.
     pub keys: Vec<(f32, Mat4)>,
     pub interpolation: Interpolation,
 }
@@ -47,7 +47,7 @@ impl Placement {
         !self.keys.is_empty()
     }
 
-    /// The property whose values follow from world transforms.
+    /// The property with values derived from world transforms.
     pub fn property(&self, name: &str, value: impl Fn(Mat4) -> Value) -> Property {
         let mut property = Property::new(name, value(self.world), Span::default());
         if self.moves() {
@@ -66,7 +66,7 @@ impl Placement {
     }
 }
 
-/// A matrix of which the last row is exactly that of an affine map.
+/// The matrix with the exact last row of an affine map.
 pub(super) fn affine(world: Mat4) -> Mat4 {
     let mut rows = world.transpose();
     rows.w_axis = Vec4::W;
@@ -78,11 +78,11 @@ struct Motion<'a> {
     gltf: &'a Gltf,
     /// World from the parent of the first node.
     above: Mat4,
-    /// The indices of nodes from the uppermost one that moves to the node, with the curves of the moving ones.
+    /// The indices of nodes from the topmost animated one down to the node, with the curves of the animated ones.
     chain: Vec<(usize, Option<&'a Curves>)>,
 }
 
-/// The poses that may still be computed and kept.
+/// The number of poses that may still be computed and kept.
 pub(super) struct Allowance(usize);
 
 impl Default for Allowance {
@@ -99,7 +99,7 @@ impl Allowance {
 }
 
 impl Gltf {
-    /// Where the node at this place of the list stands. The error is that there are too many key frames.
+    /// The placement of the node at this index of the list. An error if there are too many key frames.
     pub(super) fn placement(
         &self,
         placed: &PlacedNodes,
@@ -176,7 +176,7 @@ impl Motion<'_> {
             let world = self.world(time, allowance)?;
             let before = keys.last().copied();
             match before {
-                // The time before a jump is needed where a value goes straight to the next.
+                // The time before a jump is needed if values are interpolated linearly.
                 Some((_, old)) if only_steps && old == world => continue,
                 Some(start) if !only_steps => self.add_between(start, (time, world), &mut keys, allowance)?,
                 _ => {}
@@ -186,7 +186,7 @@ impl Motion<'_> {
         Ok(keys)
     }
 
-    /// Adds keys between two until the way along them is near the true one.
+    /// Adds keys between two until the interpolation is close to the true pose.
     fn add_between(
         &self,
         start: (f32, Mat4),
@@ -199,7 +199,7 @@ impl Motion<'_> {
             let world = self.world(start.0 + share * (end.0 - start.0), allowance)?;
             extent = extent.max(world.w_axis.distance(start.1.w_axis));
         }
-        // The pieces that are still to be looked at, the earliest one last.
+        // A stack of the intervals that are still to be checked, the earliest on top.
         let mut waiting = vec![(start, end, HALVINGS)];
         while let Some((start, end, halvings)) = waiting.pop() {
             let middle = start.0 + 0.5 * (end.0 - start.0);
@@ -214,7 +214,7 @@ impl Motion<'_> {
         Ok(())
     }
 
-    /// Whether the pose between two is what a key frame makes of them.
+    /// Whether the true poses between two keys are close to the interpolated ones.
     fn is_straight(
         &self,
         start: (f32, Mat4),
@@ -240,7 +240,7 @@ impl Motion<'_> {
     }
 }
 
-/// Whether a thing has a place at all its keys: it is nowhere flattened, and nowhere infinite.
+/// Whether all poses at keys are valid: none is singular or infinite.
 pub(super) fn is_sound(placement: &Placement) -> bool {
     let mut worlds = placement.keys.iter().map(|(_, world)| Affine3A::from_mat4(*world));
     worlds.all(|world| is_invertible(&world))

@@ -1,5 +1,5 @@
-//! The poses of the nodes of the scene (glTF 2.0, section 3.5.3), and the meshes at these, without materials, lights
-//! and cameras: enough for a small picture.
+//! The poses of the nodes of the scene (glTF 2.0, section 3.5.3), and meshes placed by them, without materials, lights
+//! and cameras: enough for a thumbnail.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::math::is_invertible;
 pub(super) struct PlacedNodes {
     /// The nodes; parents come first.
     pub nodes: Vec<PlacedNode>,
-    /// One sentence for each node without a pose.
+    /// One sentence for each node without a valid pose.
     pub warnings: Vec<String>,
 }
 
@@ -28,9 +28,9 @@ pub(super) struct PlacedNode {
     pub index: usize,
     /// The world transform at 0 s, which is finite.
     pub world: Mat4,
-    /// The place of the parent in the list.
+    /// The index of the parent in the list.
     pub parent: Option<usize>,
-    /// Whether the node or one above it moves.
+    /// Whether the node or one above it is animated.
     pub moves: bool,
 }
 
@@ -53,7 +53,7 @@ impl Gltf {
             if std::mem::replace(&mut seen[index], true) {
                 return Err(GltfError::Tree(index));
             }
-            // Hidden with all that hangs on it.
+            // Hidden with all nodes below.
             if !node.extensions.visibility.visible {
                 continue;
             }
@@ -83,12 +83,12 @@ impl Gltf {
 }
 
 impl Node {
-    /// Whether a thing of the scene stands at the node.
+    /// Whether the node has a thing of the scene.
     pub(super) fn places_something(&self) -> bool {
         self.mesh.is_some() || self.camera.is_some() || self.extensions.light.is_some()
     }
 
-    /// Parent from local, at rest.
+    /// The transform parent from local, at rest.
     pub(super) fn local(&self) -> Mat4 {
         match self.matrix {
             Some(matrix) => Mat4::from_cols_array(&matrix),
@@ -102,9 +102,9 @@ impl Node {
 }
 
 impl Gltf {
-    /// The meshes of the default scene with their poses at 0 s, world from local. Primitives that cannot be read,
-    /// points and lines, and flattened nodes are left out, as in [`Self::scene`]. Meshes that are placed several
-    /// times are shared, and those of very many places are left out in the last ones.
+    /// The meshes of the default scene with their poses at 0 s, world from local. Unreadable primitives, points and
+    /// lines, and flattened nodes are left out, as in [`Self::scene`]. Instances share their mesh, and are left out
+    /// above the limit.
     pub fn placed_meshes(&self) -> Result<Vec<(Arc<MeshData>, Affine3A)>, GltfError> {
         let first = self.first_primitives();
         let mut allowance = MeshAllowance::of(self);

@@ -1,4 +1,4 @@
-//! Objects of the scene format that are put together for parts of a file.
+//! Builds objects of the scene format for parts of a file.
 
 use glam::{Mat4, Vec3};
 
@@ -27,7 +27,7 @@ pub(super) fn with_child(mut object: Object, child: Object) -> Object {
     object
 }
 
-/// With the pose of a node, before which a turn is done.
+/// The object with the pose of a node, applied after the rotation `turn`.
 pub(super) fn with_world(mut object: Object, placement: &Placement, turn: Mat4) -> Object {
     if placement.moves() || placement.world * turn != Mat4::IDENTITY {
         let value = |world: Mat4| Value::Transform(vec![TransformOp::Matrix(world * turn)]);

@@ -1,6 +1,5 @@
 //! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut
-//! off, normals scaled. The format has no textures that are products of others, and neither metals nor roughness share
-//! a picture there.
+//! off, normals scaled. The format has no products of textures, and metallic and roughness are separate pictures there.
 
 use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgb32FImage};
@@ -9,15 +8,15 @@ use super::{Gltf, GltfError, ReadFile};
 use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::texture::decode_picture;
 
-/// A picture that materials have asked for.
+/// A picture that a material has requested.
 pub(super) struct KnownPicture {
     /// The name of its file; None if it cannot be read.
     pub name: Option<String>,
-    /// Its mean colour, once that was asked for.
+    /// Its mean colour, once requested.
     pub mean: Option<Vec3>,
 }
 
-/// A picture that materials of the file use. Two that are equal are one.
+/// A picture derived from an image. Equal ones share a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// The index among the images of the file.
@@ -25,17 +24,17 @@ pub struct Picture {
     pub made: Made,
 }
 
-/// How alpha becomes a share: times a factor; with a cutoff 0 below and 1 from there on.
+/// How alpha becomes an opacity: times a factor; with a cutoff 0 below it and 1 from it on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alpha {
     /// Multiplies the alpha.
     pub factor: f32,
-    /// The least alpha of what is there.
+    /// The least alpha of visible texels.
     pub cutoff: Option<f32>,
 }
 
 impl Alpha {
-    /// The share that an alpha stands for.
+    /// The opacity for an alpha.
     pub fn of(self, alpha: f32) -> f32 {
         let alpha = self.factor * alpha;
         match self.cutoff {
@@ -52,9 +51,9 @@ pub enum Made {
     Color([f32; 3]),
     /// Numbers: a channel times a factor.
     Channel { channel: usize, factor: f32 },
-    /// Numbers: the share that alpha stands for.
+    /// Numbers: the opacity from alpha.
     Alpha(Alpha),
-    /// Light as sRGB: a colour where alpha says that something is; times another image, if there is one.
+    /// Emission as sRGB: a colour times the opacity, and times another image, if there is one.
     Light {
         color: [f32; 3],
         of: Option<usize>,
@@ -65,8 +64,8 @@ pub enum Made {
 }
 
 impl Made {
-    /// Whether the samples are numbers that are not decoded from sRGB. Colours brighter than white are: Mitsuba warns
-    /// of them otherwise.
+    /// Whether the samples are numbers, not decoded from sRGB. Colours brighter than white are as well: otherwise
+    /// Mitsuba warns of them.
     pub fn is_raw(&self) -> bool {
         match self {
             Self::Color(factor) | Self::Light { color: factor, .. } => factor.iter().any(|&factor| factor > 1.0),
@@ -80,14 +79,14 @@ pub struct PictureFile {
     pub bytes: Vec<u8>,
     /// The extension: `png`, `jpg` or `exr`.
     pub extension: &'static str,
-    /// False if another picture has taken the place of the one that was written with the glTF file.
+    /// False if the picture was replaced since it was written with the glTF file.
     pub is_as_written: bool,
-    /// The number of pixels that were made; 0 if the file is as it was.
+    /// The number of pixels that were made; 0 if the image file is unchanged.
     pub pixels: u64,
 }
 
 impl Gltf {
-    /// Makes the file of a picture: that of the glTF file if nothing has to be done to it.
+    /// Makes the file of a picture: the original image file if nothing has to be changed.
     pub fn picture(&self, picture: &Picture, read: &mut ReadFile) -> Result<PictureFile, GltfError> {
         let index = picture.image;
         let bad = |what: String| GltfError::Image { index, what };
@@ -147,10 +146,10 @@ impl Gltf {
     }
 }
 
-/// Bytes per pixel for the four floats that a picture is converted to, and for the three that it becomes.
+/// Bytes per pixel for the four floats that an image is converted to, and for the three of the result.
 const CONVERTED_BYTES: u64 = 28;
 
-/// The share of the largest number of 16 bits.
+/// A number from 0 to 1 in 16 bits.
 fn unit(share: f32) -> u16 {
     (share.clamp(0.0, 1.0) * 65535.0).round() as u16
 }
@@ -169,7 +168,7 @@ fn encoded(linear: Rgb32FImage, made: Made) -> DynamicImage {
     DynamicImage::ImageRgb16(encoded.unwrap_or_default())
 }
 
-/// `shining`: the image that is multiplied in [`Made::Light`].
+/// `shining`: the second image of [`Made::Light`].
 fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImage {
     let grey = |of: &dyn Fn([f32; 4]) -> f32| {
         let source = image.to_rgba32f();
@@ -190,14 +189,14 @@ fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImag
         Made::Light { color, of, alpha } => {
             let shares = image.to_rgba32f();
             let colors = shining.to_rgb32f();
-            // The size of one of both, for which there is memory: the greater width of one and the greater height of
-            // the other may be far too many pixels.
+            // The size of one of the two, for which memory is reserved: the larger width and the larger height together
+            // may be far too many pixels.
             let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
             let (width, height) = match of {
                 Some(_) if pixels(colors.dimensions()) > pixels(shares.dimensions()) => colors.dimensions(),
                 _ => shares.dimensions(),
             };
-            // The texel of a picture of another size at the same place.
+            // The corresponding texel of an image of another size.
             let place = |at: u32, of: u32, size: u32| (u64::from(at) * u64::from(size) / u64::from(of.max(1))) as u32;
             let linear = ImageBuffer::from_fn(width, height, |x, y| {
                 let (across, down) = (place(x, width, shares.width()), place(y, height, shares.height()));

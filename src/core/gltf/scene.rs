@@ -1,7 +1,7 @@
-//! The scene of a file in the scene format: what its nodes place, with materials, lights and cameras.
+//! The scene of a file in the scene format: the things placed by its nodes, with materials, lights and cameras.
 //!
-//! Where the file has no camera, one looks at everything from the front, a little from above; where nothing lights it,
-//! there is the light of a studio.
+//! If the file has no camera, an overview camera is added, in front and a little above; if it has no light, studio
+//! light is added.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
@@ -21,30 +21,30 @@ use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
 use crate::math::{Aabb, is_invertible};
 
-/// The most characters of a name that ids have. A file may say the name of a mesh once, and place it thousands of
+/// The most characters of a name in an id. A file may contain the name of a mesh once, and place the mesh thousands of
 /// times.
 const LONGEST_NAME: usize = 256;
 
-/// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
+/// Names the parts of the scene that are stored in files of their own. Each method is called once for each part.
 pub trait References {
     /// The shape for a mesh of the file.
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
-    /// The name of a picture's file; `index` numbers the pictures through.
+    /// The name of a picture's file; `index` counts the pictures.
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError>;
     /// The mean colour of a picture, linear.
     fn mean(&mut self, picture: &Picture) -> Result<Vec3, GltfError>;
-    /// The name of a file with these bytes, which is none of the pictures; `name` is a plain one.
+    /// The name of a file with these bytes, which is no picture of the glTF file; `name` is a plain one.
     fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError>;
 }
 
-/// A scene as it would stand in a file of the format.
+/// A scene as read from a file of the format.
 #[derive(Debug)]
 pub struct Imported {
     /// The `<scene>`.
     pub root: Object,
-    /// One sentence for each thing of the file that is left out.
+    /// One sentence for each part of the file that is left out.
     pub warnings: Vec<String>,
-    /// The id of the light that stands in where nothing lights the scene. It is no part of the file's content.
+    /// The id of the stand-in light of a scene without lights. It is no part of the file's content.
     pub stand_in: Option<String>,
 }
 
@@ -53,45 +53,45 @@ pub(super) struct Builder<'a> {
     pub(super) references: &'a mut dyn References,
     warnings: Vec<String>,
     warned: HashSet<String>,
-    /// The number of each mesh's first primitive among all.
+    /// For each mesh the number of its first primitive.
     first_primitives: Vec<u32>,
-    /// The meshes by the number of the primitive; None for those that cannot be read.
+    /// The meshes by the number of the primitive; None for unreadable ones.
     meshes: BTreeMap<u32, Option<KnownMesh>>,
     mesh_allowance: MeshAllowance,
     repeats: RepeatAllowance,
-    /// The pictures, by what they are of in words.
+    /// The pictures, by a text that describes them.
     pub(super) pictures: HashMap<String, KnownPicture>,
-    /// The reason why the first picture could not be kept.
+    /// The reason why the first picture could not be stored.
     pub(super) failure: Option<GltfError>,
-    /// The reason why the first primitive that was left out could not be read.
+    /// The reason why the first missing primitive could not be read.
     unreadable: Option<GltfError>,
     ids: HashSet<String>,
-    /// The number that the next thing of a name may get.
+    /// The next number to try for each name.
     next_numbers: HashMap<String, u32>,
     pub(super) sensors: Vec<Object>,
-    /// The ids of bsdfs by material and what meshes bring.
+    /// The ids of bsdfs by material and vertex attributes.
     materials: BTreeMap<(Option<usize>, MeshValues), String>,
     bsdfs: Vec<Object>,
-    /// The ids of the media inside of materials; None for those that have none.
+    /// The ids of the media inside materials; None for materials without one.
     interiors: BTreeMap<usize, Option<String>>,
     media: Vec<Object>,
-    /// The light of materials, in the same way.
+    /// The emission by material and vertex attributes.
     glows: BTreeMap<(Option<usize>, MeshValues), Option<Glow>>,
     pub(super) emitters: Vec<Object>,
     /// The groups of folders.
     pub(super) groups: Vec<Object>,
-    /// The folder of the node at hand.
+    /// The folder of the current node.
     folder: Rc<str>,
     pub(super) shapes: Vec<Object>,
     pub(super) lighting: Lighting,
     pub(super) bounds: Aabb,
     /// The number of instances that may still be placed.
     pub(super) instances_left: usize,
-    /// The key frames that there may still be.
+    /// The key frames that are left of the limit.
     allowance: Allowance,
 }
 
-/// The properties of a mesh that do not depend on where it is placed.
+/// The properties of a mesh that do not depend on its placement.
 #[derive(Clone)]
 struct KnownMesh {
     shape: Object,
@@ -163,8 +163,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The light that something sends out, with zero (reported) in place of numbers that are negative or too large for
-    /// single precision.
+    /// The emitted light, in which zero (reported) replaces numbers that are negative or too large for single
+    /// precision.
     pub fn possible_light(&mut self, light: Vec3, title: &str) -> Vec3 {
         let possible = light.map(|number| if number.is_finite() { number.max(0.0) } else { 0.0 });
         if possible != light {
@@ -175,7 +175,7 @@ impl Builder<'_> {
         possible
     }
 
-    /// The name of the file with the picture of the studio.
+    /// The name of the file with the studio environment.
     pub fn studio_file(&mut self) -> Result<String, GltfError> {
         let name = "studio.exr";
         let bytes = studio::picture().map_err(|source| GltfError::Keep {
@@ -185,7 +185,7 @@ impl Builder<'_> {
         self.references.file(name, &bytes)
     }
 
-    /// `of_mesh`: where the mesh stands, if its bones say it and not the node.
+    /// `of_mesh`: the placement of the mesh, if its skin determines it and not the node.
     fn node(
         &mut self,
         index: usize,
@@ -235,7 +235,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The placement if things can stand there; None (reported) if it flattens them.
+    /// The placement if it is invertible; None (reported) otherwise.
     fn possible(&mut self, node: usize, placement: Placement) -> Option<Placement> {
         let gltf = self.gltf;
         if !is_invertible(&Affine3A::from_mat4(placement.world)) {
@@ -265,7 +265,7 @@ impl Builder<'_> {
                 continue;
             }
             if self.repeats.spend(number, 1) == 0 {
-                // The other primitives stand elsewhere as well.
+                // Further repetitions are left out.
                 self.warn(format!(
                     "the file places the same primitives again more than {MOST_REPEATS} times: the last places are left out"
                 ));
@@ -289,8 +289,8 @@ impl Builder<'_> {
             shape.id = Some(self.unique_in_folder(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
-                // If a transform mirrors, the front is the side from which the corners are seen clockwise (glTF 2.0,
-                // section 3.7.4), and normals of faces turn around; vertex normals stay outside.
+                // If a transform mirrors, the front is the side from which the corners are clockwise (glTF 2.0, section
+                // 3.7.4), and face normals are flipped; vertex normals stay outside.
                 if map.as_daffine3().matrix3.determinant() < 0.0 {
                     shape = with(shape, "flip_normals", Value::Boolean(true));
                 }
@@ -309,7 +309,7 @@ impl Builder<'_> {
                 });
             }
             let glow = self.known_glow(material, mesh.values);
-            // On average over all directions, a map changes areas by this factor.
+            // The mean over all directions of the factor by which a map changes areas.
             let scale = map.matrix3.determinant().abs().powf(2.0 / 3.0);
             self.lighting.note_surface(scale * mesh.area, glow.as_ref());
             if let Some(glow) = glow {
@@ -360,7 +360,7 @@ impl Builder<'_> {
         Ok(known)
     }
 
-    /// The id of a bsdf.
+    /// The id of a bsdf, which is added at its first use.
     fn material(&mut self, index: Option<usize>, mesh: MeshValues) -> String {
         if let Some(id) = self.materials.get(&(index, mesh)) {
             return id.clone();
@@ -383,7 +383,7 @@ impl Builder<'_> {
         glow
     }
 
-    /// The id of the medium inside of a material's surfaces, if there is one.
+    /// The id of the medium inside a material's surfaces, if there is one.
     fn interior(&mut self, material: usize) -> Option<String> {
         if let Some(known) = self.interiors.get(&material) {
             return known.clone();
@@ -412,7 +412,7 @@ impl Builder<'_> {
         self.unique_in(&folder, name, "")
     }
 
-    /// The name as an id that no other has, of the characters that ids may have, between a folder and an end.
+    /// A unique id made of the name, with valid characters only, between a folder and a suffix.
     pub(super) fn unique_in(&mut self, folder: &str, name: &str, end: &str) -> String {
         let name: String = name.chars().take(LONGEST_NAME).map(plain_character).collect();
         let name = if name.trim().is_empty() { "unnamed" } else { &name };

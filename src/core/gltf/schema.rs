@@ -1,7 +1,6 @@
-//! The JSON of a glTF 2.0 file, as far as it is read here: the objects of the specification with their defaults.
+//! The JSON of a glTF 2.0 file, as far as it is read: the objects of the specification with their defaults.
 //!
-//! Indices are as the file has them; the code that follows one checks it. Members that are not listed here are not
-//! read.
+//! Indices are unchecked; the code that follows one checks it. Members that are not listed here are not read.
 
 mod materials;
 
@@ -37,8 +36,8 @@ pub struct Root {
 }
 
 impl Root {
-    /// Whether a file beside this one is that which was written with it, as far as its extras say so. Extras in files
-    /// of other programs do not count: they may have been copied from a file of ours together with an object that
+    /// Whether a file beside this one is unchanged since it was written with it, according to its extras. Extras in
+    /// files of other programs do not count: they may have been copied from a file of ours together with an object that
     /// was changed.
     pub fn is_as_written(&self, extras: &Value, content: &[u8]) -> bool {
         let generator = self.asset.generator.as_str().unwrap_or_default();
@@ -84,9 +83,9 @@ pub struct Light {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Spot {
-    /// The angle within which it has its full strength, less than the outer one.
+    /// The angle within which the spot has its full strength, less than the outer one.
     pub inner_cone_angle: f32,
-    /// The angle at which it ends, at most pi / 2.
+    /// The angle at which the spot ends, at most pi / 2.
     pub outer_cone_angle: f32,
 }
 
@@ -138,7 +137,7 @@ pub struct Instancing {
     pub attributes: HashMap<String, usize>,
 }
 
-/// Whether a node is seen, and what hangs on it.
+/// Whether a node is visible, with all nodes below it.
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub struct Visibility {
@@ -158,7 +157,7 @@ pub struct NodeLight {
     pub light: usize,
 }
 
-/// The bones of meshes: indices of nodes, and the accessor of the maps from the mesh into the space of each.
+/// The bones of skinned meshes: indices of nodes, and the accessor of the matrices from mesh to bone space.
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Skin {
@@ -208,8 +207,8 @@ pub struct Image {
     pub extras: Value,
 }
 
-/// How a picture is looked at, by the numbers of the specification. The usual one repeats, and mixes neighbouring
-/// texels.
+/// The filter and the wrapping of a texture, by the numbers of the specification. The default repeats, and
+/// interpolates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Sampler {

@@ -1,5 +1,5 @@
-//! Where skinned meshes stand. Their node does not place them (glTF 2.0, section 3.7.3.3), but their bones do: at rest
-//! each vertex is where the rest pose of its bones takes it from the pose in which it was bound to them.
+//! The placement of skinned meshes. Their node does not place them (glTF 2.0, section 3.7.3.3), but their bones do: at
+//! rest each vertex moves from the bind pose of its bones to their rest pose.
 
 use glam::Mat4;
 
@@ -9,7 +9,7 @@ use super::nodes::PlacedNodes;
 use super::scene::Builder;
 use super::schema::{Node, Skin};
 
-/// The difference of the poses of two bones, relative to the larger numbers of one, up to which they count as the same.
+/// The largest difference of two bone poses that count as equal, relative to the largest number of one.
 const SAME_POSE: f32 = 1e-3;
 
 /// The poses of the nodes of the scene at rest, world from local.
@@ -30,21 +30,21 @@ impl Gltf {
         RestPoses(poses)
     }
 
-    /// Where the mesh of a node stands by its bones; None if it has no skin. At rest all bones of most meshes say the
-    /// same. Where they do not, the first one counts, which is most often the root of the others.
+    /// The pose of a node's mesh by its bones; None if it has no skin. At rest all bones of most meshes agree.
+    /// Otherwise the first one counts, which is usually the root of the others.
     pub(super) fn pose_of_skin(&self, node: &Node, rest: &RestPoses) -> Option<Mat4> {
-        // A skin that is not there holds nothing.
+        // A missing skin has no bones.
         let skin = self.root.skins.get(node.skin?);
         let pose = skin.and_then(|skin| self.pose_of_root(skin, rest));
         Some(pose.filter(Mat4::is_finite).unwrap_or(Mat4::IDENTITY))
     }
 
-    /// The map from the mesh to the world by the first bone.
+    /// The transform from the mesh to the world by the first bone.
     fn pose_of_root(&self, skin: &Skin, rest: &RestPoses) -> Option<Mat4> {
         self.poses_of_bones(skin, rest, 1).first().copied()?
     }
 
-    /// The maps from the mesh to the world by so many of the first bones. None for bones that are not in the scene.
+    /// The transforms from the mesh to the world by the first `count` bones. None for bones outside the scene.
     fn poses_of_bones(&self, skin: &Skin, rest: &RestPoses, count: usize) -> Vec<Option<Mat4>> {
         let joints = &skin.joints[..count.min(skin.joints.len())];
         let used: Vec<u32> = (0..).take(joints.len()).collect();
@@ -58,8 +58,7 @@ impl Gltf {
         joints.iter().enumerate().map(pose).collect()
     }
 
-    /// Whether the bones of a skin do more than to place a mesh: they may move, or they hold it in several poses at
-    /// rest.
+    /// Whether the bones of a skin deform a mesh: they may be animated, or they disagree at rest.
     fn deforms(&self, skin: &Skin, rest: &RestPoses) -> bool {
         let poses = self.poses_of_bones(skin, rest, usize::MAX);
         let is_same = |one: Mat4, other: Mat4| {
@@ -76,7 +75,7 @@ impl Gltf {
 }
 
 impl Builder<'_> {
-    /// Says which meshes of the scene would change their shape.
+    /// Warns of meshes that would be deformed.
     pub(super) fn warn_of_deformation(&mut self, placed: &PlacedNodes, rest: &RestPoses) {
         let gltf = self.gltf;
         let skins = gltf.root.skins.iter();

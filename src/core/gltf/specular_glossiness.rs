@@ -1,19 +1,19 @@
-//! Materials of the archived extension KHR_materials_pbrSpecularGlossiness, as those of metallic-roughness that look
-//! most alike.
+//! Converts materials of the archived extension KHR_materials_pbrSpecularGlossiness to the most similar
+//! metallic-roughness ones.
 //!
-//! Its diffuse and specular colour are those of a base colour and a share of metal whose dielectric part mirrors 4 %
-//! head on.
+//! Its diffuse and specular colour are taken as those of a metallic-roughness material whose dielectric part reflects 4
+//! % at normal incidence.
 
 use glam::Vec3;
 
 use super::schema::{Material, Pbr, Specular, SpecularGlossiness};
 use crate::color::luminance;
 
-/// The reflectance at normal incidence of what is no metal.
+/// The reflectance of dielectrics at normal incidence.
 const DIELECTRIC: f32 = 0.04;
 
 impl Material {
-    /// Brings the material into the terms of metallic-roughness, unless the file gives it in these as well.
+    /// Converts the material to metallic-roughness, unless the file gives that as well.
     pub(super) fn settle(&mut self) {
         let is_given = !self.pbr_metallic_roughness.is_usual();
         if let Some(given) = self.extensions.specular_glossiness.as_ref().filter(|_| !is_given) {
@@ -43,7 +43,7 @@ fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
         true => share_of_metal(dark * rest / (1.0 - DIELECTRIC), bright),
         false => 0.0,
     };
-    // The colour that the dielectric part asks for, and that of the metal.
+    // The base colour required by the dielectric part, and that by the metal.
     let of_diffuse = diffuse / (1.0 - metallic).max(1e-3);
     let of_metal = (mirrored - DIELECTRIC * (1.0 - metallic)) / metallic.max(1e-3);
     let base = of_diffuse
@@ -65,8 +65,8 @@ fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
     (pbr, specular)
 }
 
-/// The share m for which the base colour c = `diffuse` / (1 - m), as a metal's, explains what is mirrored: 0.04 (1 - m)
-/// + c m.
+/// The metallic share m for which the base colour c = `diffuse` / (1 - m), as a metal's, gives the reflectance
+/// `mirrored`: 0.04 (1 - m) + c m.
 fn share_of_metal(diffuse: f32, mirrored: f32) -> f32 {
     let b = diffuse + mirrored - 2.0 * DIELECTRIC;
     let c = DIELECTRIC - mirrored;

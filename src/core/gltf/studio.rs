@@ -1,8 +1,7 @@
-//! The light that stands in where nothing lights the scene of a file: a photographer's studio, as a picture of all
-//! directions.
+//! The stand-in light for a file without lights: a photographer's studio, as an environment map.
 //!
-//! Its radiance is about 1, as that of a white sky would be. But it has a bright backdrop, a darker floor and lamps, so
-//! that one sees the form of what is white and of what is a mirror.
+//! Its radiance is about 1, like that of a white sky. But it has a bright backdrop, a darker floor and lamps, which
+//! show the form of white and of mirroring objects.
 
 use std::f32::consts::{PI, TAU};
 use std::io::Cursor;
@@ -10,10 +9,10 @@ use std::io::Cursor;
 use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, Rgb, Rgb32FImage};
 
-/// The size of the picture. One texel is somewhat more than a degree.
+/// The size of the environment map. One texel is somewhat more than a degree.
 const SIZE: [u32; 2] = [256, 128];
 
-/// A lamp with a soft edge. Degrees, around the middle of its picture.
+/// A lamp with a soft edge. Angles in degrees, around its centre.
 struct SoftBox {
     /// From -z, which is the far side for most cameras of glTF, towards +x.
     azimuth: f32,
@@ -23,7 +22,7 @@ struct SoftBox {
     radiance: f32,
 }
 
-/// The lamp before the things at the right, a weaker one at the left, and a narrow one behind them.
+/// A lamp in front at the right, a weaker one at the left, and a narrow one behind.
 const BOXES: [SoftBox; 3] = [
     SoftBox {
         azimuth: 125.0,
@@ -51,7 +50,7 @@ const BOXES: [SoftBox; 3] = [
 /// The width of the edges of lamps in degrees.
 const EDGE: f32 = 4.0;
 
-/// The radiance from a unit vector, in a space whose y points up.
+/// The radiance from a direction, a unit vector in a space with y up.
 fn radiance(direction: Vec3) -> f32 {
     let elevation = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
     let azimuth = direction.x.atan2(-direction.z).to_degrees();
@@ -76,7 +75,7 @@ fn step(from: f32, to: f32, at: f32) -> f32 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// The picture as an EXR file: an environment with y up.
+/// The environment map as an EXR file, with y up.
 pub(super) fn picture() -> Result<Vec<u8>, image::ImageError> {
     let [width, height] = SIZE;
     let picture: Rgb32FImage = ImageBuffer::from_fn(width, height, |x, y| {

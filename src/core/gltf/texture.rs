@@ -13,7 +13,7 @@ const MIRROR: u32 = 33648;
 const CLAMP: u32 = 33071;
 const NEAREST: u32 = 9728;
 
-/// How a texture is looked at: outside of the picture along u and v, and between its texels.
+/// The wrapping of a texture along u and v, and its filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Look {
     wrap: [&'static str; 2],
@@ -21,7 +21,7 @@ struct Look {
 }
 
 impl Builder<'_> {
-    /// The image of a texture; None if the file's is broken.
+    /// The image of a texture; None if the reference is invalid.
     fn image(&self, info: &TextureInfo) -> Option<(&Texture, usize)> {
         let texture = self.gltf.root.textures.get(info.index)?;
         let image = texture.source.filter(|&image| image < self.gltf.root.images.len())?;
@@ -44,14 +44,14 @@ impl Builder<'_> {
         }
     }
 
-    /// The images of two textures if every place shows the same place of both.
+    /// The images of two textures if both have the same mapping and sampler.
     pub(super) fn images_alike(&self, one: &TextureInfo, other: &TextureInfo) -> Option<(usize, usize)> {
         let is_alike = self.look(one) == self.look(other) && one.set() == other.set() && to_uv(one) == to_uv(other);
         let images = (self.image(one)?.1, self.image(other)?.1);
         is_alike.then_some(images)
     }
 
-    /// The picture of a texture; None (reported) if the file's is broken.
+    /// The picture made of a texture; None (reported) if the reference is invalid.
     pub(super) fn picture(&mut self, info: &TextureInfo, made: Made) -> Option<Picture> {
         let image = self.image(info).map(|(_, image)| image);
         if image.is_none() {
@@ -63,7 +63,7 @@ impl Builder<'_> {
         Some(Picture { image: image?, made })
     }
 
-    /// A texture of the format for the parameter `name`; None (reported) if the file's is broken.
+    /// A texture of the format for the parameter `name`; None (reported) if the reference is invalid.
     pub(super) fn bitmap(&mut self, name: &str, info: &TextureInfo, made: Made) -> Option<Object> {
         let picture = self.picture(info, made)?;
         let file = self.reference_picture(picture)?;
@@ -101,10 +101,10 @@ impl Builder<'_> {
     }
 }
 
-/// The map of coordinates before the look-up (KHR_texture_transform), if the file gives one.
+/// The transform of texture coordinates (KHR_texture_transform), if the file gives one.
 fn to_uv(info: &TextureInfo) -> Option<Affine2> {
     let transform = info.extensions.transform.as_ref()?;
-    // v points down in the picture, so that a turn to the left there is one to the right in these coordinates.
+    // v points down in the picture, so that a counter-clockwise rotation there is clockwise in these coordinates.
     Some(Affine2::from_scale_angle_translation(
         Vec2::from(transform.scale),
         -transform.rotation,
@@ -143,7 +143,7 @@ impl Builder<'_> {
         name
     }
 
-    /// The mean colour of a picture that has a file, linear.
+    /// The linear mean colour of a picture that has a file.
     pub fn mean_of_picture(&mut self, picture: Picture) -> Vec3 {
         let known = self.pictures.get_mut(&format!("{picture:?}"));
         let mut mean = || self.references.mean(&picture).unwrap_or(Vec3::ONE);

@@ -1,4 +1,4 @@
-//! The content of the URIs of a glTF file: data in the URI itself, or a file beside the file.
+//! The content of the URIs of a glTF file: data in the URI itself, or a file relative to the glTF file.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
@@ -24,14 +24,14 @@ pub fn content(uri: &str, read: &mut ReadFile) -> Result<Vec<u8>, GltfError> {
 }
 
 impl GltfError {
-    /// Whether a file that is named is not there.
+    /// Whether the error is a missing file.
     pub(super) fn is_missing(&self) -> bool {
         matches!(self, Self::File { source, .. } if source.kind() == ErrorKind::NotFound)
     }
 }
 
 impl Root {
-    /// All files of buffers and images that are not there.
+    /// The missing files of buffers and images.
     pub(super) fn missing_parts(&self, read: &mut ReadFile) -> MissingParts {
         let mut missing = |uris: BTreeSet<&str>| {
             let names = uris.into_iter().filter_map(|uri| match content(uri, read) {
@@ -58,7 +58,7 @@ fn bad(uri: &str, what: &'static str) -> GltfError {
     GltfError::Uri { uri: short, what }
 }
 
-/// Resolves `%20` and the like to bytes; an invalid escape stays as it is.
+/// Resolves percent escapes such as `%20` to bytes; an invalid escape is kept.
 fn unescaped(text: &str) -> Vec<u8> {
     let mut rest = text.as_bytes();
     let mut result = Vec::with_capacity(rest.len());

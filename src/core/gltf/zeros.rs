@@ -1,5 +1,5 @@
-//! Zeros: elements of accessors without a buffer view, all zero except for sparse values. No bytes of the file stand
-//! for them, so that only a limit bounds their number.
+//! Zeros: elements of accessors without a buffer view, all zero except for sparse values. They take no bytes in the
+//! file, so that only a limit bounds their number.
 
 use super::schema::Root;
 
@@ -9,7 +9,7 @@ pub const MOST_ZEROS: usize = 1 << 26;
 /// Bytes of memory for such an element, in the mesh and in its file.
 const ZERO_BYTES: u64 = 64;
 
-/// The number of zeros in the meshes, morph targets and animations of a file, without the accessors that exceed the
+/// The number of zeros in the meshes, morph targets and animations of a file, except for accessors that exceed the
 /// limit by themselves.
 pub fn count_zeros(root: &Root) -> usize {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -26,8 +26,8 @@ pub fn count_zeros(root: &Root) -> usize {
     zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
 }
 
-/// The bytes of memory for this number of zeros. The result is zero if there are too many, because no mesh is made of
-/// them then.
+/// The bytes of memory for this number of zeros. The result is zero if there are too many, because then no mesh is made
+/// of them.
 pub fn zero_bytes(zeros: usize) -> u64 {
     match zeros <= MOST_ZEROS {
         true => ZERO_BYTES * zeros as u64,

@@ -1,4 +1,4 @@
-//! The materials of a glTF file, and how they use textures. Layers are the same in files that are read and written.
+//! The materials of a glTF file and their use of textures. The layers are shared by the reader and the writer.
 
 use std::collections::BTreeMap;
 
@@ -50,37 +50,37 @@ impl Default for Pbr {
     }
 }
 
-/// The layers that are extensions.
+/// The layers, which are extensions.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub struct MaterialExtensions {
-    /// A factor on the light that is sent out.
+    /// A factor on the emission.
     #[serde(rename = "KHR_materials_emissive_strength", skip_serializing_if = "Option::is_none")]
     pub emissive_strength: Option<EmissiveStrength>,
-    /// Light that goes through.
+    /// Transmission of light through the surface.
     #[serde(rename = "KHR_materials_transmission", skip_serializing_if = "Option::is_none")]
     pub transmission: Option<Transmission>,
-    /// What is inside of the surface.
+    /// The volume below the surface.
     #[serde(rename = "KHR_materials_volume", skip_serializing_if = "Option::is_none")]
     pub volume: Option<Volume>,
     /// The index of refraction.
     #[serde(rename = "KHR_materials_ior", skip_serializing_if = "Option::is_none")]
     pub ior: Option<IndexOfRefraction>,
-    /// A clear layer of lacquer.
+    /// A clear coat.
     #[serde(rename = "KHR_materials_clearcoat", skip_serializing_if = "Option::is_none")]
     pub clearcoat: Option<Clearcoat>,
-    /// The glow of cloth.
+    /// The sheen of cloth.
     #[serde(rename = "KHR_materials_sheen", skip_serializing_if = "Option::is_none")]
     pub sheen: Option<Sheen>,
-    /// The strength of the mirror image of what is no metal.
+    /// The specular reflection of dielectrics.
     #[serde(rename = "KHR_materials_specular", skip_serializing_if = "Option::is_none")]
     pub specular: Option<Specular>,
-    /// A colour without light and shadow.
+    /// A colour without shading.
     #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
     pub unlit: Option<Value>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness", skip_serializing)]
     pub(in crate::gltf) specular_glossiness: Option<SpecularGlossiness>,
-    /// All others that a file has, by name. They are not read.
+    /// All other extensions of the file, by name. They are not read.
     #[serde(flatten, skip_serializing)]
     pub unread: BTreeMap<String, IgnoredAny>,
 }
@@ -120,9 +120,9 @@ pub struct EmissiveStrength {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Transmission {
-    /// The share of light, 0 to 1.
+    /// The share of transmitted light, 0 to 1.
     pub transmission_factor: f32,
-    /// The same in red.
+    /// A factor on it, in the red channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transmission_texture: Option<TextureInfo>,
 }
@@ -131,9 +131,9 @@ pub struct Transmission {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Volume {
-    /// How thick it is for programs that do not trace light through it; above 0.
+    /// The thickness for rasterizers; above 0.
     pub thickness_factor: f32,
-    /// After this distance light has the attenuation colour.
+    /// The distance after which light has the attenuation colour.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub attenuation_distance: Option<f32>,
     /// Linear Rec. 709.
@@ -159,15 +159,15 @@ fn glass() -> f32 {
 pub struct Clearcoat {
     /// 0 to 1.
     pub clearcoat_factor: f32,
-    /// The same in red.
+    /// A factor on it, in the red channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_texture: Option<TextureInfo>,
     /// 0 to 1.
     pub clearcoat_roughness_factor: f32,
-    /// The same in green.
+    /// A factor on it, in the green channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_roughness_texture: Option<TextureInfo>,
-    /// Normals of the layer in tangent space.
+    /// The normals of the coat in tangent space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearcoat_normal_texture: Option<TextureInfo>,
 }
@@ -183,7 +183,7 @@ pub struct Sheen {
     pub sheen_color_texture: Option<TextureInfo>,
     /// 0 to 1.
     pub sheen_roughness_factor: f32,
-    /// The same in alpha.
+    /// A factor on it, in the alpha channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sheen_roughness_texture: Option<TextureInfo>,
 }
@@ -195,18 +195,18 @@ pub struct Specular {
     /// A factor on the reflectance, 0 to 1.
     #[serde(default = "super::one")]
     pub specular_factor: f32,
-    /// The same in alpha.
+    /// A factor on it, in the alpha channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_texture: Option<TextureInfo>,
-    /// The colour of the reflectance head on, linear Rec. 709; white if absent.
+    /// The reflectance at normal incidence, linear Rec. 709; white if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color_factor: Option<[f32; 3]>,
-    /// The same, sRGB.
+    /// A factor on it, sRGB.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color_texture: Option<TextureInfo>,
 }
 
-/// A texture as a material uses it.
+/// The use of a texture by a material.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct TextureInfo {
@@ -218,7 +218,7 @@ pub struct TextureInfo {
     /// The scale of a normal texture. It is not written.
     #[serde(default = "super::one", skip_serializing)]
     pub scale: f32,
-    /// How it lies.
+    /// The transform of its coordinates.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub extensions: TextureExtensions,
 }
@@ -232,17 +232,17 @@ pub struct TextureExtensions {
     pub transform: Option<TextureTransform>,
 }
 
-/// KHR_texture_transform: a scale, then a turn, then a shift of the coordinates.
+/// KHR_texture_transform: scale, then rotation, then translation of the coordinates.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct TextureTransform {
-    /// The shift.
+    /// The translation.
     pub offset: [f32; 2],
     /// Radians, counter-clockwise in the picture.
     pub rotation: f32,
     /// The factors.
     pub scale: [f32; 2],
-    /// The set of texture coordinates, in place of that of the texture.
+    /// The set of texture coordinates, which replaces that of the texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tex_coord: Option<usize>,
 }
@@ -258,7 +258,7 @@ impl Default for TextureTransform {
     }
 }
 
-/// Whether a value is the one that is meant where the file does not say any.
+/// Whether a value is the default.
 pub fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

@@ -1,10 +1,10 @@
-//! The files: one binary container (section 4.4), or JSON with a buffer and pictures beside it.
+//! Writes the files: one binary container (section 4.4), or JSON with files for the buffer and the pictures.
 
 use super::model::{Buffer, FileExtras, Image};
 use super::{GltfWriteError, GltfWriter};
 use crate::gltf::plain_character;
 
-/// A file beside the one that names it.
+/// A file named by the `.gltf` file, in the same folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BesideFile {
     /// The name, of letters, digits and `-_. ` only.
@@ -14,7 +14,7 @@ pub struct BesideFile {
 }
 
 impl GltfWriter {
-    /// The `.glb` file, which names no others.
+    /// The `.glb` file, which names no other files.
     pub fn binary(mut self) -> Result<Vec<u8>, GltfWriteError> {
         for picture in std::mem::take(&mut self.pictures) {
             let mime_type = Some(picture.kind().1);
@@ -57,8 +57,8 @@ impl GltfWriter {
         Ok(bytes)
     }
 
-    /// The text of the `.gltf` file, and the files that it names. Their names begin with `stem`, in which other
-    /// characters than letters, digits and `-_. ` are replaced.
+    /// The text of the `.gltf` file, and the files that it names. Their names begin with `stem`, in which characters
+    /// other than letters, digits and `-_. ` are replaced.
     pub fn text(mut self, stem: &str) -> Result<(Vec<u8>, Vec<BesideFile>), GltfWriteError> {
         let stem: String = stem.chars().map(plain_character).collect();
         let mut files: Vec<BesideFile> = Vec::new();

@@ -1,4 +1,4 @@
-//! The vertices and triangles of meshes in the buffer.
+//! Writes the vertices and triangles of meshes into the buffer.
 
 use super::model::{Accessor, Attributes};
 use super::{GltfWriteError, GltfWriter, push};
@@ -8,15 +8,15 @@ pub(super) const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
-/// The largest number of 16 bits ends a strip.
+/// The largest 16-bit index, which is reserved for restarting strips.
 const MOST_SHORT: usize = 0xffff;
-/// The same with 32 bits; and the most corners that a reader can number.
+/// The largest 32-bit index; also the most corners that a reader can number.
 const MOST: u64 = 0xffff_ffff;
 
 /// Triangles of a mesh by their corners.
 pub type Triangles = [[u32; 3]];
 
-/// An error if a mesh of so many vertices and corners cannot be numbered.
+/// An error if a mesh with these numbers of vertices and corners cannot be indexed.
 fn check_counts(vertices: u64, corners: u64) -> Result<(), GltfWriteError> {
     let counts = [("vertices", vertices), ("corners of triangles", corners)];
     match counts.into_iter().find(|(_, count)| *count > MOST) {
@@ -30,7 +30,7 @@ fn check_counts(vertices: u64, corners: u64) -> Result<(), GltfWriteError> {
 }
 
 impl GltfWriter {
-    /// Adds the vertices of a mesh: positions, normals and texture coordinates as far as it has them. `colors`: linear,
+    /// Adds the vertices of a mesh: positions, and normals and texture coordinates if it has them. `colors`: linear,
     /// one for each vertex.
     pub fn add_vertices(&mut self, mesh: &MeshData, colors: Option<&[[f32; 3]]>) -> Result<Attributes, GltfWriteError> {
         check_counts(mesh.positions.len() as u64, 3 * mesh.triangles.len() as u64)?;
@@ -39,7 +39,7 @@ impl GltfWriter {
         let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|position| position.to_array()).collect();
         attributes.insert("POSITION".to_owned(), self.add_floats(&positions, true, target));
         if !mesh.normals.is_empty() {
-            // Vertices of no triangle may have none.
+            // Vertices without triangles may have a zero normal.
             let unit = |normal: &glam::Vec3| normal.normalize_or(glam::Vec3::Z).to_array();
             let normals: Vec<[f32; 3]> = mesh.normals.iter().map(unit).collect();
             attributes.insert("NORMAL".to_owned(), self.add_floats(&normals, false, target));
@@ -54,13 +54,13 @@ impl GltfWriter {
         Ok(attributes)
     }
 
-    /// Adds a tangent for each vertex, with the side of the bitangent.
+    /// Adds a tangent for each vertex, with the sign of the bitangent.
     pub fn add_tangents(&mut self, attributes: &mut Attributes, tangents: &[[f32; 4]]) {
         let accessor = self.add_floats(tangents, false, Some(ARRAY_BUFFER));
         attributes.insert("TANGENT".to_owned(), accessor);
     }
 
-    /// Adds triangles over so many vertices.
+    /// Adds triangles over `vertices` vertices, and returns the accessor of their indices.
     pub fn add_triangles(&mut self, triangles: &Triangles, vertices: usize) -> Result<usize, GltfWriteError> {
         check_counts(vertices as u64, 3 * triangles.len() as u64)?;
         let corners = triangles.as_flattened();

@@ -1,4 +1,4 @@
-//! Materials of a glTF 2.0 file as they are written: metallic-roughness, and the layers of the KHR extensions.
+//! Materials of a glTF 2.0 file for writing: metallic-roughness, and the layers of the KHR extensions.
 
 use serde::Serialize;
 
@@ -14,24 +14,24 @@ pub use crate::gltf::schema::{
 pub struct Material {
     /// The name.
     pub name: String,
-    /// The base of it.
+    /// The metallic-roughness base.
     pub pbr_metallic_roughness: Pbr,
-    /// Normals in tangent space, y up.
+    /// The normal map in tangent space, y up.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_texture: Option<TextureInfo>,
-    /// The light that it sends out, at most 1.
+    /// The emission, at most 1.
     #[serde(skip_serializing_if = "is_usual")]
     pub emissive_factor: [f32; 3],
-    /// The same, by colour over the surface.
+    /// A factor on the emission, by colour over the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emissive_texture: Option<TextureInfo>,
-    /// `MASK` or `BLEND`; None is opaque.
+    /// `MASK` or `BLEND`; None for opaque.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha_mode: Option<&'static str>,
-    /// Whether its back is seen as well.
+    /// Whether the back is visible as well.
     #[serde(skip_serializing_if = "is_usual")]
     pub double_sided: bool,
-    /// Whether the light that it sends out leaves the front alone, for which glTF has no word.
+    /// Whether only the front emits, which glTF cannot express.
     #[serde(skip)]
     pub shines_from_front: bool,
     /// Further layers.
@@ -40,7 +40,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// The textures that it uses.
+    /// All textures of the material.
     pub(super) fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let extensions = &self.extensions;
         let of_transmission = extensions

@@ -1,5 +1,4 @@
-//! The meshes of a file that is being made, as others see them: where they stand, what they are made of, and how
-//! another one takes the place of one.
+//! Access to the meshes of an unfinished file: their instances, their vertices, and their replacement by other meshes.
 
 use std::collections::HashSet;
 
@@ -9,20 +8,20 @@ use super::material::Material;
 use super::model::{Attributes, BufferView, Mesh, Pose, Primitive};
 use super::{GltfWriter, push};
 
-/// A mesh at its place in the world.
+/// An instance of a mesh in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedMesh {
     /// The index of its node.
     pub node: usize,
-    /// The names of the nodes on the way to it, with `/` between them.
+    /// The names of its ancestors and of the node itself, joined by `/`.
     pub path: String,
     /// The index of the mesh.
     pub mesh: usize,
-    /// World space from that of the mesh.
+    /// The transform world from mesh.
     pub world_from_mesh: Affine3A,
-    /// Whether it moves, by its own node or one above.
+    /// Whether its node or one above is animated.
     pub moves: bool,
-    /// How many times as many texels of a lightmap lie along a length of it as on other meshes; 0: it has none.
+    /// The lightmap texels per length, relative to other meshes; 0 means no lightmap.
     pub lightmap_scale: f32,
 }
 
@@ -35,7 +34,7 @@ impl Pose {
 }
 
 impl GltfWriter {
-    /// All meshes at their places, in the order of the nodes.
+    /// All instances of meshes, in the order of the nodes.
     pub fn placed_meshes(&self) -> Vec<PlacedMesh> {
         let animations = self.root.animations.iter();
         let channels = animations.flat_map(|animation| &animation.channels);
@@ -91,7 +90,7 @@ impl GltfWriter {
         numbers.as_chunks::<N>().0.to_vec()
     }
 
-    /// The corners of a primitive's triangles.
+    /// The vertex indices of a primitive's triangles.
     pub fn triangles(&self, primitive: &Primitive) -> Vec<[u32; 3]> {
         let bytes = self.bytes_of(primitive.indices);
         let is_short = bytes.len() == 2 * self.root.accessors[primitive.indices].count;
@@ -117,15 +116,14 @@ impl GltfWriter {
         &self.bytes[view.byte_offset..view.byte_offset + view.byte_length]
     }
 
-    /// Adds vertices that are those of `chosen` among others, in that order. `is_turned`: with normals that point the
-    /// other way.
+    /// Adds the vertices `chosen` from others, in that order. `is_turned`: with flipped normals.
     pub fn add_chosen_vertices(&mut self, of: &Attributes, chosen: &[u32], is_turned: bool) -> Attributes {
         let mut attributes = Attributes::new();
         for (name, accessor) in of {
             let copy = match (self.root.accessors[*accessor].kind, &**name) {
                 ("VEC2", _) => self.add_chosen::<2>(*accessor, chosen, |value| value),
                 (_, "NORMAL") if is_turned => self.add_chosen::<3>(*accessor, chosen, |value| value.map(|x| -x)),
-                // The bitangent is the product of a normal and the tangent, and keeps its side.
+                // The bitangent is the cross product of normal and tangent, so the sign flips to keep it.
                 ("VEC4", _) if is_turned => self.add_chosen::<4>(*accessor, chosen, |[x, y, z, side]| [x, y, z, -side]),
                 ("VEC4", _) => self.add_chosen::<4>(*accessor, chosen, |value| value),
                 _ => self.add_chosen::<3>(*accessor, chosen, |value| value),
@@ -147,20 +145,20 @@ impl GltfWriter {
         self.add_floats(&values, bounds, Some(super::geometry::ARRAY_BUFFER))
     }
 
-    /// Adds a pair of coordinates for each vertex.
+    /// Adds a pair of texture coordinates for each vertex.
     pub fn add_coordinates(&mut self, attributes: &mut Attributes, name: &str, coordinates: &[[f32; 2]]) {
         let accessor = self.add_floats(coordinates, false, Some(super::geometry::ARRAY_BUFFER));
         attributes.insert(name.to_owned(), accessor);
     }
 
-    /// Puts another mesh where a node is, with what programs are to know of it (`extras`).
+    /// Replaces the mesh of a node, and sets `extras`, which other programs read.
     pub fn replace_mesh(&mut self, node: usize, mesh: usize, extras: serde_json::Value) {
         let node = &mut self.root.nodes[node];
         node.mesh = Some(mesh);
         node.extras = Some(extras);
     }
 
-    /// Drops meshes that stand nowhere, and what only these have used.
+    /// Drops meshes without instances, and the accessors that only these use.
     pub fn drop_unused_meshes(&mut self) {
         let standing: HashSet<usize> = self.root.nodes.iter().filter_map(|node| node.mesh).collect();
         let mut kept = Vec::new();
@@ -177,7 +175,7 @@ impl GltfWriter {
         self.drop_unused_accessors();
     }
 
-    /// Each accessor has a part of the buffer of its own. Pictures are added to it only when the file is made.
+    /// Each accessor has its own part of the buffer. Pictures are added to it only when the file is written.
     fn drop_unused_accessors(&mut self) {
         let bytes = std::mem::take(&mut self.bytes);
         let views = std::mem::take(&mut self.root.buffer_views);

@@ -1,8 +1,8 @@
 //! Writes glTF 2.0 files, `.glb` and `.gltf`.
 //!
-//! [`GltfWriter`] collects nodes, meshes, materials, pictures, lights, cameras and animations, each of which gets an
-//! index by which others name it, and the bytes of their buffer. [`GltfWriter::binary`] and [`GltfWriter::text`] make
-//! the files. What a scene becomes is not decided here.
+//! [`GltfWriter`] collects nodes, meshes, materials, pictures, lights, cameras and animations, which refer to each
+//! other by index, and the bytes of their buffer. [`GltfWriter::binary`] and [`GltfWriter::text`] make the files. The
+//! conversion of scenes is decided elsewhere.
 
 mod container;
 mod geometry;
@@ -19,13 +19,12 @@ use self::model::{
     Root, Sampler, Texture,
 };
 
-/// The roughness of sheen in files that are written, for the scene format has none: a glow as wide as that of
-/// `principled`.
+/// The roughness of sheen in written files, since the scene format has none: a lobe as wide as that of `principled`.
 pub const SHEEN_ROUGHNESS: f32 = 0.5;
 
 const FLOAT: u32 = 5126;
 
-/// The reason why something cannot be written.
+/// The reason why a file cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum GltfWriteError {
@@ -38,17 +37,17 @@ pub enum GltfWriteError {
     Json(String),
 }
 
-/// The bytes of a picture as they stand in its file.
+/// The encoded file of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureBytes {
-    /// The name, without an ending.
+    /// The name, without extension.
     pub name: String,
     /// PNG or JPEG.
     pub bytes: Vec<u8>,
 }
 
 impl PictureBytes {
-    /// The ending of a file of these bytes, and their media type.
+    /// The extension and the media type of the file.
     fn kind(&self) -> (&'static str, &'static str) {
         match self.bytes.starts_with(b"\x89PNG") {
             true => ("png", "image/png"),
@@ -57,16 +56,16 @@ impl PictureBytes {
     }
 }
 
-/// How values go from key to key.
+/// The interpolation between keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Straight, turns along the shortest arc.
+    /// Linear; rotations along the shortest arc.
     Linear,
     /// Each value holds until the next key.
     Step,
 }
 
-/// A file that is being made.
+/// A glTF file under construction.
 #[derive(Debug, Default)]
 pub struct GltfWriter {
     root: Root,
@@ -79,7 +78,7 @@ fn push<T>(list: &mut Vec<T>, item: T) -> usize {
     list.len() - 1
 }
 
-/// The index of an item that is equal, or of the new one.
+/// The index of an equal item, or of the new one.
 fn push_new<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
     match list.iter().position(|known| *known == item) {
         Some(index) => index,
@@ -125,7 +124,7 @@ impl GltfWriter {
         push(&mut self.root.cameras, camera)
     }
 
-    /// Adds a picture, unless there is one of the same bytes.
+    /// Adds a picture, unless there is one with the same bytes.
     pub fn add_picture(&mut self, picture: PictureBytes) -> usize {
         match self.pictures.iter().position(|known| known.bytes == picture.bytes) {
             Some(index) => index,
@@ -133,14 +132,14 @@ impl GltfWriter {
         }
     }
 
-    /// Adds a way to look at a picture, unless there is an equal one.
+    /// Adds a texture, a picture with a sampler, unless there is an equal one.
     pub fn add_texture(&mut self, picture: usize, sampler: Sampler) -> usize {
         let sampler = (sampler != Sampler::default()).then(|| push_new(&mut self.root.samplers, sampler));
         let source = Some(picture);
         push_new(&mut self.root.textures, Texture { source, sampler })
     }
 
-    /// Adds a part of the buffer. `target`: what graphics cards use it for, by the numbers of the specification.
+    /// Adds a buffer view. `target`: its use on GPUs, by the numbers of the specification.
     fn add_view(&mut self, bytes: impl IntoIterator<Item = u8>, target: Option<u32>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let byte_offset = self.bytes.len();
@@ -154,8 +153,8 @@ impl GltfWriter {
         push(&mut self.root.buffer_views, view)
     }
 
-    /// Adds an accessor of vectors of single precision, at least one. `bounds`: whether the file says the least and the
-    /// greatest values.
+    /// Adds an accessor of single-precision vectors, at least one. `bounds`: whether it gets the minimum and the
+    /// maximum.
     fn add_floats<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool, target: Option<u32>) -> usize {
         let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes());
         let buffer_view = self.add_view(bytes, target);
@@ -179,13 +178,13 @@ impl GltfWriter {
         push(&mut self.root.accessors, accessor)
     }
 
-    /// Adds the times of keys in seconds, which rise from 0 or later.
+    /// Adds the ascending, non-negative times of keys in seconds.
     pub fn add_times(&mut self, times: &[f32]) -> usize {
         let times: Vec<[f32; 1]> = times.iter().map(|time| [*time]).collect();
         self.add_floats(&times, true, None)
     }
 
-    /// Lets a node move: `path` is `translation`, `rotation` or `scale`, with a value for each of the `times`, an
+    /// Animates a node: `path` is `translation`, `rotation` or `scale`, with a value for each of the `times`, an
     /// accessor.
     pub fn animate<const N: usize>(
         &mut self,

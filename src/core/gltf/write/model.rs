@@ -1,5 +1,5 @@
-//! The parts of a glTF 2.0 file as they are written, under the names of the specification (section 5) and of the KHR
-//! extensions. What is not given is left out of the file. Materials are in `material.rs`.
+//! The parts of a glTF 2.0 file for writing, under the names of the specification (section 5) and of the KHR
+//! extensions. Absent values are left out of the file. Materials are in `material.rs`.
 
 use std::collections::BTreeMap;
 
@@ -72,13 +72,13 @@ pub(super) struct Lights {
     pub lights: Vec<Light>,
 }
 
-/// A node: a place in the world with what stands there.
+/// A node: a pose in the world with a mesh, a camera or a light.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Node {
     /// The name.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// Where the node stands, relative to its parent.
+    /// The pose relative to its parent.
     #[serde(flatten)]
     pub pose: Pose,
     /// The index of the mesh.
@@ -88,26 +88,26 @@ pub struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<usize>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    /// The nodes that hang on it, by their indices. They are noted as they are added.
+    /// The indices of its child nodes, which are appended as these are added.
     pub children: Vec<usize>,
     /// The light.
     #[serde(skip_serializing_if = "is_usual")]
     pub extensions: NodeExtensions,
-    /// What programs are to know that the specification does not.
+    /// Data for other programs that the specification does not define.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extras: Option<serde_json::Value>,
-    /// How many times as fine its lightmap is to be; None is once. It is not written.
+    /// The lightmap texels per length, relative to other meshes; None means 1. It is not written.
     #[serde(skip)]
     pub lightmap_scale: Option<f32>,
 }
 
-/// A pose as glTF has it: a scale, then a turn, then a shift.
+/// A pose as in glTF: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pose {
-    /// The shift.
+    /// The translation.
     #[serde(skip_serializing_if = "is_usual")]
     pub translation: [f32; 3],
-    /// The turn: a unit quaternion, x y z w.
+    /// The rotation: a unit quaternion, x y z w.
     #[serde(skip_serializing_if = "is_no_turn")]
     pub rotation: [f32; 4],
     /// The factors along the axes; a negative one mirrors.
@@ -139,7 +139,7 @@ impl Default for Pose {
 /// The extensions of a node.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NodeExtensions {
-    /// What shines at the node.
+    /// The light at the node.
     #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
     pub light: Option<NodeLight>,
 }
@@ -161,7 +161,7 @@ pub struct Light {
     pub spot: Option<Spot>,
 }
 
-/// A mesh: what stands at a node.
+/// A mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mesh {
     /// The name.
@@ -170,15 +170,15 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
-/// Accessors by the names of what they hold: `POSITION`, `NORMAL`, `TANGENT`, `TEXCOORD_0`, `TEXCOORD_1`, `COLOR_0`.
+/// Accessors by attribute: `POSITION`, `NORMAL`, `TANGENT`, `TEXCOORD_0`, `TEXCOORD_1`, `COLOR_0`.
 pub type Attributes = BTreeMap<String, usize>;
 
 /// Triangles of one material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Primitive {
-    /// The values of its vertices.
+    /// The accessors of its vertices.
     pub attributes: Attributes,
-    /// The accessor of its triangles' corners.
+    /// The accessor of its indices.
     pub indices: usize,
     /// The index of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,7 +199,7 @@ pub(super) struct Image {
     pub extras: Option<FileExtras>,
 }
 
-/// What tells whether the file beside this one is that which was written with it.
+/// The checksum by which a reader recognises the file as unchanged.
 #[derive(Debug, Serialize)]
 pub(super) struct FileExtras {
     pub sunroom_crc32: String,
@@ -217,23 +217,23 @@ impl FileExtras {
 pub struct Camera {
     /// The name.
     pub name: String,
-    /// How it projects.
+    /// The projection with its parameters.
     #[serde(flatten)]
     pub projection: Projection,
 }
 
-/// How a camera projects.
+/// The projections of a camera.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "camelCase")]
 pub enum Projection {
     /// Perspective.
     Perspective {
-        /// The numbers.
+        /// The parameters.
         perspective: Perspective,
     },
-    /// Without perspective.
+    /// Orthographic.
     Orthographic {
-        /// The numbers.
+        /// The parameters.
         orthographic: Orthographic,
     },
 }
@@ -298,7 +298,7 @@ pub(super) struct Buffer {
 }
 
 impl Root {
-    /// The extensions that the file has something of.
+    /// The extensions that the file uses.
     pub fn used_extensions(&self) -> Vec<&'static str> {
         let any = |is_used: &dyn Fn(&Material) -> bool| self.materials.iter().any(is_used);
         let of = |is_used: &dyn Fn(&MaterialExtensions) -> bool| any(&|material| is_used(&material.extensions));
