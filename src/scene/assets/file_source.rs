@@ -1,6 +1,6 @@
 //! The asset server's source of files: refuses at once what [`crate::files`] refuses.
 //!
-//! The server's own reader would wait for ever for a pipe. This one gives no bytes: the loaders read the whole file
+//! The server's own reader would wait for ever for a pipe. This one returns no bytes: the loaders read the whole file
 //! themselves, because the server passes bytes between threads in small pieces.
 
 use std::path::Path;
@@ -34,13 +34,13 @@ struct FileSource {
 impl AssetReader for FileSource {
     async fn read<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
         let (path, _) = VolumeFormat::of_asset(path);
-        // Loaders refuse what a scene may not read, whether it exists or not.
+        // Loaders refuse files that the scene may not read, whether these exist or not.
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }
         let check = || memory::check_data(path, &self.access.get());
         let checked = check().or_else(|error| match error.is_not_found() {
-            // A program that was killed may have left it beside its place.
+            // A killed program may have left the new file under a temporary name.
             true => finish_set_within(path, &self.access.get()).and_then(|()| check()),
             false => Err(error),
         });

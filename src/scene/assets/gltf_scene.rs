@@ -1,7 +1,7 @@
-//! Opens glTF files as scenes: they are taken apart into files of the cache, and a document that names these.
+//! Opens glTF files as scenes: splits them into files in the cache, and makes a document that names these.
 //!
-//! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are
-//! keep their names, and are not loaded again.
+//! A part is stored under the hash of its content. So meshes and pictures that do not change with the glTF file keep
+//! their names, and are not loaded again.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -22,18 +22,18 @@ use crate::scene::components::missing::NOT_THERE;
 /// The most bytes of a glTF file, and of each file that it names: the length in the binary container has 32 bits.
 const MAX_GLTF_BYTES: u64 = 4 << 30;
 
-/// Whether a file is opened by [`import`], by its content or else by its name.
+/// Whether a file is a glTF file for [`import`], by its content or else by its name.
 pub(crate) fn is_gltf(bytes: &[u8], path: &Path) -> bool {
     Gltf::is_gltf(bytes) || is_called_gltf(path)
 }
 
-/// Whether the name of the file is that of a glTF file.
+/// Whether the file name has an extension of glTF.
 pub(crate) fn is_called_gltf(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     extension == "gltf" || extension == "glb"
 }
 
-/// The most bytes that a scene file may have. Its kind is known from its name alone, because it has not been read yet.
+/// The size limit of a scene file in bytes. The format follows from the name, because the file has not been read yet.
 pub(crate) fn largest(path: &Path) -> u64 {
     match is_called_gltf(path) {
         true => MAX_GLTF_BYTES,
@@ -41,7 +41,7 @@ pub(crate) fn largest(path: &Path) -> u64 {
     }
 }
 
-/// The scene in a file of these bytes. The files it is read from are the diagnostics' sources, without their text.
+/// The scene in a file with these bytes. The files it is read from are the diagnostics' sources, without their text.
 pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     let mut sources = vec![path.to_owned()];
     let mut known: HashSet<PathBuf> = sources.iter().cloned().collect();
@@ -66,8 +66,8 @@ pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     }
 }
 
-/// The meshes of a glTF file where its scene places them, each with its pose, world from local. Nothing is kept in the
-/// cache. `limit`: the most bytes of the file, and of each file that it names. The error says why it cannot be read.
+/// The meshes of a glTF file, each with the transform world from local by its scene. Nothing is stored in the cache.
+/// `limit`: the most bytes of the file, and of each file that it names. The error says why it cannot be read.
 pub(crate) fn placed_meshes(
     path: &Path,
     access: &Access,

@@ -34,7 +34,7 @@ use volume_map::VolumeMapError;
 use crate::files::FileError;
 use crate::scene::components::missing::NOT_THERE;
 
-/// The cause of a failed load, without what the asset server wraps around it.
+/// The cause of a failed load, without the wrappers of the asset server.
 pub(crate) fn cause(error: &AssetLoadError) -> String {
     match error {
         AssetLoadError::AssetLoaderError(error) => message(error.error()),
@@ -44,7 +44,7 @@ pub(crate) fn cause(error: &AssetLoadError) -> String {
     }
 }
 
-/// Whether the error says that there is no file.
+/// Whether the error is a missing file.
 pub(crate) fn is_missing(error: &AssetLoadError) -> bool {
     matches!(
         error,
@@ -52,7 +52,7 @@ pub(crate) fn is_missing(error: &AssetLoadError) -> bool {
     )
 }
 
-/// Whether the error says that the scene may not read the picture, whether or not the file exists.
+/// Whether the error is that the scene may not read the picture, whether or not the file exists.
 pub(crate) fn is_refused_picture(error: &AssetLoadError) -> bool {
     let AssetLoadError::AssetLoaderError(error) = error else {
         return false;
@@ -61,7 +61,7 @@ pub(crate) fn is_refused_picture(error: &AssetLoadError) -> bool {
     matches!(error, Some(TextureMapError::File(FileError::Outside)))
 }
 
-/// The message of a loader. Bevy's own text would include a backtrace where the environment asks for one.
+/// The message of a loader. Bevy's own text would include a backtrace if the environment asks for one.
 fn message(error: &BevyError) -> String {
     said::<MeshLoadError>(error)
         .or_else(|| said::<TextureMapError>(error))

@@ -1,13 +1,13 @@
-//! The pictures of MTL materials as textures of the scene.
+//! The textures of MTL materials.
 
 use bevy::math::{Affine2, Vec2};
 
 use crate::geometry::mtl_map::MtlMap;
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 
-/// The texture of a map. `raw`: whether its values are numbers, and no colours.
+/// The texture of a map. `raw`: whether its values are numbers, not colours.
 ///
-/// Meshes of such files have v turned upside down already, which the numbers of the library do not know.
+/// Meshes of such files have v flipped already, unlike the transform in the library.
 pub(crate) fn mtl_picture(map: &MtlMap, raw: bool) -> Texture {
     let (scale, offset) = (map.scale, map.offset);
     let offset = Vec2::new(offset.x, 1.0 - scale.y - offset.y);

@@ -1,9 +1,8 @@
-//! The folder of files that glTF files were taken apart into. Everything in it can be made again, so that it may be
-//! removed at any time.
+//! The cache of the parts of opened glTF files. It can be recreated, so that it may be removed at any time.
 //!
-//! A part lies in a folder named by the hash of its content, and is used again only if its content is the same. Links
-//! are never followed: a link in the place of a folder or a part is removed. The folder is kept below 4 GiB: parts that
-//! were not used for the longest time are removed first, but none that a running program has in use.
+//! A part lies in a folder named by the hash of its content, and is reused only if its content is the same. Links are
+//! never followed: a link in the place of a folder or a part is removed. The cache is kept below 4 GiB: the least
+//! recently used parts are removed first, but none that a running program uses.
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -19,33 +18,32 @@ use tempfile::NamedTempFile;
 use super::cache_folder::{cache_folder, cache_folders};
 use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
 
-/// The time after which parts that were not used are removed.
+/// The time after which unused parts are removed.
 const KEPT: Duration = Duration::from_secs(30 * 24 * 3600);
 
-/// The size of the cache in bytes. It holds the parts of one file of the largest size that is read.
+/// The size limit of the cache in bytes. It holds the parts of one file of the largest size that is read.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// A file in the folder of a part. Its age tells when the part was used last. The part itself is not touched, because
-/// programs that watch it would take that for a change.
+/// A file in the folder of a part. Its modification time is that of the last use. The part itself is not touched,
+/// because programs that watch it would take that for a change.
 const MARKER: &str = "last-used";
 
-/// The names of lists of parts in use begin so.
+/// The prefix of the lists of parts in use.
 const LIST: &str = "in-use-";
 
-/// The folder of the cache within those of the program.
+/// The name of the cache folder.
 const NAME: &str = "gltf";
 
 /// The cache of this program.
 pub(crate) static CACHE: LazyLock<PartsCache> = LazyLock::new(|| PartsCache::new(cache_folder(NAME)));
 
 pub(crate) struct PartsCache {
-    /// The folder; None if nothing can be written.
+    /// The cache folder; None if none can be written.
     folder: Option<PathBuf>,
     in_use: Mutex<InUse>,
 }
 
-/// The parts that this program has used. Other programs read them in a file that is locked for as long as this one
-/// runs.
+/// The parts that this program has used. Other programs read them in a file that is locked while this one runs.
 #[derive(Default)]
 struct InUse {
     hashes: HashSet<String>,
@@ -67,7 +65,7 @@ impl PartsCache {
         }
     }
 
-    /// The absolute name of a file with these bytes.
+    /// Stores a file with these bytes, and returns its absolute path.
     pub fn keep(&self, name: &str, bytes: &[u8]) -> io::Result<String> {
         let nowhere = || io::Error::other("there is no folder where the parts of the file can be kept");
         let cache = self.folder.as_ref().ok_or_else(nowhere)?;
@@ -80,7 +78,7 @@ impl PartsCache {
         make_folder(&folder)?;
         let path = folder.join(name);
         if !holds(&path, bytes)? {
-            // The new file takes the place of a link, not of the file that the link leads to.
+            // The new file replaces a link, not the target of the link.
             let mut file = NamedTempFile::new_in(&folder)?;
             // Writing through `file` itself would give errors that name the temporary file, which the user does not
             // know.
@@ -91,7 +89,8 @@ impl PartsCache {
         Ok(path.to_string_lossy().into_owned())
     }
 
-    /// Removes parts that are old or too many. Parts that cannot be looked at or removed now will be another time.
+    /// Removes old parts, and parts above the size limit. Parts that cannot be examined or removed now are left for
+    /// later.
     pub fn tidy(&self) {
         self.tidy_down_to(MOST_BYTES);
     }
@@ -130,7 +129,7 @@ impl PartsCache {
     }
 }
 
-/// Makes the folder of a part. It replaces anything else of that name.
+/// Makes the folder of a part. It replaces a file or link of that name.
 fn make_folder(folder: &Path) -> io::Result<()> {
     match fs::symlink_metadata(folder) {
         Ok(about) if about.is_dir() => return Ok(()),
@@ -140,7 +139,7 @@ fn make_folder(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)
 }
 
-/// Whether there is a plain file of exactly this content.
+/// Whether a regular file with exactly this content exists.
 fn holds(path: &Path, bytes: &[u8]) -> io::Result<bool> {
     let Ok(about) = fs::symlink_metadata(path) else {
         return Ok(false);
@@ -167,7 +166,7 @@ fn holds(path: &Path, bytes: &[u8]) -> io::Result<bool> {
     }
 }
 
-/// Notes that the part in a folder is in use now.
+/// Sets the time of last use of the part in a folder to now.
 fn mark(folder: &Path) -> io::Result<()> {
     let marker = folder.join(MARKER);
     if fs::symlink_metadata(&marker).is_ok_and(|about| !about.is_file()) {
@@ -177,7 +176,7 @@ fn mark(folder: &Path) -> io::Result<()> {
     file.set_modified(SystemTime::now())
 }
 
-/// The parts in the cache. Files that [`PartsCache::keep`] did not make are left out.
+/// The parts in the cache. Files that were not made by [`PartsCache::keep`] are left out.
 fn parts(cache: &Path) -> Vec<Part> {
     let entries = fs::read_dir(cache).into_iter().flatten().flatten();
     let folders = entries.filter(|entry| is_hash(&entry.file_name()));
@@ -192,7 +191,7 @@ fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     let (mut bytes, mut used, mut marked) = (0, None, None);
     for file in fs::read_dir(&folder)? {
         let file = file?;
-        // The metadata of a link are its own, not those of the file that it leads to.
+        // For a link these are the metadata of the link itself, not of its target.
         let about = file.metadata()?;
         bytes += about.len();
         let time = about.modified()?;
@@ -205,9 +204,8 @@ fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     Ok(used.map(|used| Part { folder, bytes, used }))
 }
 
-/// The parts in the lists of all programs that run. The list of a program that has ended is removed. An error if a list
-/// is there that cannot be read, or is longer than [`LARGEST_NOTE`], which is four million parts: any part may be in
-/// use then.
+/// The parts in the lists of all running programs. The list of a program that has ended is removed. An error if a list
+/// cannot be read, or is longer than [`LARGEST_NOTE`], which is four million parts: any part may be in use then.
 fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
     let mut hashes = HashSet::new();
     for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
@@ -217,12 +215,12 @@ fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
         }
         let mut list = match files::open(&entry.path(), LARGEST_NOTE) {
             Ok(list) => list,
-            // Another program has removed it in the meantime.
+            // Another program has removed it meanwhile.
             Err(error) if error.is_not_found() => continue,
             Err(error) => return Err(error.into()),
         };
         if list.try_lock_shared().is_ok() {
-            // Its program has ended, or has not locked it yet. A new list is left alone for a while.
+            // Its program has ended, or has not locked it yet. A new list is kept for a while.
             let age = entry.metadata().and_then(|about| about.modified());
             if age.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > Duration::from_secs(60))) {
                 let _ = fs::remove_file(entry.path());
@@ -235,13 +233,13 @@ fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
     Ok(hashes)
 }
 
-/// Whether a folder has a name such as [`PartsCache::keep`] gives. Other folders are left alone.
+/// Whether a folder has a name as made by [`PartsCache::keep`]. Other folders are ignored.
 fn is_hash(name: &OsStr) -> bool {
     let is_digit = |byte: &u8| matches!(byte, b'0'..=b'9' | b'a'..=b'f');
     name.len() == 16 && name.as_encoded_bytes().iter().all(is_digit)
 }
 
-/// Whether a file was made here, and may be gone later.
+/// Whether a file is a part in a cache, and may be removed later.
 pub fn is_part(path: &Path) -> bool {
     cache_folders(NAME).any(|folder| path.starts_with(folder))
 }
@@ -254,7 +252,7 @@ pub(crate) fn allow_parts(allow: impl FnOnce(&Path)) {
     }
 }
 
-/// Whether this canonical path is that of a part in the cache.
+/// Whether this canonical path is a part in the cache.
 pub(crate) fn is_cached_part(path: &Path) -> bool {
     CACHE.folder.as_ref().is_some_and(|folder| path.starts_with(folder))
 }

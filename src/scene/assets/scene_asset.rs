@@ -18,7 +18,7 @@ use crate::scene::SceneDescription;
 use crate::scene::read;
 use crate::scene::{KeepSource, SceneAccess};
 
-/// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
+/// A scene file as an asset. A broken file loads as well: the diagnostics have its errors, and the rest is unreliable.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct SceneAsset {
     /// The description of the file, as far as it could be read.
@@ -27,7 +27,7 @@ pub struct SceneAsset {
     pub diagnostics: Arc<Diagnostics>,
 }
 
-/// The description of a large scene takes long to drop: if nothing else has it, this is done on another thread.
+/// The description of a large scene takes long to drop: the last owner drops it on another thread.
 impl Drop for SceneAsset {
     fn drop(&mut self) {
         if Arc::strong_count(&self.description) == 1
@@ -45,7 +45,7 @@ impl Drop for SceneAsset {
 pub struct SceneDefines(Arc<RwLock<HashMap<PathBuf, Vec<(String, String)>>>>);
 
 impl SceneDefines {
-    /// Replaces the values for the scene at `path`, the path as the loader gets it.
+    /// Replaces the values for the scene at `path`, as passed to the loader.
     pub fn set(&self, path: PathBuf, defines: Vec<(String, String)>) {
         self.0
             .write()
@@ -100,7 +100,7 @@ impl AssetLoader for SceneLoader {
     }
 }
 
-/// Reads a scene. `path` is that of the file the bytes are from.
+/// Reads a scene. `path` is the file of the bytes.
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
     read_scene_within(bytes, path, defines, Access::everywhere(), true)
 }
@@ -130,7 +130,7 @@ fn read_scene_within(
     }
 }
 
-/// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's
+/// Loads a scene file of any format. As for [`document::load`], errors in its content are in the document's
 /// diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     let read = files::finish_set_within(path, &access).and_then(|()| access.read(path, largest(path)));

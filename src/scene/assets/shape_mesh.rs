@@ -1,5 +1,4 @@
-//! Meshes of shapes that are no meshes themselves: in their own space, with the texture coordinates and normals that
-//! they have.
+//! Meshes of analytic shapes: in their own space, with the texture coordinates and normals of the shapes.
 
 use std::f32::consts::{PI, TAU};
 
@@ -11,13 +10,12 @@ use crate::geometry::primitives::unit_cube;
 use crate::math::Frame;
 use crate::scene::ShapeKind;
 
-/// The straight pieces around a circle.
+/// The segments of a circle.
 const AROUND: u32 = 64;
 /// The rows of a sphere from pole to pole.
 const ROWS: u32 = 32;
 
-/// The mesh of a shape; None for one whose mesh is in a file, and for one without a surface. Round shapes have 64
-/// pieces around them.
+/// The mesh of a shape; None for a mesh file, and for a shape without a surface. Round shapes have 64 segments.
 pub fn shape_mesh(kind: &ShapeKind) -> Option<MeshData> {
     Some(match kind {
         ShapeKind::Sphere { center, radius } => grid(AROUND, ROWS, |at| {
@@ -26,7 +24,7 @@ pub fn shape_mesh(kind: &ShapeKind) -> Option<MeshData> {
             (*center + *radius * normal, normal)
         }),
         ShapeKind::Rectangle => grid(1, 1, |at| (Vec3::new(2.0 * at.x - 1.0, 2.0 * at.y - 1.0, 0.0), Vec3::Z)),
-        // u is the distance from the middle, v the angle.
+        // u is the distance from the centre, v the angle.
         ShapeKind::Disk => grid(1, AROUND, |at| {
             let angle = TAU * at.y;
             (at.x * Vec3::new(angle.cos(), angle.sin(), 0.0), Vec3::Z)
@@ -54,8 +52,8 @@ pub fn shape_mesh(kind: &ShapeKind) -> Option<MeshData> {
     })
 }
 
-/// A grid over uv from 0 to 1, with the place and the normal at each of its points. Triangles face to where the normals
-/// point.
+/// A grid over uv from 0 to 1, with the position and the normal at each of its points. Triangles face along the
+/// normals.
 fn grid(columns: u32, rows: u32, at: impl Fn(Vec2) -> (Vec3, Vec3)) -> MeshData {
     let mut mesh = MeshData::default();
     for row in 0..=rows {
@@ -75,7 +73,7 @@ fn grid(columns: u32, rows: u32, at: impl Fn(Vec2) -> (Vec3, Vec3)) -> MeshData 
             for mut triangle in [[a, b, c], [a, c, d]] {
                 let [p, q, r] = triangle.map(|corner| mesh.positions[corner as usize]);
                 let facing = (q - p).cross(r - p);
-                // The triangles at the poles of a sphere and in the middle of a disk have no area.
+                // The triangles at the poles of a sphere and in the centre of a disk have no area.
                 if facing.length_squared() <= 1e-12 * (q - p).length_squared().max((r - p).length_squared()).powi(2) {
                     continue;
                 }

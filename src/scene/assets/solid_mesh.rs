@@ -39,7 +39,7 @@ pub fn solid_mesh(part: &Solid) -> MeshData {
     }
 }
 
-/// The mesh of a building part as a PLY file; None if it has no triangles, as a wall that openings cover wholly.
+/// The mesh of a building part as a PLY file; None if it has no triangles, such as a wall that openings cover entirely.
 pub fn solid_ply(part: &Solid) -> Option<String> {
     let mesh = solid_mesh(part);
     (!mesh.triangles.is_empty()).then(|| to_ply(&mesh))

@@ -13,7 +13,7 @@ use crate::memory;
 use crate::scene::{Bitmap, SceneAccess, TextureFilter, TextureWrap};
 use crate::texture::{self, Filter, Image, ImageFileError, Wrap, load_image};
 
-/// A texture of the scene as lookups have it, with its picture.
+/// A bitmap of the scene with its picture, for the texture table.
 pub(crate) fn packed_bitmap(bitmap: &Bitmap, image: Arc<Image>) -> texture::Bitmap {
     texture::Bitmap {
         image,
@@ -36,17 +36,16 @@ pub(crate) fn packed_bitmap(bitmap: &Bitmap, image: Arc<Image>) -> texture::Bitm
 pub struct TextureMap {
     /// The picture, with finite samples.
     pub image: Arc<Image>,
-    /// The number of pixels that have a channel below zero; as light these channels count as zero.
+    /// The number of pixels with a negative channel; as light these channels count as zero.
     pub negative_pixels: usize,
-    /// The number of pixels that had a channel that was infinite or no number, which is zero now.
+    /// The number of pixels with a channel that was infinite or NaN, which is now zero.
     pub not_finite: usize,
-    /// The number of pixels that had a channel above [`BRIGHTEST`], which is that now.
+    /// The number of pixels with a channel that was above [`BRIGHTEST`], which is now its value.
     pub too_bright: usize,
 }
 
 impl TextureMap {
-    /// What counts as something else than the file says, in words; None if all is as it is there. Negative pixels
-    /// matter to lights alone.
+    /// A sentence about changed values; None if all are as in the file. Negative pixels matter only to lights.
     pub(crate) fn warning(&self, is_light: bool) -> Option<String> {
         let too_bright = format!("a value above {BRIGHTEST:e}, which takes its place");
         let negative = if is_light { self.negative_pixels } else { 0 };
@@ -67,7 +66,7 @@ impl TextureMap {
     }
 }
 
-/// Reads every kind of picture, which it recognises by the content.
+/// Loads pictures of every format, which it recognises by the content.
 #[derive(Default, TypePath)]
 pub(crate) struct TextureMapLoader {
     pub access: SceneAccess,
@@ -102,7 +101,7 @@ impl AssetLoader for TextureMapLoader {
     }
 }
 
-/// A picture file of any kind, read from the disk if `access` permits.
+/// A picture file of any format, read from the disk if `access` permits.
 pub(crate) fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
     let bytes = memory::read_data(path, access)?;
     let mut image = load_image(&bytes)?;

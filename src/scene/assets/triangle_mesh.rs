@@ -18,23 +18,23 @@ use crate::math::Aabb;
 use crate::memory;
 use crate::scene::SceneAccess;
 
-/// The whole content of a mesh file, whichever of its shapes are used.
+/// The content of a mesh file: all of its shapes.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TriangleMesh {
-    /// One of an OBJ or PLY file, at least one of a serialized one.
+    /// One shape of an OBJ or PLY file, at least one of a serialized one.
     pub shapes: Vec<MeshShape>,
-    /// The other files it was read from (material libraries), absolute, whether they exist or not.
+    /// The other files it was read from (material libraries), absolute, including missing ones.
     pub dependencies: Vec<PathBuf>,
 }
 
-/// A mesh in its own space; its texture coordinates are upside down already where the format's default is to flip them.
+/// A mesh in its own space; its texture coordinates are already flipped if that is the format's default.
 #[derive(Clone, Debug)]
 pub struct MeshShape {
     /// A new `Arc` after each reload.
     pub data: Arc<MeshData>,
-    /// The box around all of its vertices.
+    /// The bounding box of all vertices.
     pub bounds: Aabb,
-    /// One sentence for each thing that was left out or mended.
+    /// One sentence for each part that was left out or repaired.
     pub warnings: Vec<String>,
 }
 
@@ -56,13 +56,13 @@ impl TriangleMesh {
     }
 }
 
-/// The loaded file of a shape whose kind is `Mesh`. It follows the shape's path: it is set when the path is, and
-/// removed when the shape is no mesh.
+/// The loaded file of a shape of kind `Mesh`. It follows the shape's path: it is set with the path, and removed if the
+/// shape is no mesh.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
 
-/// Reads OBJ, PLY and serialized files, told apart by their content.
+/// Loads OBJ, PLY and serialized files, recognised by their content.
 #[derive(Default, TypePath)]
 pub(crate) struct MeshLoader {
     pub access: SceneAccess,
@@ -105,7 +105,7 @@ impl From<LoadedMesh> for MeshShape {
     }
 }
 
-/// A whole mesh file of any kind, read from the disk as far as `access` permits.
+/// A mesh file of any format, read from the disk if `access` permits.
 pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let bytes = &memory::read_data(path, access)?;
     if !serialized::is_serialized(bytes) {
@@ -115,14 +115,14 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
     let load = |shape| file.load(shape).map(MeshShape::from);
     let shapes: Vec<_> = (0..file.count()).into_par_iter().map(load).collect();
     Ok(TriangleMesh {
-        // The first error counts if several shapes are broken.
+        // If several shapes are broken, the first error counts.
         shapes: shapes.into_iter().collect::<Result<_, _>>()?,
         dependencies: Vec::new(),
     })
 }
 
-/// Reads an OBJ or PLY file. `path` is that of the file the bytes are from. Material libraries are looked for beside
-/// it, as far as `access` permits, and the names of their pictures become absolute.
+/// Reads an OBJ or PLY file. `path` is the file of the bytes. Material libraries are searched beside it, as far as
+/// `access` permits, and the paths of their pictures become absolute.
 pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();

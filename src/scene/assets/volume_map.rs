@@ -21,9 +21,9 @@ use crate::scene::{SceneAccess, VolumeFormat};
 pub struct VolumeMap {
     /// The voxels, none of them negative.
     pub grid: Arc<VolumeGrid>,
-    /// The box that the file names for them; None if it names none.
+    /// The bounding box declared by the file; None if there is none.
     pub bounds: Option<Aabb>,
-    /// The space of the file from that in which the grid fills the unit cube, [0, 1]^3. Invertible.
+    /// The transform to the space of the file from that in which the grid fills the unit cube, [0, 1]^3. Invertible.
     pub world_from_local: Affine3A,
 }
 
@@ -38,7 +38,7 @@ impl VolumeMap {
     }
 }
 
-/// Reads `.vol` files, and grids of `.vdb` files, whose paths are those of [`VolumeFormat::asset_path`].
+/// Loads `.vol` files, and grids of `.vdb` files, whose paths are made by [`VolumeFormat::asset_path`].
 #[derive(Default, TypePath)]
 pub(crate) struct VolumeMapLoader {
     pub access: SceneAccess,
@@ -75,7 +75,7 @@ impl AssetLoader for VolumeMapLoader {
     }
 }
 
-/// The grid that the path of an asset means, read from the disk if `access` permits.
+/// The grid at the path of an asset, read from the disk if `access` permits.
 pub(crate) fn load_volume(asset: &Path, access: &Access) -> Result<VolumeMap, VolumeMapError> {
     let (path, format) = VolumeFormat::of_asset(asset);
     let bytes = memory::read_data(path, access)?;
@@ -96,7 +96,7 @@ pub(crate) fn load_volume(asset: &Path, access: &Access) -> Result<VolumeMap, Vo
             if vdb.as_ref().is_err_and(|error| *error == VdbError::NotVdb) && bytes.starts_with(b"VOL") {
                 return Err(VolumeMapError::OtherKind("vol", "gridvolume"));
             }
-            // The reader asks the budget of memory before it makes the grid.
+            // The reader asks the memory budget before it allocates the grid.
             let volume = vdb?.read(grid.as_deref(), u64::MAX)?;
             Ok(VolumeMap {
                 grid: Arc::new(volume.grid),
@@ -108,7 +108,7 @@ pub(crate) fn load_volume(asset: &Path, access: &Access) -> Result<VolumeMap, Vo
 }
 
 impl VolumeMap {
-    /// What was mended in it, in words; None if it was good.
+    /// A sentence about repaired values; None if there are none.
     pub(crate) fn warning(&self) -> Option<String> {
         let Mended { zeros, limited } = self.grid.mended();
         let zeros = match zeros {

@@ -8,16 +8,16 @@ use bevy::prelude::*;
 
 use crate::files::Access;
 
-/// The permission of scenes, whichever is opened.
+/// The permission given to every scene that is opened.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub enum Trust {
     /// Scenes may read every file.
     #[default]
     Everything,
-    /// Scenes may read the files in their own folder and in these. A scene's file itself may be a link to elsewhere:
+    /// Scenes may read the files in their own folder and in these. The scene file itself may be a link to elsewhere:
     /// the user has named it.
     Folders(Vec<PathBuf>),
-    /// Scenes may read the files in their own folder, and no links that lead out of it.
+    /// Scenes may read the files in their own folder, and no links out of it.
     OwnFolder,
 }
 
@@ -54,7 +54,7 @@ struct Accesses {
 }
 
 impl SceneAccess {
-    /// The permission of the scene that is open in a world. A world without this resource limits nothing.
+    /// The permission of a world's open scene. A world without this resource limits nothing.
     pub(crate) fn of(world: &World) -> Access {
         world.get_resource::<Self>().map(Self::get).unwrap_or_default()
     }
@@ -64,14 +64,14 @@ impl SceneAccess {
         self.read().open.clone()
     }
 
-    /// The permission of the scene in this file, which is open or is to be.
+    /// The permission of the scene in this file, which is open or requested.
     pub(crate) fn of_scene(&self, path: &Path) -> Access {
         let all = self.read();
         let asked = all.asked.as_ref().filter(|(asked, _)| asked == path);
         asked.map_or(&all.open, |(_, access)| access).clone()
     }
 
-    /// Sets the permission of the open scene, which no other one is to replace.
+    /// Sets the permission of the open scene, and drops that of a requested one.
     pub fn set(&self, access: Access) {
         *self.write() = Accesses {
             open: access,
@@ -79,8 +79,8 @@ impl SceneAccess {
         };
     }
 
-    /// Sets the permission of a scene that is going to be read. The open one keeps its own, because it stays if the new
-    /// one cannot be read.
+    /// Sets the permission of a requested scene. The open one keeps its own, because it stays if the new one cannot be
+    /// read.
     pub(crate) fn ask(&self, path: PathBuf, access: Access) {
         self.write().asked = Some((path, access));
     }
@@ -93,7 +93,7 @@ impl SceneAccess {
         }
     }
 
-    /// Permits a folder besides, such as one that the user has chosen a file from.
+    /// Permits one more folder, such as one from which the user has chosen a file.
     pub fn allow(&self, folder: &Path) {
         let mut all = self.write();
         all.open.allow(folder);

@@ -1,4 +1,4 @@
-//! The sun and the sky of a `sunsky` as the light that they are.
+//! The emission of a `sunsky`: sun and sky.
 
 use bevy::math::Mat3;
 
@@ -6,8 +6,8 @@ use crate::light::{Atmosphere, PlaceAndTime};
 use crate::scene::{SunPosition, SunSky};
 
 impl SunSky {
-    /// The atmosphere in the light's own space, which `world_from_local` turns to the world. None if the sun stands
-    /// nowhere.
+    /// The atmosphere in the light's own space, which `world_from_local` rotates to the world. None if the sun has no
+    /// direction.
     pub fn atmosphere(&self, world_from_local: Mat3) -> Option<Atmosphere> {
         let sun_direction = match self.sun {
             SunPosition::Direction(direction) => world_from_local.transpose() * direction.try_normalize()?,

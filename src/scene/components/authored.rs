@@ -1,5 +1,5 @@
-//! Keeps what the file said beside what it meant. Saving starts from it, so that everything that was not understood or
-//! not edited stays as it was written.
+//! Keeps the source text's plugins beside the components made of them. Saving starts from them, so that everything that
+//! was not understood or not edited stays as it was written.
 
 use std::collections::HashSet;
 use std::ops::Deref;
@@ -20,8 +20,8 @@ pub struct Authored(Arc<Source>);
 pub struct Source {
     /// The plugin as it is in the file; shared with the document that was read.
     pub object: Arc<Object>,
-    /// The category of each child of `object`, with references followed; None for those that lead nowhere or were left
-    /// out.
+    /// The category of each child of `object`, with references followed; None for references without target and for
+    /// children that were left out.
     pub child_categories: Box<[Option<Category>]>,
     as_read: AsRead,
 }
@@ -31,13 +31,13 @@ pub struct Source {
 struct AsRead {
     /// A bit set: bit `i` stands for the property `i` of the plugin in the file.
     shared: u64,
-    /// The remaining parameters. None if there are none and the plugin is the same.
+    /// The other parameters. None if there are none and the plugin is the same.
     rest: Option<Box<Object>>,
 }
 
 impl Authored {
-    /// Compares the plugin with `as_read`, the plugin as [`crate::scene::write`] would have written it from the
-    /// components it became.
+    /// Stores the source `object`. `as_read` is the plugin that [`crate::scene::write`] would have written from the
+    /// components made of it.
     pub fn new(object: Arc<Object>, as_read: Object, child_categories: Box<[Option<Category>]>) -> Self {
         let as_read = AsRead::new(&object, as_read);
         Self(Arc::new(Source {
@@ -47,13 +47,13 @@ impl Authored {
         }))
     }
 
-    /// The child at this place became nothing.
+    /// Marks a child that became no component.
     pub(crate) fn leave_out(&mut self, child: usize) {
         Arc::make_mut(&mut self.0).child_categories[child] = None;
     }
 
-    /// The media inside became nothing but those that `is_read` says, by their names and numbers. Saving leaves the
-    /// others as they are written.
+    /// Marks the media inside as left out, except those for which `is_read` holds, given their names and indices.
+    /// Saving leaves them as they are written.
     pub(crate) fn leave_out_media(&mut self, is_read: impl Fn(Option<&str>, usize) -> bool) {
         let categories = self.child_categories.iter().enumerate();
         let media = categories.filter(|(_, category)| **category == Some(Category::Medium));
@@ -81,8 +81,8 @@ impl PartialEq for Authored {
 }
 
 impl Source {
-    /// The plugin as [`crate::scene::write`] would have written it from the components it became. What differs from
-    /// this at the time of saving was edited. The properties are in no particular order.
+    /// The plugin that [`crate::scene::write`] would have written from the components made of it. Any difference at the
+    /// time of saving is an edit. The properties are in no particular order.
     pub(crate) fn as_read(&self) -> Object {
         let (file, as_read) = (&*self.object, &self.as_read);
         let mut whole = match &as_read.rest {
@@ -126,7 +126,7 @@ impl AsRead {
     }
 }
 
-/// The owner inside of which a material is written in the file; absent on those at the top level.
+/// The owner of a material that is written inside it in the file; absent on materials at the top level.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = Declares)]
@@ -140,17 +140,17 @@ pub(crate) struct Declares(Vec<Entity>);
 /// The parts of the scene that became no entity.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct AuthoredScene {
-    /// The files as they were read, without messages; None if there was none.
+    /// The files as they were read, without messages; None for a new scene.
     pub origin: Option<Arc<Document>>,
-    /// The integrator with its place in the file.
+    /// The integrator with its order in the file.
     pub integrator: Option<(u32, Authored)>,
-    /// The folders in which files are looked for besides the scene's folder (`<path>`), absolute.
+    /// The folders in which files are searched besides the scene's folder (`<path>`), absolute.
     pub search_folders: Vec<PathBuf>,
     /// The properties of the scene itself.
     pub properties: Vec<Property>,
-    /// The plugins and references that were left out, with their places in the file.
+    /// The plugins and references that were left out, with their order in the file.
     pub rest: Vec<(u32, Child)>,
-    /// The ids of elements of the files that are no things, such as textures.
+    /// The ids of file elements that are not entities, such as textures.
     pub foreign_ids: Arc<HashSet<SmolStr>>,
 }
 

@@ -1,20 +1,20 @@
-//! An edit of one value done to another of the same type: only what the edit changed is changed there, too.
+//! Applies an edit of one value to another value of the same type: only the edited parts change there, too.
 
 use bevy::math::Vec3;
 use bevy::reflect::{PartialReflect, ReflectMut, ReflectRef};
 
-/// The way to carry over vectors that differ in some components.
+/// How vectors that differ in some components are carried over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Vectors {
-    /// They are colours: all components are taken.
+    /// As colours: all components are copied.
     Whole,
-    /// They are places: the components that were changed are taken.
+    /// As positions: only the changed components are copied.
     ByComponent,
 }
 
-/// Applies to `other` the change from `before` to `after`. Fields of the same name count as the same, whatever the
-/// variants are; where a variant was changed, `other` gets all of the new one. The three are of one type, or else
-/// nothing happens.
+/// Applies to `other` the change from `before` to `after`. Fields of the same name correspond, even of different
+/// variants; where the variant was changed, `other` gets all of the new one. Does nothing unless the three are of one
+/// type.
 pub(crate) fn carry_over(
     before: &dyn PartialReflect,
     after: &dyn PartialReflect,
@@ -53,7 +53,8 @@ pub(crate) fn carry_over(
                     None if same_variant => {
                         next(before.field_at(place), after.field_at(place), other.field_at_mut(place))
                     }
-                    // A texture there, a constant here: the edit counts.
+                    // `other` has a texture here and the edited value a constant, or the reverse: the edited value
+                    // replaces it.
                     None => replace(other.as_partial_reflect_mut(), after.as_partial_reflect()),
                 }
             }
@@ -63,7 +64,7 @@ pub(crate) fn carry_over(
 }
 
 fn replace(other: &mut dyn PartialReflect, after: &dyn PartialReflect) {
-    // Values of other types stay as they are.
+    // This fails for values of other types, which do not change.
     let _ = other.try_apply(after);
 }
 

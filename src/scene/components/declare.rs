@@ -1,24 +1,23 @@
-//! How the plugins of a family are declared: each once, with its name, its parameters, their defaults and what is told
-//! of them.
+//! The macros by which the plugins of a family are declared, once each: name, parameters, defaults and help texts.
 //!
 //! From the declaration follow the type that holds the values, the list of all plugins, and the trait
-//! [`Declared`](crate::scene::Declared), by which all others meet the parameters: the reader and the writer of files,
-//! panels, scripts and the checks of ranges.
+//! [`Declared`](crate::scene::Declared), through which all others access the parameters: the reader and the writer of
+//! files, panels, scripts and the checks of ranges.
 //!
-//! The file that declares has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
+//! The declaring file has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
 
 use std::ops::RangeInclusive;
 
-/// What is declared of a plugin besides its parameters.
+/// The declaration of a plugin except for its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PluginInfo {
     /// The name in the file.
     pub name: &'static str,
     /// The name in lists.
     pub label: &'static str,
-    /// How many bsdfs it takes inside.
+    /// The number of bsdfs nested in it.
     pub nested: RangeInclusive<usize>,
-    /// Whether it always refracts: then it has two sides already.
+    /// Whether it always refracts, and so needs no `twosided`.
     pub refracts: bool,
 }
 
@@ -32,13 +31,13 @@ impl PluginInfo {
         }
     }
 
-    /// Says how many bsdfs it has inside.
+    /// Sets the number of nested bsdfs.
     pub const fn nesting(mut self, count: RangeInclusive<usize>) -> Self {
         self.nested = count;
         self
     }
 
-    /// Says that light is refracted.
+    /// Declares that light is refracted.
     pub const fn refracting(mut self) -> Self {
         self.refracts = true;
         self

@@ -1,8 +1,8 @@
-//! A whole scene file as plain data: what [`crate::scene::read`] makes of a document and [`crate::scene::load::spawn`]
-//! turns into entities.
+//! A whole scene file as plain data: [`crate::scene::read`] makes it of a document, and [`crate::scene::load::spawn`]
+//! turns it into entities.
 //!
 //! No entities and no handles: two descriptions can be compared, and references are indices into `materials` and the
-//! like.
+//! other lists.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -31,7 +31,7 @@ pub struct SceneDescription {
     pub integrator_keys: Keys,
     /// The unit of length.
     pub unit: LengthUnit,
-    /// The moment, in seconds, of which all values are.
+    /// The time, in seconds, at which animated values are evaluated.
     pub time: f64,
     /// The cameras; empty if the file has none.
     pub sensors: Vec<SensorDescription>,
@@ -43,7 +43,7 @@ pub struct SceneDescription {
     pub groups: Vec<GroupDescription>,
     /// The shapes, with the members of groups.
     pub shapes: Vec<ShapeDescription>,
-    /// The lights that are no surfaces.
+    /// The lights other than emissive shapes.
     pub emitters: Vec<EmitterDescription>,
     /// The parts of the file that became none of these.
     pub remains: AuthoredScene,
@@ -51,14 +51,14 @@ pub struct SceneDescription {
     pub sources: Vec<PathBuf>,
     /// The files that were not found; the scene can be read again when one appears.
     pub missing: MissingFiles,
-    /// The place where each picture is named first.
+    /// The span where each picture is named first.
     pub picture_places: PicturePlaces,
-    /// The place where each grid of a volume is named first, by the paths of their assets.
+    /// The span where each grid of a volume is named first, by the path of its asset.
     pub volume_places: PicturePlaces,
 }
 
 impl SceneDescription {
-    /// The places in the scene file that messages about meshes, pictures and volumes may name.
+    /// The spans that messages about meshes, pictures and volumes may point to.
     pub(in crate::scene) fn places_of_files(&self) -> impl Iterator<Item = Span> {
         let meshes = self
             .shapes
@@ -78,7 +78,7 @@ impl SceneDescription {
         self.emitters.iter().filter(|light| light.emitter.is_sky())
     }
 
-    /// The indices of the media that something is in, once for each use.
+    /// The indices of the media in use, once for each use.
     pub(in crate::scene) fn media_in_use(&self) -> impl Iterator<Item = usize> {
         let of_shapes = self
             .shapes
@@ -125,22 +125,22 @@ impl SceneDescription {
     }
 }
 
-/// The properties that all things of a scene have in common.
+/// The properties common to all things of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identity {
-    /// The `id` of the file, where it gives one.
+    /// The `id` in the file, if it has one.
     pub id: Option<String>,
     /// The name that the editor shows: the id, or else the plugin.
     pub name: Cow<'static, str>,
-    /// The place in the file among all objects; ascending in every list of the description.
+    /// The position in the file among all objects; ascending in every list of the description.
     pub order: u32,
-    /// The place where the object is declared; empty for what was made in the editor.
+    /// The span of the declaration; empty for things made in the editor.
     pub span: Span,
-    /// The source in the file; None for what was made in the editor.
+    /// The source in the file; None for things made in the editor.
     pub authored: Option<Authored>,
-    /// The angles of its rotation, if the transform gives such.
+    /// The rotation angles, if the transform is written with angles.
     pub angles: Option<EulerAngles>,
-    /// The values at other times; None for what stands still.
+    /// The keys of animated values; None if nothing is animated.
     pub keys: Option<Keys>,
 }
 
@@ -153,9 +153,9 @@ pub struct SensorDescription {
     pub sensor: Sensor,
     /// The size, crop, filter and number of samples.
     pub film: Film,
-    /// The map from camera space: +z forward, +x left, +y up.
+    /// The transform from camera space: +z forward, +x left, +y up.
     pub to_world: Affine3A,
-    /// The medium that it is in, as an index into [`SceneDescription::media`].
+    /// The medium around the camera, as an index into [`SceneDescription::media`].
     pub medium: Option<usize>,
 }
 
@@ -164,9 +164,9 @@ pub struct SensorDescription {
 pub struct MaterialDescription {
     /// The place in the file and the names.
     pub identity: Identity,
-    /// The model with its parameters; nested materials are named by `first` and `second`.
+    /// The model with its parameters; its nested materials are `first` and `second`.
     pub material: Material,
-    /// The nested materials, as indices into [`SceneDescription::materials`]. They form no circle.
+    /// The first nested material, as an index into [`SceneDescription::materials`]. Nesting forms no cycle.
     pub first: Option<usize>,
     /// The second nested material. Only materials of two others have it.
     pub second: Option<usize>,
@@ -188,40 +188,40 @@ pub struct MediumDescription {
 /// The place at which a material or a medium is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeclarationPlace {
-    /// It is in the scene itself, and found by references.
+    /// In the scene itself, used by references.
     TopLevel,
-    /// It is inside the shape of this index.
+    /// Inside the shape with this index.
     Shape(usize),
-    /// It is inside the material of this index. Media are not.
+    /// Inside the material with this index; only for materials.
     Material(usize),
-    /// It is inside the sensor of this index. Materials are not.
+    /// Inside the sensor with this index; only for media.
     Sensor(usize),
-    /// It is inside the emitter of this index. Materials are not.
+    /// Inside the emitter with this index; only for media.
     Emitter(usize),
 }
 
-/// A shape with everything that hangs on it.
+/// A shape with its material, media, emission and group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeDescription {
     /// The place in the file and the names.
     pub identity: Identity,
     /// The shape.
     pub shape: Shape,
-    /// The map from local space, invertible. It is the identity for members, since their group is placed.
+    /// The transform from local space, invertible. For group members it is the identity, since their group is placed.
     pub to_world: Affine3A,
-    /// The material. None if the file names none: the mesh's own materials apply then, or else the default.
+    /// The material. None if the file names none: then the mesh's own materials are used, or else the default.
     pub material: Option<usize>,
     /// The medium on the inner side, as an index into [`SceneDescription::media`].
     pub interior: Option<usize>,
     /// The medium on the outer side.
     pub exterior: Option<usize>,
-    /// The emission; None for a shape that does not shine.
+    /// The emission; None for a shape that is not emissive.
     pub area_light: Option<AreaLight>,
-    /// The group of a member, or below of an instance: indices into [`SceneDescription::groups`].
+    /// The group that a member belongs to, as an index into [`SceneDescription::groups`].
     pub member_of: Option<usize>,
-    /// The group of an instance.
+    /// The group that an instance shows, as an index into [`SceneDescription::groups`].
     pub instance_of: Option<usize>,
-    /// The places of the instances, if there are very many.
+    /// The transforms of the instances, if there are very many.
     pub placements: Option<Placements>,
 }
 
@@ -232,15 +232,15 @@ pub struct GroupDescription {
     pub identity: Identity,
 }
 
-/// A light that is no surface.
+/// A light other than an emissive shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmitterDescription {
     /// The place in the file and the names.
     pub identity: Identity,
     /// The kind and strength.
     pub emitter: Emitter,
-    /// The map from the light's own space, in which it shines along +z or has +y or +z up.
+    /// The transform from the light's own space, in which it shines along +z or has +y or +z up.
     pub to_world: Affine3A,
-    /// The medium that it is in, as an index into [`SceneDescription::media`].
+    /// The medium around the light, as an index into [`SceneDescription::media`].
     pub medium: Option<usize>,
 }

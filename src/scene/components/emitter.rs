@@ -1,4 +1,4 @@
-//! Lights as the user knows them. Radiometric units; no photometry.
+//! The lights of the scene. Radiometric units; no photometry.
 
 use std::collections::HashMap;
 use std::convert::identity;
@@ -33,20 +33,20 @@ declare_parameters! {
     }
 }
 
-/// A light that is no surface. Its place and direction are in [`ToWorld`].
+/// A light other than an emissive shape. Its position and direction are in [`ToWorld`].
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
 pub struct Emitter {
     /// The plugin with its parameters.
     pub kind: EmitterKind,
-    /// The factor on the rate at which it is sampled; with 0 it is found only by chance. The picture does not depend
-    /// on it.
+    /// The factor on the probability with which it is sampled; with 0 it is found only by chance. It does not change
+    /// the expected picture.
     pub sampling_weight: f32,
 }
 
 declare_plugins! {
-    /// The kinds of lights that are no surfaces.
+    /// The kinds of lights other than emissive shapes.
     #[derive(Reflect, Clone, Debug, PartialEq)]
     pub enum EmitterKind {
         /// A point light of radiant intensity in W/sr.
@@ -92,7 +92,7 @@ declare_plugins! {
                 "Strength",
                 "Factor on the radiance of the picture.",
             )),
-            /// Whether directions that surfaces find by themselves are sampled less.
+            /// Whether directions that BSDF sampling covers are sampled less.
             mis_compensation: bool = true => Flag(ParameterInfo::switch(
                 "mis_compensation",
                 "Compensation",
@@ -100,7 +100,7 @@ declare_plugins! {
             )),
         },
 
-        /// Shines along +z.
+        /// A cone of light along +z.
         [PluginInfo::new("spot", "spot")]
         Spot {
             /// The intensity along the axis, in W/sr.
@@ -116,7 +116,7 @@ declare_plugins! {
             )),
         },
 
-        /// Throws a picture along +z, as a camera would see it.
+        /// Projects a picture along +z, as a camera would see it.
         [PluginInfo::new("projector", "projector")]
         Projector {
             /// Pi times the irradiance on the plane z = 1.
@@ -137,11 +137,10 @@ declare_plugins! {
         [PluginInfo::new("sunsky", "sun and sky")]
         SunSky(sky: SunSky => identity),
 
-        /// No light: the box, a cube from -1 to 1, for whose surfaces `sunroom bake` makes a picture of what is seen
-        /// from its middle.
+        /// No light: a box, the cube from -1 to 1, for whose surfaces `sunroom bake` makes a cube map from its centre.
         [PluginInfo::new("reflectionprobe", "reflection probe")]
         ReflectionProbe {
-            /// Whether what is seen stands on the sides of the box, rather than far away.
+            /// Whether the surroundings stand on the sides of the box, rather than far away.
             parallax: bool = true => Flag(ParameterInfo::switch(
                 "parallax",
                 "Parallax",
@@ -149,10 +148,10 @@ declare_plugins! {
             )),
         },
 
-        /// No light: the box, a cube from -1 to 1, in which `sunroom bake` finds the light for what moves.
+        /// No light: a box, the cube from -1 to 1, in which `sunroom bake` finds the light for moving objects.
         [PluginInfo::new("irradiancevolume", "irradiance volume")]
         IrradianceVolume {
-            /// The distance of the points of its grid, above 0.
+            /// The distance between the points of its grid, above 0.
             spacing: f32 = 0.5 => Number(ParameterInfo::new(
                 "spacing",
                 "Spacing",
@@ -164,7 +163,7 @@ declare_plugins! {
     }
 }
 
-/// The distances of points that a volume may have.
+/// The allowed distances between the points of a volume.
 const SPACING: std::ops::RangeInclusive<f32> = 1e-4..=f32::MAX;
 
 const RADIANCE: ParameterInfo = ParameterInfo::new(
@@ -204,7 +203,7 @@ impl From<EmitterKind> for Emitter {
     }
 }
 
-/// The light of every plugin whose file gives no parameter.
+/// The light of every plugin with default parameters.
 static USUAL: LazyLock<HashMap<&str, Emitter>> = LazyLock::new(|| {
     let made = |plugin| Some((plugin, Emitter::of_plugin(plugin)?));
     Emitter::PLUGINS.into_iter().filter_map(made).collect()
@@ -233,12 +232,12 @@ impl Emitter {
     /// The names of all plugins.
     pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
 
-    /// The light of a plugin of this name whose file gives no parameter; None if there is no such plugin.
+    /// The light of a plugin with default parameters; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
         EmitterKind::of_plugin(plugin).map(Self::from)
     }
 
-    /// The light of a plugin of this name whose file gives no parameter, to be read.
+    /// The shared light of a plugin with default parameters.
     pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
         USUAL.get(plugin)
     }
@@ -253,7 +252,7 @@ impl Emitter {
         self.kind.plugin()
     }
 
-    /// Shows `meet` every picture it needs, by absolute path.
+    /// Calls `meet` with the absolute path of every picture.
     pub(crate) fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
         let texture = match &self.kind {
             EmitterKind::Environment { picture, .. } => return meet(picture),
@@ -269,7 +268,8 @@ impl Emitter {
         }
     }
 
-    /// The picture at `path` as whatever it has a picture for, or at a place within that; other lights stay.
+    /// Sets the picture of the light, or of the texture at a place in its parameter; lights without pictures stay
+    /// unchanged.
     pub fn set_picture(&mut self, place: SquarePath, path: PathBuf) {
         match &mut self.kind {
             EmitterKind::Environment { picture, .. } => *picture = path,
@@ -288,7 +288,7 @@ impl Emitter {
         }
     }
 
-    /// Whether it is infinitely far away in many directions: then only how it is turned matters of where it is.
+    /// Whether it is infinitely far away in many directions: then only the rotation of its transform matters.
     pub(crate) fn is_environment(&self) -> bool {
         matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
     }
@@ -306,13 +306,13 @@ impl Emitter {
         )
     }
 
-    /// Whether it is somewhere, and not infinitely far away.
+    /// Whether it has a position, unlike lights that are infinitely far away.
     pub(crate) fn has_place(&self) -> bool {
         !self.is_sky() && !matches!(self.kind, EmitterKind::Directional { .. })
     }
 }
 
-/// A frame whose +z is `direction` (not zero); which way its other axes turn does not matter, but is always the same.
+/// A frame with +z along `direction` (not zero); its other axes are arbitrary but deterministic.
 pub(crate) fn frame_along(direction: Vec3) -> Affine3A {
     let forward = direction.normalize();
     let (left, up) = forward.any_orthonormal_pair();

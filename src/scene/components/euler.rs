@@ -1,8 +1,8 @@
 //! Rotations as angles about the axes, as people type them.
 //!
-//! A rotation has many sets of angles: 180 degrees about y are also 180 about x and z. Those that were typed, or that a
-//! file has, are kept beside the pose ([`EulerAngles`]). The pose decides: angles that do not give its rotation only
-//! say which of its own are shown, the nearest ones.
+//! A rotation has many sets of angles: 180 degrees about y are also 180 about x and z. The typed angles, or those in a
+//! file, are kept beside the pose ([`EulerAngles`]). The pose decides: if the angles do not match its rotation, the
+//! nearest ones that do are shown.
 
 use bevy::math::{DMat3, DVec3, Mat3A, Vec3};
 use bevy::prelude::*;
@@ -14,16 +14,16 @@ use crate::document::TransformOp;
 #[reflect(Component, PartialEq)]
 pub struct EulerAngles(pub Vec3);
 
-/// The most that a matrix may differ from the rotation of its angles times a scale, relative to the length of each
+/// The largest difference of a matrix from the rotation of its angles times a scale, relative to the length of each
 /// column.
 const SAME: f64 = 4e-6;
 /// The largest part of an axis across another one that counts as rounding and not as shear.
 const SHEAR: f64 = 1e-4;
-/// The cosine of the angle about y below which those about x and z cannot be told apart in single precision.
+/// The cosine of the angle about y below which the angles about x and z cannot be told apart in single precision.
 const LOCKED: f64 = 2e-6;
-/// The degrees of which computed angles are multiples, where they are as near to one as arithmetic brings them.
+/// Computed angles in degrees are rounded to multiples of this, if rounding errors explain the difference.
 const UNIT: f64 = 1e-3;
-/// The error of arithmetic in degrees.
+/// The rounding error of computed angles in degrees.
 const ROUNDING: f64 = 6e-5;
 
 /// A matrix without shear: a scale along its own axes, then a rotation.
@@ -36,8 +36,8 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Takes a matrix apart. `near`: angles that are taken if they give the rotation; else the nearest are, and without
-    /// any the smallest. None for a matrix that shears or is singular.
+    /// Decomposes a matrix. `near`: angles that are used if they give the rotation; otherwise the nearest to them, or
+    /// the smallest if None. None for a matrix that shears or is singular.
     pub fn of(matrix: &Mat3A, near: Option<Vec3>) -> Option<Self> {
         let wide = DMat3::from_cols(
             matrix.x_axis.as_dvec3(),
@@ -50,7 +50,7 @@ impl Turned {
             return Some(Self { scale, degrees });
         }
         let mut scale = DVec3::new(wide.x_axis.length(), wide.y_axis.length(), wide.z_axis.length());
-        // As usual, a mirror is one along x.
+        // By convention, a mirror is one along x.
         scale.x *= wide.determinant().signum();
         let rotation = wide * DMat3::from_diagonal(scale.recip());
         let products = rotation.transpose() * rotation;
@@ -71,8 +71,8 @@ impl Turned {
 }
 
 impl EulerAngles {
-    /// The angles that the steps of a transform give: those of rotations about axes, first x, then y, then z. None for
-    /// other rotations, and without any.
+    /// The angles of the rotation steps of a transform: about axes, first x, then y, then z. None for other rotations,
+    /// and without any.
     pub fn of_steps(steps: &[TransformOp]) -> Option<Self> {
         let mut degrees = Vec3::ZERO;
         let mut last = 0;
@@ -93,14 +93,13 @@ impl EulerAngles {
         (degrees != Vec3::ZERO && degrees.is_finite()).then_some(Self(degrees))
     }
 
-    /// The angles of a matrix that are nearest to those before; None where all are zero, and for a matrix that shears.
+    /// The angles of a matrix nearest to those before; None if all are zero, and for a matrix that shears.
     pub(crate) fn following(before: Option<Self>, matrix: &Mat3A) -> Option<Self> {
         let turned = Turned::of(matrix, before.map(|angles| angles.0))?;
         (turned.degrees != Vec3::ZERO).then_some(Self(turned.degrees))
     }
 
-    /// The same rotation by angles above -180 and up to 180 degrees, each of which is as it was where it is there
-    /// already.
+    /// The same rotation by angles above -180 and up to 180 degrees. Angles already in this range keep their value.
     pub(crate) fn within_half_turns(self) -> Self {
         let within = |angle: f32| match turns_away(f64::from(angle)) {
             0.0 => angle,
@@ -110,12 +109,12 @@ impl EulerAngles {
     }
 }
 
-/// The full turns by which an angle is beyond half a turn; half a turn is a positive one.
+/// The full turns by which an angle is outside of (-180, 180] degrees.
 fn turns_away(degrees: f64) -> f64 {
     (degrees / 360.0 - 0.5).ceil()
 }
 
-/// A computed angle without the error of arithmetic.
+/// A computed angle without rounding errors.
 fn as_meant(degrees: f64) -> f64 {
     let multiple = (degrees / UNIT).round() * UNIT;
     match (degrees - multiple).abs() < ROUNDING {
@@ -124,8 +123,7 @@ fn as_meant(degrees: f64) -> f64 {
     }
 }
 
-/// The matrix whose computed angles are those that it was meant to have, so that errors of arithmetic do not add up
-/// from turn to turn.
+/// The matrix of the angles without rounding errors, so that errors do not add up over many rotations.
 pub(crate) fn tidied(matrix: &Mat3A) -> Mat3A {
     let Some(turned) = Turned::of(matrix, None) else {
         return *matrix;
@@ -138,7 +136,7 @@ pub(crate) fn tidied(matrix: &Mat3A) -> Mat3A {
     if is_same { made } else { *matrix }
 }
 
-/// The scale of a matrix that has the rotation of these angles; None if it has another one.
+/// The scale of a matrix with the rotation of these angles; None if its rotation differs.
 fn scale_under(matrix: &DMat3, degrees: Vec3) -> Option<Vec3> {
     let scaled = rotation(degrees.as_dvec3()).transpose() * *matrix;
     let mut scale = Vec3::ZERO;
@@ -151,7 +149,7 @@ fn scale_under(matrix: &DMat3, degrees: Vec3) -> Option<Vec3> {
         }
         scale[axis] = factor as f32;
     }
-    // Two mirrors are a turn by half a circle.
+    // Two mirrors are a rotation by 180 degrees.
     let mirrors = scale.to_array().into_iter().filter(|factor| *factor < 0.0).count();
     (mirrors != 2).then_some(scale)
 }
@@ -177,13 +175,13 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// The angles of a rotation that are nearest to `near` in degrees.
+/// The angles of a rotation, in degrees, that are nearest to `near`.
 fn nearest_angles(rotation: &DMat3, near: DVec3) -> Vec3 {
     let (first, second, third) = (rotation.x_axis, rotation.y_axis, rotation.z_axis);
     let across = first.x.hypot(first.y);
     let y = (-first.z).atan2(across).to_degrees();
     let candidates = if across < LOCKED {
-        // The angles about x and z turn about the same axis then.
+        // The angles about x and z are about the same axis then.
         let side = y.signum();
         let turn = (side * second.x).atan2(second.y).to_degrees();
         [
@@ -195,10 +193,10 @@ fn nearest_angles(rotation: &DMat3, near: DVec3) -> Vec3 {
         let z = first.y.atan2(first.x).to_degrees();
         [DVec3::new(x, y, z), DVec3::new(x + 180.0, 180.0 - y, z + 180.0)]
     };
-    // The turns nearest to those before.
+    // The full turns nearest to the angles before.
     let round = |angle: f64, near: f64| {
         let angle = as_meant(angle);
-        // Adding zero turns -0 into 0.
+        // Adding zero makes -0 positive.
         angle - 360.0 * turns_away(angle - near) + 0.0
     };
     let [one, other] = candidates.map(|angles| {
@@ -212,14 +210,14 @@ fn nearest_angles(rotation: &DMat3, near: DVec3) -> Vec3 {
     let ways = |away: DVec3| away.element_sum();
     let is_nearer = match ways(one.1) - ways(other.1) {
         difference if difference.abs() > UNIT => difference < 0.0,
-        // Things that stand on x turn about y then.
+        // Things rotated by 90 degrees about x rotate about y then.
         _ => one.1.z <= other.1.z,
     };
     if is_nearer { one.0 } else { other.0 }.as_vec3()
 }
 
-/// The rotation about x that sets a thing upright whose own z axis points up; `up` is that of the world. Angles of
-/// upright things are shown from there.
+/// The rotation about x that sets a thing whose z axis points up upright; `up` is the world's. The angles of upright
+/// things are shown relative to it.
 pub fn upright_rest(up: Vec3) -> Vec3 {
     match up.y > 0.5 {
         true => Vec3::X * -90.0,
@@ -227,11 +225,11 @@ pub fn upright_rest(up: Vec3) -> Vec3 {
     }
 }
 
-/// Angles with others added to them, as they are written: 33.3 and -90 are -56.7.
+/// The sum of two sets of angles, rounded to their digits: 33.3 and -90 are -56.7.
 pub(crate) fn from_rest(degrees: Vec3, rest: Vec3) -> Vec3 {
     const DIGITS: f64 = 1e4;
     let sum = (degrees.as_dvec3() + rest.as_dvec3()) * DIGITS;
-    // Adding zero turns -0 into 0.
+    // Adding zero makes -0 positive.
     let sum = (sum.round() / DIGITS).as_vec3() + Vec3::ZERO;
     Vec3::select(rest.cmpeq(Vec3::ZERO), degrees, sum)
 }

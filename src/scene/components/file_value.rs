@@ -1,4 +1,4 @@
-//! What stands in a file for the value of a parameter.
+//! The values by which a file gives a parameter.
 
 use std::path::Path;
 
@@ -15,13 +15,13 @@ use super::texture::{Parameter, Texture};
 use super::wall_openings::Opening;
 use crate::color::Rgb;
 
-/// A parameter as it stands in a file.
+/// The value of a parameter in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FileValue<'p> {
     Color(&'p Parameter<Rgb>),
     Float(&'p Parameter<f32>),
     Texture(&'p Texture),
-    /// A texture that has this value everywhere.
+    /// A texture that is this value everywhere.
     UniformTexture(f32),
     Number(f32),
     Flag(bool),
@@ -49,7 +49,7 @@ impl<'p> FileValue<'p> {
 }
 
 impl<'p> ParameterRef<'p> {
-    /// Shows `meet` what stands in a file for the parameter: one value as a rule, two where the format has two names,
+    /// Calls `meet` with the values by which a file gives the parameter: usually one, two if the format has two names,
     /// or none.
     pub(crate) fn in_file(
         self,
@@ -60,7 +60,7 @@ impl<'p> ParameterRef<'p> {
             Self::Reflectance(color) | Self::Normals(color) => meet(info, FileValue::Color(color)),
             Self::Float(number) => meet(info, FileValue::Float(number)),
             Self::Extension(false) => {}
-            // The format wants a texture here, and does not take a number for one.
+            // The format requires a texture here, not a number.
             Self::Height(Parameter::Constant(height)) => meet(info, FileValue::UniformTexture(*height)),
             Self::Height(Parameter::Texture(texture)) => meet(info, FileValue::Texture(texture)),
             Self::Number(number) | Self::Length(number) => meet(info, FileValue::Number(*number)),

@@ -1,10 +1,10 @@
-//! How a film asks to be stored in files.
+//! How a film is stored in files.
 
 use bevy::prelude::*;
 
 use crate::files::ExrCompression;
 
-/// The settings of `hdrfilm` about files. None where the scene does not say.
+/// The file settings of `hdrfilm`. None for settings that the scene does not give.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FilmStorage {
     /// `pixel_format`.
@@ -32,7 +32,7 @@ declare_names! {
 }
 
 impl PictureFormat {
-    /// The names in files, those that are written first.
+    /// The names in files; those that are written come first.
     pub const NAMES: [(&str, Self); 4] = [
         ("openexr", Self::OpenExr),
         ("rgbe", Self::Rgbe),
@@ -40,7 +40,7 @@ impl PictureFormat {
         ("exr", Self::OpenExr),
     ];
 
-    /// The ending of names of files, without its dot.
+    /// The file extension, without its dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::OpenExr => "exr",

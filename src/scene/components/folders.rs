@@ -1,16 +1,16 @@
-//! Folders, which are the parts of names before slashes, and free ones for copies of groups.
+//! Folders, which are the prefixes of names before slashes, and free folders for copies of groups.
 
 use std::collections::{HashMap, HashSet};
 
 use super::free_name::free_name;
 
-/// The paths of all folders that these names have.
+/// The paths of all folders in these names.
 pub(crate) fn folders_of(names: &HashSet<String>) -> HashSet<String> {
     let outer = |name: &String| around(name).map(str::to_owned).collect::<Vec<_>>();
     names.iter().flat_map(outer).collect()
 }
 
-/// The folders that a name is in, the outermost first.
+/// The folders of a name, outermost first.
 fn around(name: &str) -> impl Iterator<Item = &str> {
     name.match_indices('/').map(move |(end, _)| &name[..end])
 }
@@ -18,11 +18,11 @@ fn around(name: &str) -> impl Iterator<Item = &str> {
 /// Finds folders for copies of groups.
 #[derive(Debug, Default)]
 pub(crate) struct FreeFolders {
-    /// None until a group is copied.
+    /// The names in the scene; None until a group is copied.
     taken: Option<HashSet<String>>,
-    /// The folder that the last copy of a folder got, from which the next one is found quickly.
+    /// The folder of the latest copy of each folder, from which the next free one is found quickly.
     latest: HashMap<String, String>,
-    /// The folders that are copied, each with that of its present copy.
+    /// The copied folders, each with its present copy.
     copies: HashMap<String, String>,
 }
 
@@ -40,7 +40,7 @@ impl FreeFolders {
         }
     }
 
-    /// The name in the copy of the outermost folder that is copied; None outside of all of them.
+    /// The name inside the copy of the outermost copied folder; None if it is in none.
     pub fn in_copy(&self, name: &str) -> Option<String> {
         around(name).find_map(|folder| {
             let copy = self.copies.get(folder)?;

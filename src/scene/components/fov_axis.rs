@@ -11,7 +11,7 @@ declare_names! {
         X = "x" => "horizontal",
         /// Its height.
         Y = "y" => "vertical",
-        /// It is measured from corner to corner.
+        /// From corner to corner.
         Diagonal = "diagonal" => "diagonal",
         /// The smaller one of width and height.
         Smaller = "smaller" => "smaller edge",

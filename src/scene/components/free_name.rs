@@ -7,7 +7,7 @@ pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
     if !taken.contains(wanted) {
         return wanted.to_owned();
     }
-    // The number of a folder is before its slash.
+    // The number of a folder comes before its slash.
     let (wanted, end) = match wanted.strip_suffix('/') {
         Some(folder) => (folder, "/"),
         None => (wanted, ""),

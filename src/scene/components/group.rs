@@ -1,4 +1,4 @@
-//! Groups of shapes that are in the scene many times, and the places of their instances.
+//! Groups of shapes, and the transforms of their instances.
 
 use std::sync::Arc;
 
@@ -29,13 +29,13 @@ pub(crate) struct Members(Vec<Entity>);
 #[relationship(relationship_target = Instances)]
 pub(crate) struct InstanceOf(pub Entity);
 
-/// The instances of a group. Bevy keeps it up to date from the other side of the relationship.
+/// The instances of a group, maintained by Bevy as the inverse of [`InstanceOf`].
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = InstanceOf)]
 pub(crate) struct Instances(Vec<Entity>);
 
-/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, if the
-/// file still has it.
+/// Very many instances as one entity, in place of `ToWorld`. They are saved with the text that they were read from, if
+/// the file still has it.
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
     /// World from group; shared with the document.

@@ -1,11 +1,11 @@
-//! Components of every entity of a scene: its place in the file, its id there, its place in the world.
+//! Components of every entity of a scene: its position in the file, its id there, its transform.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use crate::math::is_invertible;
 
-/// The position in the scene file. Every table is ordered by it, never by how the ECS stores entities.
+/// The position in the scene file. Every table is ordered by it, never by the order of the ECS.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[reflect(Component, PartialEq)]
 pub struct DocumentOrder(pub u32);
@@ -15,14 +15,14 @@ pub struct DocumentOrder(pub u32);
 #[reflect(Component, PartialEq)]
 pub struct SceneId(pub String);
 
-/// World from local, an invertible affine map (`to_world` of the file). For a sensor: +z is where it looks, +x to its
-/// left, +y up; for a point light the origin is its position, for a directional light +z is where the light goes.
+/// World from local, an invertible affine map (`to_world` of the file). A sensor looks along +z, with +x to its left
+/// and +y up; a point light is at the origin, and a directional light shines along +z.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, PartialEq)]
 pub struct ToWorld(pub Affine3A);
 
 impl ToWorld {
-    /// Whether it can be undone, as [`is_invertible`] says.
+    /// Whether it has an inverse, see [`is_invertible`].
     pub(crate) fn is_invertible(&self) -> bool {
         is_invertible(&self.0)
     }

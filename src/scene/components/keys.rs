@@ -1,9 +1,8 @@
-//! The key frames of a thing: for each value that moves, its track.
+//! The key frames of a thing: a track for each animated value.
 //!
-//! The components of an entity have the values of the moment that is shown. [`Keys`] has those of all times, by the
-//! names that the values have in the file, so that everything that a file can say can move in one way:
-//! [`crate::scene::edits::posing`] writes the values of a time into the plugins of the file and reads the components
-//! from them.
+//! The components of an entity have the values at the shown time. [`Keys`] has the tracks, by the names of the values
+//! in the file, so that every value in a file can be animated in the same way: [`crate::scene::edits::posing`] writes
+//! the values at a time into the plugins of the file and reads the components from them.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::{self, Display};
@@ -15,10 +14,10 @@ use smol_str::{SmolStr, format_smolstr};
 use crate::document::animation::{MOST_TIME, is_animated, key_time};
 use crate::document::{Category, Child, Index, Interpolation, Key, Object, Property, Span, Track, Value};
 
-/// The parameters that say where a thing is, in the order in which they are looked for.
+/// The parameters that place a thing, in the order in which they are tried.
 const PLACES: [&str; 3] = ["to_world", "position", "direction"];
 
-/// Parameters that mean the same in another way: writing the first removes the others.
+/// Parameters that replace each other: writing the first removes the others.
 const SUPERSEDES: [(&str, &[&str]); 9] = [
     ("fov", &["focal_length"]),
     ("focal_length", &["fov", "fov_axis"]),
@@ -31,33 +30,32 @@ const SUPERSEDES: [(&str, &[&str]); 9] = [
     ("to_world", &["position", "direction"]),
 ];
 
-/// The parameters that mean the same as this one in another way.
+/// The parameters that this one replaces.
 pub(in crate::scene) fn superseded_by(name: &str) -> &'static [&'static str] {
     let found = SUPERSEDES.iter().find(|(winner, _)| *winner == name);
     found.map_or(&[], |(_, others)| others)
 }
 
-/// The most values of a thing that may have keys. Nothing has so many, and what brings a thing to a moment looks for
-/// each of them.
+/// The most animated values of a thing. Real things have fewer, and showing a time looks up each of them.
 pub(in crate::scene) const MOST_TRACKS: usize = 1000;
 
-/// Where a value stands in the plugin of a thing: the parameter's name, after the names of the plugins around it, with
-/// a dot between: `to_world`, `emitter.radiance`.
+/// The path of a value in the plugin of a thing: the parameter's name, after the names of the plugins around it, joined
+/// by dots: `to_world`, `emitter.radiance`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyPath(SmolStr);
 
 impl KeyPath {
-    /// The path of these words.
+    /// The path given by this text.
     pub fn new(path: impl Into<SmolStr>) -> Self {
         Self(path.into())
     }
 
-    /// The words.
+    /// The path as text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether it says where the thing is.
+    /// Whether it is a parameter that places the thing.
     pub fn is_place(&self) -> bool {
         PLACES.contains(&self.as_str())
     }
@@ -69,24 +67,24 @@ impl Display for KeyPath {
     }
 }
 
-/// The tracks of the values of a thing that move; absent on things that stand still.
+/// The tracks of the animated values of a thing; absent if there are none.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Keys {
     tracks: BTreeMap<KeyPath, Arc<Track>>,
-    /// Whether it refers to something that moves and is no thing itself, such as a texture at the top level of the
+    /// Whether it refers to an animated element that is no thing itself, such as a texture at the top level of the
     /// file.
     follows: bool,
 }
 
 /// The tracks of the integrator's settings. The integrator is no entity; [`crate::scene::IntegratorSettings`] has the
-/// values of the moment that is shown.
+/// values at the shown time.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct IntegratorKeys(pub Keys);
 
 impl Keys {
-    /// The tracks of a plugin in the file. None if nothing of it moves. `animated`: the
-    /// [`animated_objects`](crate::document::animation::animated_objects) of the file. Many plugins may refer to
-    /// one large object, which is not walked through for each of them.
+    /// The tracks of a plugin in the file. None if nothing of it is animated. `animated`: the
+    /// [`animated_objects`](crate::document::animation::animated_objects) of the file. Many plugins may refer to one
+    /// large object, which is not traversed for each of them.
     pub(in crate::scene) fn of(object: &Object, index: &Index, animated: &HashSet<usize>) -> Option<Self> {
         let mut keys = Self::default();
         keys.collect(object, index, animated, "");
@@ -118,17 +116,17 @@ impl Keys {
         }
     }
 
-    /// Whether nothing moves.
+    /// Whether nothing is animated.
     pub(in crate::scene) fn is_empty(&self) -> bool {
         self.tracks.is_empty() && !self.follows
     }
 
-    /// Whether it refers to something that moves.
+    /// Whether it refers to an animated element.
     pub(in crate::scene) fn follows(&self) -> bool {
         self.follows
     }
 
-    /// An estimate of the memory that it has allocated. Tracks count as if nothing else held them.
+    /// An estimate of the allocated memory in bytes. Shared tracks count in full.
     pub(crate) fn bytes(&self) -> usize {
         /// The size of the steps of a transform.
         const VALUE: usize = 128;
@@ -146,7 +144,7 @@ impl Keys {
         self.tracks.get(path)
     }
 
-    /// The keys with another track for this value, or none.
+    /// The keys with the track for this value replaced, or removed if None.
     pub fn with(&self, path: &KeyPath, track: Option<Track>) -> Self {
         let mut keys = self.clone();
         match track {
@@ -156,12 +154,12 @@ impl Keys {
         keys
     }
 
-    /// These keys as a component: None if there is none.
+    /// These keys as a component: None if there are none.
     pub fn some(self) -> Option<Self> {
         (!self.is_empty()).then_some(self)
     }
 
-    /// The path by which these keys or the plugin say where the thing is.
+    /// The path by which these keys or the plugin place the thing.
     pub fn place_in(keys: Option<&Self>, object: &Object) -> KeyPath {
         let has_track = |name: &&&str| keys.is_some_and(|keys| keys.track(&KeyPath::new(**name)).is_some());
         let has_value = |name: &&&str| object.properties.iter().any(|property| property.name == **name);
@@ -169,7 +167,7 @@ impl Keys {
         KeyPath::new(*name.unwrap_or(&PLACES[0]))
     }
 
-    /// Gives a plugin these tracks and no others. The values become those of the time in seconds.
+    /// Gives a plugin exactly these tracks. The values become those at the time in seconds.
     pub(in crate::scene) fn attach(keys: Option<&Self>, object: &mut Object, time: f64) {
         detach(object);
         for (path, track) in keys.into_iter().flat_map(Self::tracks) {
@@ -181,14 +179,14 @@ impl Keys {
     }
 }
 
-/// The number of values of a plugin that have keys, without what is a thing of its own inside.
+/// The number of animated values of a plugin, without nested things.
 pub(in crate::scene) fn track_count(object: &Object) -> usize {
     let own = object.properties.iter().filter(|property| property.keys.is_some());
     let parts = object.objects().filter(|inner| is_part(inner));
     own.count() + parts.map(track_count).sum::<usize>()
 }
 
-/// Takes all tracks off a plugin. What is a thing of its own inside keeps them.
+/// Removes all tracks from a plugin. Nested things keep theirs.
 pub(in crate::scene) fn detach(object: &mut Object) {
     for property in &mut object.properties {
         property.keys = None;
@@ -203,7 +201,7 @@ pub(in crate::scene) fn detach(object: &mut Object) {
     }
 }
 
-/// The value at a path; None if the plugin does not say it.
+/// The value at a path; None if the plugin does not give it.
 pub(in crate::scene) fn value_at<'o>(object: &'o Object, path: &str) -> Option<&'o Value> {
     if let Some(property) = object.properties.iter().find(|property| property.name == path) {
         return Some(&property.value);
@@ -215,7 +213,7 @@ pub(in crate::scene) fn value_at<'o>(object: &'o Object, path: &str) -> Option<&
     }
 }
 
-/// The property at a path, which is added if the plugin that it belongs to is there and has nothing else in its place.
+/// The property at a path, which is added if its plugin exists and gives the parameter in no other form.
 fn property_at<'o>(object: &'o mut Object, path: &str) -> Option<&'o mut Property> {
     if let Some(place) = object.properties.iter().position(|property| property.name == path) {
         return Some(&mut object.properties[place]);
@@ -236,7 +234,7 @@ fn property_at<'o>(object: &'o mut Object, path: &str) -> Option<&'o mut Propert
     object.properties.last_mut()
 }
 
-/// The place of the plugin that a path goes into, and the rest of the path.
+/// The index of the nested plugin that a path enters, and the rest of the path.
 fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
     let (first, rest) = path.split_once('.')?;
     let numbered = first.rsplit_once('#');
@@ -253,8 +251,8 @@ fn inner<'p>(object: &Object, path: &'p str) -> Option<(usize, &'p str)> {
     Some((place, rest))
 }
 
-/// The place of the constant volume that has the value of a parameter, and its own parameter. A colour is written in
-/// such a volume as soon as it is above one, and its track goes with it.
+/// The index of the constant volume with the value of a parameter, and the volume's own parameter. A colour is written
+/// in such a volume as soon as it is above one, and its track goes with it.
 fn constant_volume<'p>(object: &Object, path: &str) -> Option<(usize, &'p str)> {
     let is_one = |child: &Child| matches!(child, Child::Object(inner) if inner.plugin == "constvolume");
     let mut children = object.children.iter();
@@ -262,7 +260,7 @@ fn constant_volume<'p>(object: &Object, path: &str) -> Option<(usize, &'p str)> 
     Some((place, "value"))
 }
 
-/// The steps of paths into the plugins inside another, one after the other. Several of one name are numbered.
+/// Numbers the steps of paths into the nested plugins, visited in order, if several have one name.
 #[derive(Default)]
 struct Steps<'o> {
     counts: HashMap<&'o str, usize>,
@@ -280,7 +278,7 @@ impl<'o> Steps<'o> {
     }
 }
 
-/// The step of a path into a plugin without its number: the parameter that it is for, or else its tag.
+/// The step of a path into a plugin without its number: the parameter name, or else the tag.
 fn step_name(child: &Child) -> &str {
     match child {
         Child::Object(inner) => inner.name.as_deref().unwrap_or_else(|| inner.category.name()),
@@ -288,7 +286,7 @@ fn step_name(child: &Child) -> &str {
     }
 }
 
-/// Whether a plugin inside that of a thing is a part of the thing, and no thing of its own.
+/// Whether a nested plugin is a part of its thing, and no thing of its own.
 pub(in crate::scene) fn is_part(inner: &Object) -> bool {
     !matches!(inner.category, Category::Bsdf | Category::Shape | Category::Medium)
 }
@@ -296,11 +294,11 @@ pub(in crate::scene) fn is_part(inner: &Object) -> bool {
 /// A change of the track of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyEdit {
-    /// Sets a key of the present value at the time that is shown.
+    /// Sets a key with the present value at the shown time.
     Set,
-    /// Removes the key at the time that is shown; the last key goes with the track.
+    /// Removes the key at the shown time; the last key goes with the track.
     Remove,
-    /// Removes all keys: the value of the moment that is shown remains.
+    /// Removes all keys: the value at the shown time stays.
     RemoveAll,
     /// Moves a key from one time to another, in seconds, in place of a key there.
     Move {
@@ -309,13 +307,13 @@ pub enum KeyEdit {
         /// Its new time.
         to: f64,
     },
-    /// Sets the way from key to key.
+    /// Sets the interpolation between keys.
     Interpolate(Interpolation),
 }
 
 impl KeyEdit {
-    /// The track after the edit. `time` is shown, `value` is the one of that time, `track` is the present one. None:
-    /// the value has no keys then. An error, in words, if it cannot be done.
+    /// The track after the edit. `time` is the shown time, `value` the value then, `track` the present track. None: the
+    /// value is not animated any more. An error, in words, if the edit is impossible.
     pub(in crate::scene) fn apply(
         self,
         track: Option<&Track>,

@@ -1,4 +1,4 @@
-//! The files that a scene names and that are nowhere.
+//! The missing files of a scene.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 use crate::document::{Diagnostics, Severity, Span};
 
-/// The most other places that a message names.
+/// The most other paths that a message names.
 const MOST_NAMED: usize = 4;
 
-/// The kinds of files that a scene can be opened without.
+/// The kinds of files without which a scene can be opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
-    /// A mesh: nothing is in its place.
+    /// A mesh, which is left out.
     Mesh,
-    /// A picture: grey is in its place.
+    /// A picture, which grey replaces.
     Picture,
-    /// A volume: nothing is in its place.
+    /// A volume, which is left out.
     Volume,
 }
 
@@ -33,21 +33,21 @@ impl fmt::Display for FileKind {
 /// A file that was not found when the scene was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingFile {
-    /// What it should be.
+    /// The kind of the file.
     pub kind: FileKind,
-    /// The place where the scene names it first.
+    /// The span where the scene names it first.
     pub span: Span,
-    /// Where it was looked for besides the path by which it is known; absolute.
+    /// Where it was searched besides the path that is its key; absolute.
     pub others: Vec<PathBuf>,
-    /// What can be done.
+    /// Advice.
     pub help: Option<String>,
 }
 
-/// The missing files of a scene by their absolute paths, each the first place where the file was looked for.
+/// The missing files of a scene, by the first path at which each was searched, absolute.
 pub type MissingFiles = BTreeMap<PathBuf, MissingFile>;
 
 impl MissingFile {
-    /// What is wrong with it, as a sentence without the file: `no such file`, and where else it was looked for.
+    /// The problem, as a sentence without the file: `no such file`, and where else it was searched.
     pub fn what(&self) -> String {
         let named = self.others.iter().take(MOST_NAMED);
         let named: Vec<String> = named.map(|place| place.display().to_string()).collect();
@@ -60,10 +60,10 @@ impl MissingFile {
     }
 }
 
-/// What is wrong with a file that is missing.
+/// The problem of a missing file.
 pub(in crate::scene) const NOT_THERE: &str = "no such file";
 
-/// What is wrong with a picture in whose place the scene has grey.
+/// The problem of a picture that grey replaces.
 pub(in crate::scene) fn with_grey(what: &str) -> String {
     format!("{what}; grey takes its place")
 }
@@ -73,8 +73,7 @@ pub(in crate::scene) fn sentence(kind: FileKind, path: &Path, what: &str) -> Str
     format!("{kind} {}: {what}", path.display())
 }
 
-/// Adds a message for each missing file to those about a scene that cannot be shown, so that all of its faults are
-/// known at once.
+/// Adds an error for each missing file to those of a scene that cannot be shown, so that all errors are known at once.
 pub(in crate::scene) fn report(missing: &MissingFiles, diagnostics: &mut Diagnostics) {
     let mut all: Vec<_> = missing.iter().collect();
     all.sort_by_key(|(_, file)| (file.span.source.0, file.span.start));

@@ -1,4 +1,4 @@
-//! The components, settings and declarations of what a scene consists of.
+//! The components, settings and declarations that make up a scene.
 
 pub mod access;
 pub mod aperture;

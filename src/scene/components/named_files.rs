@@ -1,4 +1,4 @@
-//! The files that things of the scene name, to be changed where a file is elsewhere now.
+//! The file paths in things of the scene, mutable for files that have moved.
 
 use std::path::PathBuf;
 
@@ -7,9 +7,9 @@ use crate::scene::{
     AreaLight, Declared, Emitter, Material, Medium, Parameter, ParameterInfo, Shape, ShapeKind, Texture,
 };
 
-/// A thing that names files.
+/// A thing with file paths.
 pub(crate) trait NamesFiles {
-    /// Calls `meet` with the absolute path of each file, to be changed.
+    /// Calls `meet` with the absolute path of each file, mutable.
     fn for_each_file(&mut self, meet: &mut dyn FnMut(&mut PathBuf));
 }
 

@@ -1,24 +1,24 @@
-//! The names that things may have: free ones, found in one pass over the scene.
+//! The names of things: finds free ones in one pass over the scene.
 
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use crate::scene::{AuthoredScene, DocumentOrder, SceneId};
 
-/// Up to this number, stems are compared one by one.
+/// Up to this number of stems, names are compared with them one by one.
 const FEW: usize = 4;
 
-/// The names that are taken and could be in the way of names with a number.
+/// The taken names that may collide with numbered names.
 #[derive(Debug, Default)]
 pub(crate) struct TakenNames {
     exact: HashSet<String>,
-    /// The numbers that are taken of each stem, such as 3 of `ball` by `ball-3`; then those of folders, whose names
-    /// end with a slash.
+    /// For each stem the taken numbers, such as 3 for `ball` from `ball-3`; first for things, then for folders, whose
+    /// names end with a slash.
     numbers: [HashMap<String, HashSet<u32>>; 2],
 }
 
 impl TakenNames {
-    /// Looks for names that are in the way of any of `wanted`.
+    /// Collects names that may collide with any of `wanted`.
     pub fn like<'a>(world: &mut World, wanted: impl IntoIterator<Item = &'a str>) -> Self {
         let mut taken = Self::default();
         let mut names: HashSet<&str> = HashSet::default();
@@ -30,7 +30,7 @@ impl TakenNames {
                 .or_default();
         }
         let stems: Vec<String> = taken.numbers.iter().flat_map(HashMap::keys).cloned().collect();
-        // Looking at the beginnings of all names is quicker than looking them up.
+        // Comparing the beginnings of all names is quicker than hash lookups.
         let is_far = |name: &str| stems.len() <= FEW && !stems.iter().any(|stem| name.starts_with(stem));
         each_name(world, |name| {
             if is_far(name) {
@@ -52,8 +52,8 @@ impl TakenNames {
         }
     }
 
-    /// The name, with a number if it is taken: see [`super::free_name::free_name`]. From now on the result is taken as
-    /// well. The name must be among those that were looked for, or a result for one of them, or known to be free.
+    /// The name, with a number if it is taken, see [`super::free_name::free_name`]; the result is then taken as well.
+    /// The name must be in `wanted` of [`Self::like`], a result for one of them, or known to be free.
     pub fn take(&mut self, wanted: &str) -> String {
         let name = if self.exact.contains(wanted) {
             let (stem, number, is_folder) = stem(wanted);
@@ -68,26 +68,26 @@ impl TakenNames {
         name
     }
 
-    /// Counts a name as taken.
+    /// Marks a name as taken.
     pub fn note(&mut self, name: &str) {
         self.note_number(name);
         self.exact.insert(name.to_owned());
     }
 }
 
-/// The name `wanted`, with a number if something in the scene has it.
+/// The name `wanted`, with a number if it is taken in the scene.
 pub(crate) fn free_name_for(world: &mut World, wanted: &str) -> String {
     TakenNames::like(world, [wanted]).take(wanted)
 }
 
-/// Whether something in the scene has this name.
+/// Whether this name is taken in the scene.
 pub(crate) fn is_taken(world: &mut World, wanted: &str) -> bool {
     let mut found = false;
     each_name(world, |name| found |= name == wanted);
     found
 }
 
-/// The names of all that is in the scene.
+/// All names in the scene.
 pub fn names(world: &mut World) -> std::collections::HashSet<String> {
     let mut names = std::collections::HashSet::new();
     each_name(world, |name| {
@@ -96,7 +96,7 @@ pub fn names(world: &mut World) -> std::collections::HashSet<String> {
     names
 }
 
-/// Calls `visit` for the names of all that is in the scene, some of them twice. Names of the file also count.
+/// Calls `visit` with all names in the scene, some of them twice. Names of the file also count.
 pub(in crate::scene) fn each_name(world: &mut World, mut visit: impl FnMut(&str)) {
     if let Some(scene) = world.get_resource::<AuthoredScene>() {
         scene.foreign_ids.iter().for_each(|id| visit(id));
@@ -110,7 +110,7 @@ pub(in crate::scene) fn each_name(world: &mut World, mut visit: impl FnMut(&str)
     }
 }
 
-/// The name without the slash of a folder, and whether there is one.
+/// The name without the slash of a folder, and whether it had one.
 fn without_slash(name: &str) -> (&str, bool) {
     match name.strip_suffix('/') {
         Some(folder) => (folder, true),
@@ -118,8 +118,7 @@ fn without_slash(name: &str) -> (&str, bool) {
     }
 }
 
-/// The part of a wanted name before its number, the number, which is 1 for a name without one, and whether it is that
-/// of a folder.
+/// The stem of a wanted name, its number, which is 1 if it has none, and whether it is a folder.
 fn stem(wanted: &str) -> (&str, u32, bool) {
     let (wanted, is_folder) = without_slash(wanted);
     let parts = wanted.rsplit_once('-');
@@ -128,7 +127,7 @@ fn stem(wanted: &str) -> (&str, u32, bool) {
     (stem, number, is_folder)
 }
 
-/// The stem and the number of a name as [`TakenNames::take`] makes them, and whether it is that of a folder.
+/// The stem and the number of a name in the form of [`TakenNames::take`], and whether it is a folder.
 fn numbered(name: &str) -> Option<(&str, u32, bool)> {
     let (name, is_folder) = without_slash(name);
     let (stem, digits) = name.rsplit_once('-')?;

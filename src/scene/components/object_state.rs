@@ -1,7 +1,7 @@
 //! The state of one entity as one value: an edit keeps it for undo, and a reload compares it.
 //!
 //! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is
-//! [`crate::scene::Authored`]: what the file says of an entity is no edit of it.
+//! [`crate::scene::Authored`]: the source in the file is not edited.
 
 use std::mem::discriminant;
 
@@ -16,8 +16,7 @@ use crate::scene::{
 
 macro_rules! object_state {
     ($($field:ident: $component:ident,)*) => {
-        /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the
-        /// scene.
+        /// The components of an entity; None if absent. All None: the entity is not (or no longer) in the scene.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub(crate) struct ObjectState {
             $(pub $field: Option<$component>,)*
@@ -34,13 +33,13 @@ macro_rules! object_state {
                 }
             }
 
-            /// Gives the entity these components and no others of these types; writes only what differs.
+            /// Gives the entity exactly these components; writes only those that differ.
             pub fn write(&self, world: &mut World, entity: Entity) {
                 $(write_component(world, entity, &self.$field);)*
             }
 
-            /// Gives a new entity these components, and what the file said of it. Most are inserted together, because
-            /// each insertion moves the entity.
+            /// Gives a new entity these components and its source in the file. Most are inserted together, because each
+            /// insertion moves the entity.
             pub fn write_new(mut self, world: &mut World, entity: Entity, authored: Option<Authored>) {
                 let Ok(mut new) = world.get_entity_mut(entity) else {
                     return;
@@ -66,8 +65,8 @@ macro_rules! object_state {
                 )*
             }
 
-            /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our
-            /// side began as `start`, which may be written otherwise than `base` and mean the same.
+            /// Three-way merge: changes from `base` to `theirs` are applied, otherwise `ours` stays. Our side began as
+            /// `start`, which may be spelled otherwise than `base` and mean the same.
             fn merged_parts(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
@@ -87,7 +86,7 @@ macro_rules! object_state {
     };
 }
 
-/// Hands the list of components to a macro.
+/// Calls a macro with the list of components.
 macro_rules! with_components {
     ($macro:ident) => {
         $macro! {
@@ -124,21 +123,21 @@ pub(in crate::scene) use with_components;
 
 with_components!(object_state);
 
-/// The result of merging three states.
+/// The result of a three-way merge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Merged {
     pub state: ObjectState,
-    /// Something is as the editor left it, unlike in the file.
+    /// Whether an edit of the editor was kept that the file lacks.
     pub kept: bool,
-    /// Something was edited on both sides, and the file's state was taken.
+    /// Whether both sides edited a value, so that the file's was taken.
     pub replaced: bool,
 }
 
 impl ObjectState {
-    /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side
-    /// began as `start`, which may be written otherwise than `base` and mean the same. The numbers of a shape are
-    /// merged one by one: its centre may be edited on one side and its radius on the other. Where both sides have
-    /// moved it, by whatever numbers, it is where `theirs` has it.
+    /// Three-way merge: changes from `base` to `theirs` are applied, otherwise `ours` stays. Our side began as `start`,
+    /// which may be spelled otherwise than `base` and mean the same. The numbers of a shape are merged one by one: its
+    /// centre may be edited on one side and its radius on the other. If both sides have moved it, by whatever numbers,
+    /// it gets the position of `theirs`.
     pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
         let shapes = [base, theirs, start, ours].map(|state| state.shape.as_ref());
         let [Some(base_shape), Some(their_shape), Some(start_shape), Some(our_shape)] = shapes else {
@@ -154,7 +153,7 @@ impl ObjectState {
             let mut other = their_shape.clone();
             carry_over(base_shape, their_shape, &mut shape, Vectors::Whole);
             carry_over(start_shape, our_shape, &mut other, Vectors::Whole);
-            // The same in either order, if no number was edited on both sides.
+            // The two orders agree if no number was edited on both sides.
             is_replaced |= shape != other;
         } else if !are_both_moved {
             return Self::merged_parts(base, theirs, start, ours);
@@ -180,13 +179,13 @@ impl ObjectState {
         }
     }
 
-    /// The place of a shape in the world.
+    /// The position of a shape in the world.
     fn place(&self) -> Option<Vec3> {
         let middle = self.shape.as_ref()?.middle();
         Some(self.to_world?.0.transform_point3(middle))
     }
 
-    /// Returns the state without its place in the file.
+    /// The state without its order in the file.
     pub fn unordered(&self) -> Self {
         Self {
             order: None,
@@ -194,7 +193,7 @@ impl ObjectState {
         }
     }
 
-    /// Returns the state without what no file says.
+    /// The state without the components that files do not hold.
     pub fn for_file(&self) -> Self {
         Self {
             hidden: None,
@@ -203,7 +202,7 @@ impl ObjectState {
         }
     }
 
-    /// Whether an entity is in the scene, as [`Self::is_there`].
+    /// Whether an entity is in the scene, see [`Self::is_there`].
     pub fn is_in_scene(world: &World, entity: Entity) -> bool {
         world.get_entity(entity).is_ok_and(|entity| {
             entity.contains::<Shape>()
@@ -215,7 +214,7 @@ impl ObjectState {
         })
     }
 
-    /// Whether the thing exists.
+    /// Whether the entity is in the scene.
     pub fn is_there(&self) -> bool {
         self.shape.is_some()
             || self.material.is_some()

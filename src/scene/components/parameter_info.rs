@@ -1,4 +1,4 @@
-//! The declaration of a parameter besides its value: its name in files, and its explanation.
+//! The declaration of a parameter: name, help texts and range.
 
 use std::ops::RangeInclusive;
 
@@ -11,16 +11,16 @@ pub(crate) struct ParameterInfo {
     pub label: &'static str,
     /// The effect, as a sentence.
     pub about: &'static str,
-    /// The values that it takes, with their unit, in words.
+    /// The allowed values with their unit, in words.
     pub values: &'static str,
-    /// The bounds of a number, or of the channels of a colour whose kind does not say them.
+    /// The bounds of a number, or of the channels of a colour, unless the kind implies them.
     pub range: RangeInclusive<f32>,
-    /// The bounds that a slider offers, if they are narrower; numbers beyond them can be typed.
+    /// The narrower bounds of a slider, if it has any; numbers beyond them can be typed.
     pub offered: Option<RangeInclusive<f32>>,
-    /// The default of a number that is one of several parts of a parameter; the declaration of the plugin has those of
-    /// all others.
+    /// The default of a number that is one of several parts of a parameter; for all others the declaration of the
+    /// plugin has it.
     pub usual: f32,
-    /// Stands behind the number in the panel.
+    /// The unit after the number in the panel.
     pub unit: &'static str,
 }
 
@@ -39,7 +39,7 @@ impl ParameterInfo {
         }
     }
 
-    /// A share of the light by colour.
+    /// A reflectance by colour.
     pub const fn reflectance(name: &'static str, label: &'static str, about: &'static str) -> Self {
         Self::new(name, label, about, "0 to 1 per channel, or a texture")
     }
@@ -49,12 +49,12 @@ impl ParameterInfo {
         Self::new(name, label, about, "0 to 1, or a texture").within(0.0..=1.0)
     }
 
-    /// A parameter that is true or false.
+    /// A boolean parameter.
     pub const fn switch(name: &'static str, label: &'static str, about: &'static str) -> Self {
         Self::new(name, label, about, "on or off")
     }
 
-    /// The rate at which something is sampled, relative to the usual one.
+    /// The sampling rate relative to the default.
     pub const fn sampling_rate(name: &'static str, label: &'static str, about: &'static str) -> Self {
         let values = "0 or more; 0 never, 1 as usual. The picture does not depend on it, only its noise";
         Self::new(name, label, about, values).within(0.0..=f32::MAX)
@@ -87,7 +87,7 @@ impl ParameterInfo {
         self.offered.as_ref().unwrap_or(&self.range).clone()
     }
 
-    /// The bounds of a length in a file: one above 0 for the panel may be as small as numbers are, as tiny scenes need.
+    /// The bounds of a length in a file: a length above 0 may be arbitrarily small, as tiny scenes need.
     pub fn file_range(&self) -> RangeInclusive<f32> {
         let start = *self.range.start();
         let least = if start > 0.0 { f32::MIN_POSITIVE } else { start };

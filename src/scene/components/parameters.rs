@@ -1,4 +1,4 @@
-//! The kinds of parameters that plugins have, and what values of those consist of.
+//! The kinds of plugin parameters, and the types of their values.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -13,17 +13,17 @@ use super::texture::{Parameter, Texture};
 use super::wall_openings::Opening;
 use crate::color::Rgb;
 
-/// Declares the kinds of parameters: a reference to the value, to be read or to be changed.
+/// Declares the kinds of parameters: a shared and a mutable reference to the value.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident($value:ty),)*) => {
-        /// The value of a parameter, to be read.
+        /// A shared reference to the value of a parameter.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub(crate) enum ParameterRef<'p> {
             $($(#[$doc])* $kind(&'p $value),)*
         }
 
-        /// The value of a parameter, to be changed. What is left alone keeps its value, which in a fresh plugin is the
-        /// format's default.
+        /// A mutable reference to the value of a parameter. Unchanged values of a fresh plugin are the format's
+        /// defaults.
         #[derive(Debug, PartialEq)]
         pub(crate) enum ParameterMut<'p> {
             $($(#[$doc])* $kind(&'p mut $value),)*
@@ -32,17 +32,17 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// A share of the light by colour, 0 to 1.
+    /// A reflectance by colour, 0 to 1.
     Reflectance(Parameter<Rgb>),
     /// A picture of normals, (normal + 1) / 2 in the shading frame.
     Normals(Parameter<Rgb>),
     Float(Parameter<f32>),
-    /// A height in units of the scene: a texture, to which the format gives no name.
+    /// A height in units of the scene: a texture, which has no fixed name in the format.
     Height(Parameter<f32>),
-    /// A number that is the same everywhere.
+    /// A constant number.
     Number(f32),
     Flag(bool),
-    /// A flag of ours, which no other program knows: off by default, and written only where it is on.
+    /// A flag of this program only: off by default, and written only if it is on.
     Extension(bool),
     Ior(Ior),
     /// The index of a conductor: `material`, or `eta` and `k`.
@@ -50,16 +50,16 @@ kinds! {
     Distribution(Distribution),
     /// The roughness: `alpha`, or `alpha_u` and `alpha_v`.
     Roughness(Roughness),
-    /// The roughness of a model that looks the same in all directions.
+    /// The roughness of an isotropic model.
     UniformRoughness(Roughness),
     /// The index of a principled surface: `specular` or `eta`.
     PrincipledIndex(PrincipledIndex),
     /// The absorption: `eumelanin` and `pheomelanin`, or `sigma_a` and `scale`.
     Absorption(Absorption),
-    /// Light that is sent out, by colour: not negative, without upper bound.
+    /// Emitted light by colour: not negative, without upper bound.
     Emission(Rgb),
     TexturedEmission(Parameter<Rgb>),
-    /// A share of the light by colour, 0 to 1, the same everywhere.
+    /// A constant reflectance by colour, 0 to 1.
     UniformReflectance(Rgb),
     /// A factor on light.
     Factor(f32),
@@ -77,11 +77,11 @@ kinds! {
     SunPosition(SunPosition),
     /// The sampling weight, which is written only if it is not 1.
     SamplingWeight(f32),
-    /// A factor of ours, which no other program knows: 1 by default, and written only where it is not.
+    /// A factor of this program only: 1 by default, and written only if it is not.
     ExtensionFactor(f32),
     /// The coefficients of a medium: `sigma_t` and `albedo`, or `sigma_s` and `sigma_a`.
     Coefficients(Coefficients),
-    /// Light that is sent out in space, by colour: an extension, which is written only where there is some.
+    /// Emission in space, by colour: an extension, which is written only if it is not zero.
     VolumeEmission(VolumeParameter<Rgb>),
     /// A share from 0 to 1 that may vary in space.
     VolumeShare(VolumeParameter<f32>),
@@ -95,16 +95,16 @@ kinds! {
     Openings(Vec<Opening>),
 }
 
-/// A value with declared parameters. They are met in the order of the declaration.
+/// A value with declared parameters, in the order of the declaration.
 pub(crate) trait Declared {
-    /// Shows `meet` every parameter.
+    /// Calls `meet` with every parameter.
     fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>));
 
-    /// Shows `meet` every parameter, to be changed.
+    /// Calls `meet` with every parameter, mutable.
     fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut));
 }
 
-/// The name of a bump map's texture where the file gives none.
+/// The default name of a bump map's texture.
 pub(crate) const HEIGHT: &str = "height";
 
 /// The largest index of refraction or extinction; the highest measured ones in the visible range are below 10.
@@ -116,10 +116,10 @@ pub(crate) const INDICES: RangeInclusive<f32> = 0.01..=HIGHEST_INDEX;
 /// The indices of refraction that sliders offer.
 pub(crate) const OFFERED_INDICES: RangeInclusive<f32> = 1.0..=3.0;
 
-/// The roughness that sliders offer: at zero there would be no rough surface.
+/// The roughness that sliders offer: at zero the surface would not be rough.
 const OFFERED_ROUGHNESS: RangeInclusive<f32> = 0.001..=1.0;
 
-/// The largest absorption coefficient of a hair, factor on it, and concentration of a pigment: blacker than any.
+/// The limit of a hair's absorption coefficient, of the factor on it, and of pigment concentrations: practically black.
 const MOST_ABSORPTION: f32 = 1e6;
 
 pub(crate) const MATERIAL: ParameterInfo = ParameterInfo::new(
@@ -226,7 +226,7 @@ pub(crate) const ABSORPTION_SCALE: ParameterInfo =
 pub enum ConductorIor {
     /// A name such as `Au`, `Cu`; `none` is a perfect mirror.
     Named(String),
-    /// The optical constants as numbers or textures.
+    /// Optical constants as numbers or textures.
     Given {
         /// The real part of the refractive index relative to the outside, not negative.
         eta: Parameter<Rgb>,
@@ -235,17 +235,17 @@ pub enum ConductorIor {
     },
 }
 
-/// Index of refraction of a dielectric.
+/// The index of refraction of a dielectric.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Ior {
     /// A name such as `water`, `bk7`.
     Named(String),
-    /// A number above 0; 1 is that of vacuum.
+    /// A number above 0; 1 for vacuum.
     Number(f32),
 }
 
 declare_names! {
-    /// The distribution of the normals of a rough surface's facets.
+    /// The microfacet distribution of a rough surface.
     #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Distribution {
         /// Gaussian slopes.
@@ -255,10 +255,10 @@ declare_names! {
     }
 }
 
-/// Width of the distribution of slopes (not its square root), above 0.
+/// The width alpha of the distribution of slopes (not its square root), above 0.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Roughness {
-    /// The same in all directions of the surface.
+    /// The same in all directions.
     Isotropic(Parameter<f32>),
     /// The roughness along each of the two tangents.
     Anisotropic {
@@ -290,17 +290,17 @@ impl Default for PrincipledIndex {
     }
 }
 
-/// The absorption of light inside a hair.
+/// The absorption inside a hair.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Absorption {
-    /// The absorption follows from pigments.
+    /// Absorption by pigments.
     Melanin {
-        /// The concentration of the pigment that makes hair brown and black, at least 0.
+        /// The concentration of the brown and black pigment, at least 0.
         eumelanin: f32,
-        /// The concentration of the pigment that makes hair red, at least 0.
+        /// The concentration of the red pigment, at least 0.
         pheomelanin: f32,
     },
-    /// The absorption is given by its coefficient.
+    /// Absorption by its coefficient.
     Given {
         /// The coefficient per radius, at least 0.
         sigma_a: Parameter<Rgb>,
@@ -322,13 +322,13 @@ impl Default for Absorption {
 /// The angles of a cone from its axis in degrees.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// The angle beyond which there is no light.
+    /// The angle beyond which the intensity is zero.
     pub cutoff_angle: f32,
-    /// The angle within which there is all of the light.
+    /// The angle within which the intensity is full.
     pub beam_width: f32,
 }
 
-/// The angle across a picture.
+/// The field of view of a picture.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct FieldOfView {
     /// Degrees.
@@ -340,14 +340,14 @@ pub struct FieldOfView {
 /// The position of the sun, or the data from which it follows.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum SunPosition {
-    /// Towards the sun, in the world; of any length.
+    /// The direction to the sun in the world; of any length.
     Direction(Vec3),
-    /// The sun's place follows from place and time. In the light's own space x is south then and y west.
+    /// The direction computed from a place and time. In the light's own space x is then south and y west.
     PlaceAndTime(PlaceAndTime),
 }
 
 declare_parameters! {
-    /// A place on earth and a moment at it: by default an afternoon in Tokyo, as the format has it.
+    /// A place on earth and a local time there: by default an afternoon in Tokyo, as in the format.
     #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
     pub struct PlaceAndTime {
         /// Degrees, north positive.
@@ -390,7 +390,7 @@ declare_parameters! {
     }
 }
 
-/// The range of times, which may be outside of the day; larger ones are mistakes.
+/// The allowed range of a time, which may be outside of the day; larger ones are mistakes.
 const TIME: RangeInclusive<f32> = -1e5..=1e5;
 
 pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(

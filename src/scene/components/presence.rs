@@ -1,7 +1,7 @@
-//! Notices which of the watched files have gone from the disk.
+//! Detects watched files that were removed from the disk.
 //!
-//! Text editors save by replacing the file, so that it does not exist for a moment: a file is gone only when it stays
-//! away. A file that never existed is not gone either; its reader says that it is missing.
+//! Text editors save by replacing the file, so that it does not exist for a moment: a file is gone only after some
+//! time. A file that never existed is not gone; its reader reports it as missing.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
@@ -15,13 +15,12 @@ const GRACE: Duration = Duration::from_millis(500);
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Presence {
     there: HashSet<PathBuf>,
-    /// The times since which files have been away.
+    /// The absent files, each with the time since when.
     away: BTreeMap<PathBuf, Instant>,
 }
 
 impl Presence {
-    /// Looks where all the files are: to be done when there are other ones, and when something happens in their
-    /// folders.
+    /// Checks whether all files exist: to be called when the list changes, and after events in their folders.
     pub fn look<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) {
         let before = std::mem::take(self);
         let (mut names, access) = (FolderNames::default(), Access::everywhere());
@@ -36,7 +35,7 @@ impl Presence {
         }
     }
 
-    /// The files that are gone, in the order of their names.
+    /// The files that are gone, sorted by name.
     pub fn gone(&self) -> Vec<PathBuf> {
         let gone = self
             .away

@@ -8,28 +8,27 @@ use super::parameter_info::ParameterInfo;
 use super::parameters::{Declared, ParameterMut, ParameterRef};
 use crate::scene::{DocumentOrder, FilmStorage, FovAxis, ToWorld};
 
-/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic
-/// picture, and else dropped.
+/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Its scale is the extent of an orthographic picture,
+/// and otherwise ignored.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, Film, DocumentOrder)]
 pub struct Sensor {
-    /// The lens, which decides how rays leave the camera.
+    /// The lens model.
     pub lens: Lens,
     /// The field of view in degrees, 0 to 180 exclusive, along `fov_axis`.
     pub fov: f32,
     /// The side of the picture along which `fov` is measured.
     pub fov_axis: FovAxis,
-    /// Distances along the view axis between which things are seen.
+    /// The near clip distance along the view axis.
     pub near_clip: f32,
-    /// The far clip distance, see `near_clip`.
+    /// The far clip distance along the view axis.
     pub far_clip: f32,
     /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
-    /// The time at which the shutter opens in seconds after that of the picture; what moves while it is open is
-    /// blurred.
+    /// The time at which the shutter opens, in seconds after the picture's time; motion while it is open is blurred.
     pub shutter_open: f32,
-    /// The time at which it closes in seconds, not before it opens.
+    /// The time at which the shutter closes in seconds, not before it opens.
     pub shutter_close: f32,
 }
 
@@ -56,7 +55,7 @@ pub enum Lens {
     Pinhole,
     /// `thinlens`: the picture is sharp in the plane at `focus_distance` along the view axis.
     Thin {
-        /// World units; of the circle around the blades' corners, if there are blades.
+        /// World units; for a polygonal aperture, the radius of the circle through its corners.
         aperture_radius: f32,
         /// World units.
         focus_distance: f32,
@@ -70,7 +69,7 @@ pub enum Lens {
 }
 
 impl Lens {
-    /// The lens that a view needs in place of this one to be orthographic or not; None if this one is so itself.
+    /// The lens that makes a view orthographic or not; None if this lens does already.
     pub fn for_projection(self, orthographic: bool) -> Option<Self> {
         let other = if orthographic {
             Self::Orthographic
@@ -91,14 +90,14 @@ pub struct Film {
     pub height: u32,
     /// The part that is rendered; None for all of it.
     pub crop: Option<Crop>,
-    /// The filter, by which samples near a pixel's border count for its neighbours.
+    /// The reconstruction filter.
     pub filter: ReconstructionFilter,
-    /// The samples per pixel to stop at.
+    /// The number of samples per pixel at which rendering stops.
     pub sample_count: u32,
-    /// How it is stored in files.
+    /// The format of picture files.
     pub storage: FilmStorage,
-    /// The [relative noise](crate::render::noise) to stop at, above 0; None is no limit. Whichever of both limits is
-    /// reached first counts.
+    /// The [relative noise](crate::render::noise) at which rendering stops, above 0; None is no limit. The limit that
+    /// is reached first counts.
     pub noise_target: Option<f32>,
     /// Whether more samples go where the noise is, see [`crate::render::noise::adaptive`].
     pub adaptive: bool,
@@ -118,7 +117,7 @@ pub struct Crop {
 }
 
 impl Film {
-    /// The film of a file that says nothing of it, and has no sampler.
+    /// The film of a file without film settings and sampler.
     pub fn of_format() -> Self {
         Self {
             sample_count: 4,
@@ -126,7 +125,7 @@ impl Film {
         }
     }
 
-    /// The picture in pixels of the film: the crop within the film, and at least a pixel if there is one.
+    /// The pixels of the picture: the crop within the film, at least one pixel if there is a crop.
     pub fn window(&self) -> Crop {
         let Some(crop) = self.crop else {
             return Crop {
@@ -150,12 +149,12 @@ impl Film {
 
     /// The most samples per pixel.
     pub(crate) const LARGEST_SAMPLE_COUNT: u32 = 1 << 30;
-    /// Pixels along one side.
+    /// The most pixels along one side.
     pub(crate) const LARGEST_SIDE: u32 = 65_536;
     /// The most pixels in all: sums and finished pictures of that size take 5 GB.
     pub const MOST_PIXELS: u64 = 1 << 26;
 
-    /// Whether there can be a film of this size in pixels.
+    /// Whether a film of this size in pixels is allowed.
     pub fn is_possible(width: u32, height: u32) -> bool {
         let sides = 1..=Self::LARGEST_SIDE;
         sides.contains(&width) && sides.contains(&height) && u64::from(width) * u64::from(height) <= Self::MOST_PIXELS
@@ -178,10 +177,10 @@ impl Default for Film {
 }
 
 declare_plugins! {
-    /// Weighs samples around a pixel's centre.
+    /// The weights of samples around a pixel's centre.
     #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
     pub enum ReconstructionFilter {
-        /// The same weight all over the pixel.
+        /// A constant weight over the pixel.
         [PluginInfo::new("box", "box")]
         Box,
 
@@ -235,7 +234,7 @@ pub fn cameras(world: &mut World) -> Vec<(Entity, String)> {
         .collect()
 }
 
-/// The camera of this name, or else of this index, from 0 on in the order of the file.
+/// The camera with this name, or else with this index, from 0 in the order of the file.
 pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCamera> {
     let cameras = cameras(world);
     let by_name = cameras.iter().find(|(_, name)| name == wanted);

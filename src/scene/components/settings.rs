@@ -7,37 +7,35 @@ use bevy::prelude::*;
 use crate::layer::Layers;
 
 declare_names! {
-    /// The integrators of paths, by their plugins.
+    /// The integrators of light paths, by their plugins.
     #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum PathPlugin {
-        /// `path`: space is empty, whatever media there are.
+        /// `path`: a path tracer without media.
         #[default]
         Path = "path",
-        /// `volpath`: light is scattered and absorbed in media as well.
+        /// `volpath`: a path tracer with scattering and absorption in media.
         VolPath = "volpath",
         /// `volpathmis`: the same as `volpath` here.
         VolPathMis = "volpathmis",
-        /// `bdpt`: paths from the camera and from the lights, joined in all ways. Space is empty. Mitsuba 3 has none.
+        /// `bdpt`: bidirectional path tracing, without media. Mitsuba 3 has none.
         Bdpt = "bdpt",
-        /// `vcm`: the same as `bdpt` with photons beside it, which blur caustics a little. Space is empty. Mitsuba 3
-        /// has none.
+        /// `vcm`: `bdpt` with photon merging, which blurs caustics a little. Without media. Mitsuba 3 has none.
         Vcm = "vcm",
-        /// `ptracer`: paths from the lights alone. Space is empty.
+        /// `ptracer`: paths from the lights only, without media.
         Ptracer = "ptracer",
-        /// `auto`: `path` or `bdpt`, whichever pays for the scene, and `volpath` where there are media. Mitsuba 3 has
-        /// none.
+        /// `auto`: `path` or `bdpt`, whichever is more efficient for the scene, and `volpath` if there are media.
+        /// Mitsuba 3 has none.
         Auto = "auto",
     }
 }
 
 impl PathPlugin {
-    /// Whether lights are sampled, bsdfs are followed, or both, as [`Strategy`] says. Others always use all of their
-    /// ways.
+    /// Whether [`Strategy`] applies. Other integrators always use all of their sampling techniques.
     pub fn has_strategy(self) -> bool {
         matches!(self, Self::Path | Self::VolPath | Self::VolPathMis | Self::Auto)
     }
 
-    /// Whether it has photons.
+    /// Whether it uses photons.
     pub fn has_photons(self) -> bool {
         self == Self::Vcm
     }
@@ -47,7 +45,7 @@ impl PathPlugin {
         matches!(self, Self::Path | Self::Auto)
     }
 
-    /// Whether light meets media.
+    /// Whether it traces media.
     pub fn traces_media(self) -> bool {
         matches!(self, Self::VolPath | Self::VolPathMis | Self::Auto)
     }
@@ -57,11 +55,11 @@ impl PathPlugin {
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, PartialEq)]
 pub struct IntegratorSettings {
-    /// The plugin, which says whether light meets media.
+    /// The plugin.
     pub plugin: PathPlugin,
     /// The most segments of a path: 1 shows emitters only, 2 adds direct light; None is unbounded.
     pub max_depth: Option<u32>,
-    /// The depth from which on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
+    /// The depth from which paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
     pub rr_depth: u32,
     /// Whether emitters are invisible to the camera.
     pub hide_emitters: bool,
@@ -69,24 +67,22 @@ pub struct IntegratorSettings {
     pub strategy: Strategy,
     /// Whether Schlick's approximation is used for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
-    /// The paths from the lights for one sample of all pixels, with `vcm`: the file's `photons`; None for one in four
+    /// The number of light paths for one sample of all pixels, with `vcm`: the file's `photons`; None for one per four
     /// pixels.
     pub photons: Option<u32>,
     /// The radius within which photons are merged in the first samples, in pixels: the file's `merge_radius`.
     pub merge_radius: f32,
-    /// The share of the samples with light, in percent, whose brightness is left as it is, while brighter ones are
-    /// clamped; None for no clamp.
+    /// The percentage of the samples with light that are not clamped, while brighter ones are; None for no clamp.
     pub clamp_percentile: Option<f32>,
-    /// Whether paths from the camera are guided to where light comes from, with `path` and with `auto` where that is
-    /// `path`.
+    /// Whether camera paths are guided towards light, with `path` and with `auto` if that is `path`.
     pub guided: bool,
-    /// The layers that are kept and saved with the picture: the file's integrator `aov`.
+    /// The layers that are saved with the picture: the file's integrator `aov`.
     #[reflect(ignore)]
     pub layers: Layers,
 }
 
 impl IntegratorSettings {
-    /// The most [`photons`](Self::photons): 32 rounds of them are kept at a time.
+    /// The most [`photons`](Self::photons): 32 rounds of them are in memory at a time.
     pub const MOST_PHOTONS: u32 = 1 << 18;
     /// The range of [`merge_radius`](Self::merge_radius), in pixels.
     pub const MERGE_RADII: RangeInclusive<f32> = 0.01..=1000.0;
@@ -113,13 +109,13 @@ impl Default for IntegratorSettings {
 }
 
 declare_names! {
-    /// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only
-    /// sampling cannot see an emitter through a mirror or glass other than by following the path there.
+    /// The sampling strategy at each bounce. All three converge to the same picture, except that light-only sampling
+    /// cannot see an emitter through a mirror or glass other than by following the path there.
     #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Strategy {
-        /// Directions are drawn from the materials alone.
+        /// Directions are sampled from the BSDFs only.
         Bsdf = "bsdf",
-        /// Directions are drawn from the lights alone.
+        /// Directions are sampled from the lights only.
         Light = "light",
         /// Both, weighted by multiple importance sampling.
         #[default]
@@ -127,13 +123,13 @@ declare_names! {
     }
 }
 
-/// The source of random numbers.
+/// The settings of the random numbers.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, PartialEq)]
 pub struct SamplerSettings {
     /// The kind of random numbers.
     pub sequence: Sequence,
-    /// The seed. Another seed gives other noise.
+    /// The seed. Another seed gives another pattern of noise.
     pub seed: u32,
 }
 
@@ -150,11 +146,11 @@ declare_names! {
 }
 
 declare_names! {
-    /// The method by which the acceleration structures are built.
+    /// The build method of the acceleration structures.
     #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     #[reflect(Resource, PartialEq)]
     pub enum AccelMethod {
-        /// No hierarchy: every ray meets every primitive.
+        /// No hierarchy: every ray is tested against every primitive.
         Linear = "linear",
         /// Split at the object median.
         Median = "median",

@@ -1,4 +1,4 @@
-//! Shapes as the user knows them.
+//! Shapes.
 
 use std::path::PathBuf;
 
@@ -14,10 +14,9 @@ use crate::scene::{DocumentOrder, Solid, ToWorld};
 pub struct Shape {
     /// Its geometry.
     pub kind: ShapeKind,
-    /// Turns the normals over: the side that emits and, for one-sided materials, the side that is seen.
+    /// Flips the normals: the side that emits and, for one-sided materials, the side that is visible.
     pub flip_normals: bool,
-    /// How many times as many texels of a lightmap lie along a length of it as on other shapes, in
-    /// [`Self::LIGHTMAP_SCALES`]; 0: it has none.
+    /// The lightmap texels per length relative to other shapes, in [`Self::LIGHTMAP_SCALES`]; 0 means no lightmap.
     pub lightmap_scale: f32,
 }
 
@@ -35,8 +34,8 @@ impl Shape {
     /// The range of [`lightmap_scale`](Self::lightmap_scale).
     pub const LIGHTMAP_SCALES: std::ops::RangeInclusive<f32> = 0.0..=100.0;
 
-    /// The place of the shape in its own space, as users know it: the centre of a sphere, the first end of a cylinder,
-    /// the first corner of a triangle, the origin for others.
+    /// The reference point of the shape in its own space: the centre of a sphere, the first end of a cylinder, the
+    /// first corner of a triangle, the origin for others.
     pub fn middle(&self) -> Vec3 {
         match self.kind {
             ShapeKind::Sphere { center, .. } => center,
@@ -46,12 +45,11 @@ impl Shape {
         }
     }
 
-    /// The shape with its [`middle`](Self::middle) elsewhere in its own space. None for shapes that are at the origin
-    /// of that.
+    /// The shape with its [`middle`](Self::middle) moved in its own space. None for shapes at the origin.
     pub(crate) fn moved_to(&self, middle: Vec3) -> Option<Self> {
         let mut moved = self.clone();
         let by = middle.as_dvec3() - self.middle().as_dvec3();
-        // The sum of numbers of few digits has few digits.
+        // Adding numbers of few digits gives few digits.
         let beside = |place: Vec3| short_together([(place.as_dvec3() + by).as_vec3()], 7)[0];
         match &mut moved.kind {
             ShapeKind::Sphere { center, .. } => *center = middle,
@@ -71,7 +69,7 @@ impl Shape {
         Some(moved)
     }
 
-    /// Whether the shape is placed by numbers of its own, and not by its transform alone.
+    /// Whether the shape has position parameters of its own, besides its transform.
     pub(crate) fn has_own_place(&self) -> bool {
         matches!(
             self.kind,
@@ -98,8 +96,8 @@ impl Shape {
         placed
     }
 
-    /// The angles at which the shape is at rest in a world with this upward direction: building parts stand upright
-    /// then. Its rotation is shown from there.
+    /// The rest angles of the shape in a world with this upward direction, at which building parts stand upright. Its
+    /// rotation is shown relative to them.
     pub(crate) fn rest_angles(&self, up: Vec3) -> Vec3 {
         match self.kind {
             ShapeKind::Solid(_) => upright_rest(up),
@@ -112,14 +110,14 @@ impl Shape {
         self.kind == ShapeKind::Frame
     }
 
-    /// Whether v grows from the bottom up, as seen from the side where u grows to the right. Pictures begin with their
-    /// uppermost row, so that they are upside down there.
+    /// Whether v grows upwards, as seen from the side where u grows to the right. Pictures begin with their top row, so
+    /// that they are upside down there.
     pub(crate) fn shows_pictures_upside_down(&self) -> bool {
         match &self.kind {
             ShapeKind::Rectangle | ShapeKind::Cylinder { .. } => true,
-            // Programs that write such files count v from the bottom up.
+            // Programs that write such files let v grow upwards.
             ShapeKind::Mesh(file) => file.format != MeshFormat::Serialized && !file.flip_tex_coords,
-            // On these shapes v grows downwards, or around the middle.
+            // On these shapes v grows downwards, or around the centre.
             ShapeKind::Sphere { .. }
             | ShapeKind::Cube
             | ShapeKind::Disk
@@ -131,7 +129,7 @@ impl Shape {
     }
 }
 
-/// Rounds the points to a unit that gives the largest of all coordinates `digits` digits: beside 3, a coordinate of
+/// Rounds the points to a common unit, in which the largest coordinate has `digits` digits: beside 3, a coordinate of
 /// 2.4e-7 becomes 0.
 pub(crate) fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> [Vec3; N] {
     let largest = points
@@ -141,7 +139,7 @@ pub(crate) fn short_together<const N: usize>(points: [Vec3; N], digits: i32) -> 
     points.map(|point| {
         point.map(|number| {
             let multiple = (f64::from(number) / unit).round() * unit;
-            // Adding zero turns -0 into 0.
+            // Adding zero makes -0 positive.
             if multiple.is_finite() {
                 multiple as f32 + 0.0
             } else {
@@ -168,7 +166,7 @@ pub enum ShapeKind {
     Cube,
     /// The unit disk in the local plane z = 0, its normal +z.
     Disk,
-    /// One triangle, in local space; its front is where its corners run counter-clockwise.
+    /// One triangle, in local space; its front is the side from which its corners are counter-clockwise.
     Triangle {
         /// The corners in local space.
         corners: [Vec3; 3],
@@ -188,17 +186,17 @@ pub enum ShapeKind {
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
     Instance,
-    /// It is invisible: it holds the transform of a folder, and its name is that of the folder with a slash behind it.
+    /// Invisible: it holds the transform of a folder, and its name is that of the folder with a slash.
     Frame,
 }
 
 impl ShapeKind {
-    /// Whether a shape of this kind encloses nothing, whatever its size: both sides of its surface can be seen.
+    /// Whether such a shape is flat: it encloses no volume at any size, so that both sides can be seen.
     pub(crate) fn is_flat(&self) -> bool {
         matches!(self, Self::Rectangle | Self::Disk | Self::Triangle { .. })
     }
 
-    /// The names of all plugins, groups apart.
+    /// The names of all plugins except groups.
     pub const PLUGINS: [&'static str; 13] = [
         "sphere",
         "rectangle",
@@ -216,18 +214,18 @@ impl ShapeKind {
     ];
 }
 
-/// A mesh by its file.
+/// A mesh in a file.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     /// The absolute path.
     pub path: PathBuf,
-    /// The format, by the plugin that names the file, not by its extension.
+    /// The format, given by the plugin that names the file, not by its extension.
     pub format: MeshFormat,
     /// The index of the shape in a serialized file, from 0.
     pub shape_index: u32,
-    /// Whether to shade with the triangles' own normals, not the vertices'.
+    /// Whether to shade with geometric normals instead of vertex normals.
     pub face_normals: bool,
-    /// Turns the file's v upside down. Unless the scene says otherwise so for OBJ, where v counts from the bottom up.
+    /// Whether v is flipped. This is the default for OBJ, where v grows upwards.
     pub flip_tex_coords: bool,
 }
 
@@ -246,7 +244,7 @@ declare_names! {
 }
 
 impl MeshFormat {
-    /// The value of `flip_tex_coords` where the scene does not give it.
+    /// The default of `flip_tex_coords`.
     pub(crate) fn flips_tex_coords(self) -> bool {
         self == Self::Obj
     }

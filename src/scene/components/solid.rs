@@ -1,7 +1,6 @@
-//! Building parts that are given by a few numbers: walls with openings, stairs, prisms. Each stands on the plane z = 0
-//! of its own space.
+//! Parametric building parts: walls with openings, stairs, prisms. Each stands on the plane z = 0 of its own space.
 //!
-//! These plugins are extensions of the format. The numbers are what a file holds; meshes are made from them
+//! These plugins are extensions of the format. A file holds the parameters; meshes are made from them
 //! ([`crate::scene::assets::solid_mesh`]), also when `convert` writes a scene for other programs.
 
 use bevy::math::Vec3;
@@ -32,7 +31,7 @@ declare_plugins! {
             )),
         },
 
-        /// Solid stairs that begin at y = 0, rise along +y and have their middle at x = 0.
+        /// Solid stairs that begin at y = 0, rise along +y and are centred on x = 0.
         [PluginInfo::new("stairs", "stairs")]
         Stairs {
             width: f32 = 1.0 => Length(extent("width", "Width", "The extent across.")),
@@ -84,7 +83,7 @@ impl Solid {
     /// The most openings of a wall, so that the mesh of a mistyped file stays small.
     pub const MOST_OPENINGS: usize = MOST_OPENINGS;
 
-    /// Calls a function with every length, those of openings as well.
+    /// Calls a function with every length, including those of openings.
     pub(crate) fn visit_lengths(&mut self, visit: &mut dyn FnMut(&mut f32)) {
         self.visit_mut(&mut |_, value| match value {
             ParameterMut::Length(length) => visit(length),
@@ -103,7 +102,7 @@ impl Solid {
         });
     }
 
-    /// Two opposite corners of the box around it, in its own space.
+    /// Two opposite corners of its bounding box, in its own space.
     pub fn corners(&self) -> [Vec3; 2] {
         match *self {
             Self::Wall {

@@ -13,12 +13,12 @@ use crate::scene::{FileKind, Lens, MissingFile};
 /// Asks for a scene file. The open scene is replaced once the new one is read.
 #[derive(Message, Clone, Debug, Default, PartialEq, Eq)]
 pub struct OpenScene {
-    /// Relative paths are meant from the working directory.
+    /// The path of the scene file, relative to the working directory.
     pub path: PathBuf,
     /// The values for the file's `$name` parameters; they override its `<default>`s.
     pub defines: Vec<(String, String)>,
-    /// Whether edits since the file was read are kept if it is the open file, as they are when it changes on disk.
-    /// Otherwise they are lost.
+    /// Whether edits since the file was read are kept if it is the open file, as after changes on disk. Otherwise they
+    /// are lost.
     pub keeps_edits: bool,
 }
 
@@ -29,10 +29,10 @@ pub struct FileReadAgain(pub PathBuf);
 /// The progress of the scene that was requested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneState {
-    /// Nothing has been opened.
+    /// No scene has been opened.
     #[default]
     Empty,
-    /// A scene is being read for the first time; entities may still be those of the one before.
+    /// A scene is being read; entities may still belong to the previous one.
     Loading,
     /// The entities are those of the file. Meshes may still be loading: [`SceneStatus::meshes_loading`].
     Ready,
@@ -45,15 +45,15 @@ pub enum SceneState {
 pub struct FileProblem {
     /// The absolute path of the file.
     pub path: PathBuf,
-    /// The place where the scene file names it, in the diagnostics of the last good load.
+    /// The span where the scene file names it, in the diagnostics of the last good load.
     pub span: Option<Span>,
     /// One sentence that begins with the file.
     pub what: String,
-    /// The sentence after its place in the scene file (`file:line:column: `), where it has one.
+    /// The sentence with the place in the scene file before it (`file:line:column: `), if known.
     pub message: String,
-    /// What can be done.
+    /// Advice.
     pub help: Option<String>,
-    /// What should be there, if there is no file.
+    /// The kind of the file, if it is missing.
     pub missing: Option<FileKind>,
 }
 
@@ -73,7 +73,7 @@ impl FileProblem {
         }
     }
 
-    /// The problem of a file that is not there; `noted`: what was found out about it when the scene was read.
+    /// The problem of a missing file; `noted`: the facts noted when the scene was read.
     pub(in crate::scene) fn of_missing(
         kind: FileKind,
         path: &Path,
@@ -97,56 +97,55 @@ impl FileProblem {
 /// The state of the open scene.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneStatus {
-    /// The file that the entities are from, absolute; None for a scene of no file.
+    /// The file of the entities, absolute; None for a scene without a file.
     pub path: Option<PathBuf>,
-    /// The file that was requested last, absolute, while it is being read and after it could not be.
+    /// The file that was requested last, absolute, while it is being read and after that has failed.
     pub asked: Option<PathBuf>,
-    /// Whether the file of `path` cannot be read as it is now, such as while it is being edited.
+    /// Whether the present content of `path` cannot be read, for instance while it is being edited.
     pub file_is_broken: bool,
     /// The progress of the scene that was requested last.
     pub state: SceneState,
-    /// Whether the entities of a scene that is being opened are being made, of which only some are there.
+    /// Whether the entities of a scene are being made, so that only some of them exist.
     pub is_opening: bool,
     /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
-    /// The mesh files that could not be read, each once. The shapes that name them are not in the picture, or have the
-    /// last mesh that could be read.
+    /// The mesh files that could not be read, each once. Their shapes are not in the picture, or have the last readable
+    /// mesh.
     pub mesh_errors: Vec<FileProblem>,
-    /// Warnings of the mesh readers about what they left out or mended.
+    /// Warnings of the mesh readers about parts that were left out or repaired.
     pub mesh_warnings: Vec<FileProblem>,
-    /// The number of meshes whose first load is not over.
+    /// The number of meshes that are loading for the first time.
     pub meshes_loading: usize,
-    /// The pictures that do not exist. A grey replaces them, or the last content that could be read.
+    /// The missing pictures. Grey replaces them, or their last readable content.
     pub picture_problems: Vec<FileProblem>,
-    /// The pictures that exist and cannot be read, likewise.
+    /// The unreadable pictures. Grey replaces them, or their last readable content.
     pub damaged_pictures: Vec<FileProblem>,
     /// The pictures of lights that have negative pixels.
     pub picture_warnings: Vec<FileProblem>,
-    /// The number of pictures whose first load is not over.
+    /// The number of pictures that are loading for the first time.
     pub pictures_loading: usize,
-    /// The volume files that could not be read. Where they would be there is nothing, or the last content that could
-    /// be read.
+    /// The volume files that could not be read. They are left out, or have their last readable content.
     pub volume_errors: Vec<FileProblem>,
-    /// The volumes that were mended: they had values that are negative or no numbers.
+    /// The repaired volumes: they had values that are negative or NaN.
     pub volume_warnings: Vec<FileProblem>,
-    /// The number of volumes whose first load is not over.
+    /// The number of volumes that are loading for the first time.
     pub volumes_loading: usize,
-    /// The files of the scene, itself among them, that existed and are gone from the disk; their content stays.
+    /// The files of the scene, itself among them, that were removed from the disk; their content stays.
     pub files_gone: Vec<PathBuf>,
     /// Counts successful loads and reloads.
     pub revision: u64,
-    /// The number of attempts that failed.
+    /// Counts failed attempts.
     pub failures: u64,
-    /// The last successful load was of a scene newly opened, not a reload of the one that was there.
+    /// Whether the last successful load opened a new scene, and did not reload the open one.
     pub fresh_load: bool,
     /// The changes by the last reload.
     pub reload: ReloadSummary,
-    /// Whether missing files are warnings: the picture that is wanted is one without them.
+    /// Whether missing files are only warnings, so that the picture is rendered without them.
     pub allows_missing: bool,
 }
 
 impl SceneStatus {
-    /// The file that the state and the diagnostics are about.
+    /// The file of the state and the diagnostics.
     pub fn subject(&self) -> Option<&Path> {
         self.asked.as_deref().or(self.path.as_deref())
     }
@@ -156,12 +155,12 @@ impl SceneStatus {
         self.meshes_loading + self.pictures_loading + self.volumes_loading
     }
 
-    /// Whether every entity is there and every mesh, picture and volume has arrived or failed.
+    /// Whether every entity exists and every mesh, picture and volume has arrived or failed.
     pub fn is_complete(&self) -> bool {
         self.state == SceneState::Ready && self.files_loading() == 0
     }
 
-    /// The diagnostics and the problems with meshes, pictures and volumes, as messages of the same kind.
+    /// The diagnostics and the problems with meshes, pictures and volumes, all as diagnostics.
     pub fn all_diagnostics(&self) -> Diagnostics {
         let mut all = Diagnostics::clone(&self.diagnostics);
         let allowed = |problem: &FileProblem| self.allows_missing && problem.missing.is_some();
@@ -182,8 +181,7 @@ impl SceneStatus {
         all
     }
 
-    /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest
-    /// is worth seeing.
+    /// Whether a part of the scene is missing. Unreadable pictures do not count, since the rest can be shown.
     pub fn has_errors(&self) -> bool {
         let mut files = self.mesh_errors.iter().chain(&self.volume_errors);
         self.state == SceneState::Failed
@@ -191,14 +189,14 @@ impl SceneStatus {
             || files.any(|problem| !self.allows_missing || problem.missing.is_none())
     }
 
-    /// The problems of files that are not there: meshes, then volumes, then pictures.
+    /// The problems of missing files: meshes, then volumes, then pictures.
     pub fn missing_files(&self) -> impl Iterator<Item = &FileProblem> {
         let all = self.mesh_errors.iter().chain(&self.volume_errors);
         all.chain(&self.picture_problems)
             .filter(|problem| problem.missing.is_some())
     }
 
-    /// Whether nothing but missing files keeps the scene from being shown.
+    /// Whether missing files are all that keeps the scene from being shown.
     pub fn lacks_only_files(&self) -> bool {
         let mut files = self.mesh_errors.iter().chain(&self.volume_errors);
         self.has_errors()
@@ -209,16 +207,16 @@ impl SceneStatus {
     }
 }
 
-/// The sensor the picture is taken with; None without a scene.
+/// The sensor that takes the picture; None without a scene.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ActiveSensor(pub Option<Entity>);
 
-/// The view that was flown away from its sensor. No part of the scene.
+/// The view after navigation away from its sensor. No part of the scene.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct FreeView {
-    /// World from camera, as a sensor's [`crate::scene::ToWorld`]; None is the sensor's own.
+    /// World from camera, as a sensor's [`crate::scene::ToWorld`]; None for the sensor's own.
     pub pose: Option<Affine3A>,
-    /// The lens that replaces the sensor's; None is the sensor's own.
+    /// The lens that replaces the sensor's; None for the sensor's own.
     pub lens: Option<Lens>,
 }
 
@@ -232,30 +230,30 @@ impl FreeView {
     }
 }
 
-/// The numbers of things that a reload changed.
+/// The numbers of things that a reload has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReloadSummary {
-    /// The number of things that are new in the file.
+    /// The number of new things in the file.
     pub added: usize,
     /// The number of things that changed in the file and were not edited here.
     pub changed: usize,
-    /// The number of things that are no longer in the file.
+    /// The number of things removed from the file.
     pub removed: usize,
-    /// The number of things that stay as they were edited here, unlike in the file.
+    /// The number of things that keep edits which are not in the file.
     pub kept: usize,
-    /// The number of things that were edited here and in the file; the file's edit counts.
+    /// The number of things edited both here and in the file; the file's edit counts.
     pub replaced: usize,
-    /// The number of things that were renamed here, because the file has something new with their name.
+    /// The number of things renamed here, because a new thing in the file has their name.
     pub renamed: usize,
 }
 
 impl ReloadSummary {
-    /// Whether the entities are as before.
+    /// Whether the entities are unchanged.
     pub fn is_unchanged(&self) -> bool {
         self.added + self.changed + self.removed + self.replaced + self.renamed == 0
     }
 
-    /// The text, such as "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to tell.
+    /// The text, such as "2 things changed, 1 new, 3 edits kept"; empty if there are no changes.
     pub fn text(&self) -> String {
         let parts = [
             (self.changed, "changed"),

@@ -26,11 +26,11 @@ declare_parameters! {
             "Reflectance of the ground, which lights the sky from below.",
             "0 to 1 per channel",
         )),
-        /// Factors on the radiance of each.
+        /// The factor on the radiance of the sun.
         sun_scale: f32 = 1.0 => Factor(ParameterInfo::factor("sun_scale", "Sun", "Factor on the light of the sun.")),
-        /// See `sun_scale`.
+        /// The factor on the radiance of the sky.
         sky_scale: f32 = 1.0 => Factor(ParameterInfo::factor("sky_scale", "Sky", "Factor on the light of the sky.")),
-        /// Angle in degrees under which the sun is seen; how much light it sends does not depend on it.
+        /// The apparent diameter of the sun in degrees; its irradiance does not depend on it.
         sun_aperture: f32 = 0.5338 => Angle(ParameterInfo::degrees(
             "sun_aperture",
             "Sun size",
@@ -44,7 +44,7 @@ declare_parameters! {
             "Dark rim",
             "Lets the sun be darker and redder towards its rim, as it is.",
         )),
-        /// The direction to the sun, or a place and time that it follows from.
+        /// The direction to the sun, or the place and time that determine it.
         sun: SunPosition = SunPosition::PlaceAndTime(PlaceAndTime::default()) => SunPosition(SUN_DIRECTION),
     }
 }

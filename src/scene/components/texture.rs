@@ -1,5 +1,4 @@
-//! Textures as the user knows them, and parameters that may be one. They are values: a texture that several materials
-//! share is simply the same in each.
+//! Textures, and parameters that may be one. They are values: a texture that several materials share is copied in each.
 
 use std::path::PathBuf;
 
@@ -8,7 +7,7 @@ use bevy::prelude::*;
 
 use crate::color::Rgb;
 
-/// A parameter that is the same everywhere, or varies as a texture does.
+/// A parameter that is constant or varies over the surface.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Parameter<T> {
     /// The same value everywhere.
@@ -17,7 +16,7 @@ pub enum Parameter<T> {
     Texture(Texture),
 }
 
-/// A picture that is put where there was a value or another picture.
+/// A picture that replaces a value or another picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChosenPicture {
     /// The absolute path.
@@ -27,7 +26,7 @@ pub struct ChosenPicture {
 }
 
 impl<P: Into<PathBuf>> From<P> for ChosenPicture {
-    /// The picture is applied as uv says.
+    /// The picture with the identity as uv transform.
     fn from(path: P) -> Self {
         Self {
             path: path.into(),
@@ -37,7 +36,7 @@ impl<P: Into<PathBuf>> From<P> for ChosenPicture {
 }
 
 impl<T> Parameter<T> {
-    /// The picture instead. It is read in the same way as the one before it.
+    /// Sets the picture. It keeps the filter and wrapping of the picture before it.
     pub fn set_picture(&mut self, picture: ChosenPicture) {
         let before = match self {
             Self::Constant(_) => None,
@@ -52,7 +51,7 @@ impl<T> Parameter<T> {
         *self = Self::Texture(texture);
     }
 
-    /// Sets the picture in place of the texture at a place within. A place that does not exist changes nothing.
+    /// Sets the picture at a place within the texture. A place that does not exist changes nothing.
     pub fn set_picture_at(&mut self, place: SquarePath, picture: ChosenPicture) {
         let Some((square, rest)) = place.split() else {
             return self.set_picture(picture);
@@ -74,8 +73,8 @@ impl<T> Parameter<T> {
     }
 }
 
-/// A place within nested checkerboards: which of the two colours, from the outermost in, as binary digits below a
-/// leading one.
+/// A place within nested checkerboards: the choices between their two colours, outermost first, as binary digits below
+/// a leading one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SquarePath(u32);
 
@@ -83,13 +82,13 @@ impl SquarePath {
     /// The parameter itself.
     pub const WHOLE: Self = Self(1);
 
-    /// The first (0) or the second (1) colour of the checkerboard that is there. Places beyond 31 checkerboards are not
-    /// told apart.
+    /// The first (0) or the second (1) colour of the checkerboard at this place. Places beyond 31 checkerboards are not
+    /// distinguished.
     pub fn within(self, square: u32) -> Self {
         self.0.checked_mul(2).map_or(self, |place| Self(place | square))
     }
 
-    /// The outermost colour, and the place from there; None for the parameter itself.
+    /// The colour in the outermost checkerboard, and the place from there; None for the parameter itself.
     fn split(self) -> Option<(u32, Self)> {
         let digits = self.0.checked_ilog2()?.checked_sub(1)?;
         let leading = 1 << digits;
@@ -124,59 +123,59 @@ impl From<f32> for Parameter<f32> {
 #[reflect(opaque)]
 #[reflect(Clone, PartialEq)]
 pub enum Texture {
-    /// A picture over uv. What is large is boxed: every parameter of every material has room for a texture.
+    /// A picture over uv. Large variants are boxed: every parameter of every material has room for a texture.
     Bitmap(Box<Bitmap>),
     /// A checkerboard of two colours, with two by two squares per unit of uv.
     Checkerboard {
-        /// The colour at the origin of uv; for numbers that of the other squares.
+        /// The colour of the square at the origin of uv; for numbers, that of the other squares.
         color0: Box<Parameter<Rgb>>,
         /// The colour of the other squares.
         color1: Box<Parameter<Rgb>>,
         /// The transform that is applied to uv before the look-up.
         to_uv: Box<Affine2>,
     },
-    /// A value that the mesh itself has per vertex or face.
+    /// An attribute of the mesh, per vertex or face.
     MeshAttribute {
-        /// The name that the mesh's reader gives it: `vertex_color`, `face_...`.
+        /// The name given by the mesh's reader: `vertex_color`, `face_...`.
         name: String,
         /// A factor on the value.
         scale: f32,
-        /// A texture that multiplies the value as well.
+        /// Another factor, a texture.
         times: Option<Box<Self>>,
     },
 }
 
-/// A picture and how it is looked at.
+/// A picture with its filter, wrapping and uv transform.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bitmap {
     /// The absolute path.
     pub path: PathBuf,
-    /// How values between texel centres come about.
+    /// The interpolation between texel centres.
     pub filter: TextureFilter,
-    /// What lies outside of the unit square along u.
+    /// The continuation outside of the unit square along u.
     pub wrap: TextureWrap,
-    /// The same along v; None is as along u, as the format has it.
+    /// The continuation along v; None means the same as along u, as in the format.
     pub wrap_v: Option<TextureWrap>,
-    /// Numbers as they stand in the file, not decoded to linear.
+    /// Whether values are used as in the file, not decoded to linear.
     pub raw: bool,
     /// Applied to uv before the look-up.
     pub to_uv: Affine2,
 }
 
 impl Bitmap {
-    /// What lies outside of the unit square along u and along v.
+    /// The continuation outside of the unit square along u and along v.
     pub fn wraps(&self) -> [TextureWrap; 2] {
         [self.wrap, self.wrap_v.unwrap_or(self.wrap)]
     }
 }
 
 declare_names! {
-    /// How values between texel centres come about.
+    /// The interpolation between texel centres.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum TextureFilter {
         /// The texel that the point lies in.
         Nearest = "nearest",
-        /// A mean of the four texels around the point.
+        /// Linear between the four texels around the point.
         #[default]
         Bilinear = "bilinear",
     }
@@ -186,10 +185,10 @@ declare_names! {
     /// The continuation of a picture outside of the unit square.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum TextureWrap {
-        /// The picture again.
+        /// Repetition of the picture.
         #[default]
         Repeat = "repeat",
-        /// The picture again, every other time turned around.
+        /// Repetition of the picture, every other time mirrored.
         Mirror = "mirror",
         /// The texels of the edge.
         Clamp = "clamp",
@@ -197,7 +196,7 @@ declare_names! {
 }
 
 impl Texture {
-    /// A picture, which is read in the same way as the one before it if there was one.
+    /// A picture with the filter and wrapping of the one before it, if there was one.
     pub fn of_picture(path: PathBuf, before: Option<&Self>) -> Self {
         let mut bitmap = match before {
             Some(Self::Bitmap(bitmap)) => bitmap.clone(),
@@ -216,7 +215,7 @@ impl Texture {
         }
     }
 
-    /// Calls `meet` with the transform of uv of every picture and checkerboard, also of those inside this one.
+    /// Calls `meet` with the uv transform of every picture and checkerboard, nested ones included.
     pub fn for_each_placing(&mut self, meet: &mut impl FnMut(&mut Affine2)) {
         match self {
             Self::Bitmap(bitmap) => meet(&mut bitmap.to_uv),
@@ -236,7 +235,7 @@ impl Texture {
         }
     }
 
-    /// Calls `meet` with every picture, also of textures inside this one.
+    /// Calls `meet` with every picture, nested ones included.
     pub fn for_each_bitmap(&self, meet: &mut impl FnMut(&Bitmap)) {
         match self {
             Self::Bitmap(bitmap) => meet(bitmap),

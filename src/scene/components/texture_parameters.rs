@@ -1,4 +1,4 @@
-//! What is declared of the parameters of textures.
+//! The declarations of the parameters of textures.
 
 use super::parameter_info::ParameterInfo;
 
@@ -69,7 +69,7 @@ pub(crate) const NAME: ParameterInfo = ParameterInfo::new(
 pub(crate) const SCALE: ParameterInfo =
     ParameterInfo::new("scale", "Factor", "Multiplies the values of the mesh.", "any number");
 
-/// What multiplies a mesh attribute.
+/// The texture that multiplies a mesh attribute.
 pub(crate) const TIMES: ParameterInfo = ParameterInfo::new(
     "times",
     "Times",
@@ -77,5 +77,5 @@ pub(crate) const TIMES: ParameterInfo = ParameterInfo::new(
     "a texture",
 );
 
-/// The plugin of a texture that has one value everywhere.
+/// The plugin of a constant texture.
 pub(crate) const UNIFORM: &str = "uniform";

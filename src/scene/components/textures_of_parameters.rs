@@ -5,8 +5,8 @@ use super::parameters::{ALPHA, ALPHA_U, ALPHA_V, Absorption, ConductorIor, ETA, 
 use super::texture::{ChosenPicture, Parameter, SquarePath, Texture};
 
 impl ParameterMut<'_> {
-    /// Puts the picture at a place of the value if that has the name `parameter` in the file. Where there was no
-    /// texture before, a picture of anything but colours is looked at raw.
+    /// Sets the picture at a place of the value if its name in the file is `parameter`. If it had no texture before,
+    /// the picture is raw unless the parameter is a colour.
     pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
         let is = |info: &ParameterInfo| info.name == parameter;
         match self {
@@ -28,7 +28,7 @@ impl ParameterMut<'_> {
         }
     }
 
-    /// Shows `meet` every texture of the value, with the declaration that it has in the file.
+    /// Calls `meet` with every texture of the value, and with the declaration of its parameter.
     pub(crate) fn for_each_texture(
         self,
         info: &'static ParameterInfo,

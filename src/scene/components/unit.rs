@@ -1,17 +1,17 @@
-//! The unit of length of a scene: the meaning of a unit of the world, for what is typed and shown. It changes nothing
-//! of the picture.
+//! The unit of length of a scene: the length of a unit of the world, for typing and display. It does not change the
+//! picture.
 //!
-//! The file says it as `<default name="length_unit" value="cm"/>`, which other readers of the format take for a name
-//! that nothing uses.
+//! The file has it as `<default name="length_unit" value="cm"/>`, which other readers of the format take for an unused
+//! name.
 
 use bevy::prelude::*;
 
 declare_names! {
-    /// The unit of length of a scene. Its name is also the sign behind a number.
+    /// The unit of length of a scene. Its name is also the sign after a number.
     #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     #[reflect(Resource, PartialEq)]
     pub enum LengthUnit {
-        /// The scene does not say; lengths with a unit are converted as if it were metres.
+        /// No unit is given; lengths with a unit are converted as if it were metres.
         #[default]
         None = "" => "none",
         /// A unit of the world is a metre.
@@ -27,7 +27,7 @@ declare_names! {
     }
 }
 
-/// The units that may follow a number, in metres. The marks of feet and inches stand last, so that the list begins with
+/// The units that may follow a number, in metres. The marks of feet and inches come last, so that the list begins with
 /// the names in files.
 const UNITS: [(&str, f64); 9] = [
     ("m", 1.0),
@@ -49,8 +49,8 @@ impl LengthUnit {
         known.map_or(1.0, |(_, metres)| *metres)
     }
 
-    /// The length of a text in units of the world: a number, or numbers with units such as `2m`, `30 cm`, `6'`, `4in`
-    /// or `6'2"`. A number without a unit is in units of the world. None for any other text.
+    /// Parses a length to units of the world: a number, or numbers with units such as `2m`, `30 cm`, `6'`, `4in` or
+    /// `6'2"`. A number without a unit is in units of the world. None for any other text.
     pub fn parse(self, text: &str) -> Option<f64> {
         let text = text.trim();
         let (sign, mut rest) = match text.strip_prefix('-') {
@@ -76,13 +76,13 @@ impl LengthUnit {
         (text.len() > 1 && length.is_finite()).then_some(length)
     }
 
-    /// A length in units of the world as a text with the sign of the unit: at most three decimals, or more digits where
-    /// the number is small.
+    /// Formats a length in units of the world with the sign of the unit: at most three decimals, or more for small
+    /// numbers.
     pub fn text(self, length: f32) -> String {
         self.number(length) + &self.sign()
     }
 
-    /// The sign that stands behind a number, with a blank before it; empty for no unit.
+    /// The sign after a number, with a blank before it; empty for no unit.
     pub fn sign(self) -> String {
         match self.name() {
             "" => String::new(),
@@ -90,12 +90,12 @@ impl LengthUnit {
         }
     }
 
-    /// The number of [`Self::text`] alone.
+    /// The number of [`Self::text`].
     pub fn number(self, length: f32) -> String {
         rounded(length)
     }
 
-    /// Whether more letters could follow in the unit of a length that is being typed.
+    /// Whether an incomplete text may continue with more letters of a unit.
     pub fn begins_unit(text: &str) -> bool {
         UNITS.iter().any(|(name, _)| name.starts_with(text))
     }
@@ -107,7 +107,7 @@ pub(crate) fn decimal(text: &str) -> Option<f64> {
         1 => text.replace(',', "."),
         _ => text.to_owned(),
     };
-    // Infinity has a name that is read, too.
+    // `parse` accepts names of infinity, too.
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 

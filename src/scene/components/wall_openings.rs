@@ -7,7 +7,7 @@ use crate::document::value::{ValueError, fields, format_float, parse_float};
 /// The most openings of a wall, so that the mesh of a mistyped file stays small.
 pub(in crate::scene) const MOST_OPENINGS: usize = 64;
 
-/// A rectangular opening that goes through a wall. What reaches beyond the wall is ignored, and openings may overlap.
+/// A rectangular opening through a wall. Parts beyond the wall are ignored, and openings may overlap.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Opening {
     /// The distance of its nearer edge from the wall's start.
@@ -44,8 +44,7 @@ impl Opening {
         height: 2.1,
     };
 
-    /// The opening for a wall of this height: as it is in a wall of a room in metres, and in proportion in one that is
-    /// of another scale.
+    /// The opening for a wall of this height: unchanged for a wall of a room in metres, otherwise in proportion.
     pub fn in_wall(self, height: f32) -> Self {
         const ROOMS: std::ops::RangeInclusive<f32> = 2.2..=12.0;
         const USUAL: f32 = 2.5;
@@ -68,7 +67,7 @@ pub fn openings_text(openings: &[Opening]) -> String {
     openings.iter().map(text).collect::<Vec<_>>().join("; ")
 }
 
-/// Says what is wrong with the text of openings.
+/// The reason why a text gives no openings.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OpeningsError {
     /// A part of the text is not a number.
@@ -77,7 +76,7 @@ pub enum OpeningsError {
     /// An opening has more or fewer than four numbers.
     #[error("expected four numbers (from, sill, width, height), found `{0}`")]
     Numbers(String),
-    /// An opening has no extent.
+    /// An opening has no width or height.
     #[error("expected openings with a width and a height above 0")]
     Extent,
     /// There are more openings than a part may have.
@@ -85,7 +84,7 @@ pub enum OpeningsError {
     Count(usize),
 }
 
-/// Reads the text of openings.
+/// Parses the text of openings.
 pub fn parse_openings(text: &str) -> Result<Vec<Opening>, OpeningsError> {
     let mut openings = Vec::new();
     for part in text.split(';').filter(|part| !part.trim().is_empty()) {

@@ -1,5 +1,4 @@
-//! Materials as the user knows them: the bsdfs of the format with their own parameters, and the components that refer
-//! to them.
+//! Materials: the bsdfs of the format with their own parameters, and the components that refer to them.
 
 mod models;
 mod principled;
@@ -17,20 +16,19 @@ use super::texture::{ChosenPicture, SquarePath, Texture};
 pub use models::Material;
 pub use principled::{Principled, PrincipledThin};
 
-/// The material of every plugin whose file gives no parameter.
+/// The material of every plugin with default parameters.
 static USUAL: LazyLock<HashMap<&str, Material>> = LazyLock::new(|| {
     let made = |plugin| Some((plugin, Material::of_plugin(plugin)?));
     Material::PLUGINS.into_iter().filter_map(made).collect()
 });
 
 impl Material {
-    /// What a plugin of this name is when its file gives no parameter, to be read; [`Material::of_plugin`] makes a new
-    /// one.
+    /// The shared material of a plugin with default parameters; [`Material::of_plugin`] makes a new one.
     pub(crate) fn usual(plugin: &str) -> Option<&'static Self> {
         USUAL.get(plugin)
     }
 
-    /// Whether it refracts: then it has two sides already.
+    /// Whether it refracts, and so needs no `twosided`.
     pub fn refracts(&self) -> bool {
         match self {
             Self::Principled(principled) => principled.refracts(),
@@ -38,7 +36,7 @@ impl Material {
         }
     }
 
-    /// Shows `meet` every texture among the parameters.
+    /// Calls `meet` with every texture among the parameters.
     pub fn for_each_texture(&self, meet: &mut impl FnMut(&Texture)) {
         self.visit(&mut |info, value| {
             value.in_file(info, &mut |_, value| {
@@ -49,8 +47,8 @@ impl Material {
         });
     }
 
-    /// Shows `meet` the transform of uv of every picture and checkerboard among the parameters, with the declaration of
-    /// its parameter.
+    /// Calls `meet` with the uv transform of every picture and checkerboard among the parameters, and with the
+    /// declaration of the parameter.
     pub(crate) fn for_each_placing(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, &mut Affine2)) {
         self.visit_mut(&mut |info, value| {
             value.for_each_texture(info, &mut |info, texture| {
@@ -59,8 +57,8 @@ impl Material {
         });
     }
 
-    /// The picture at a place of the parameter of this name. Where there was no texture before, a picture of anything
-    /// but colours is looked at raw.
+    /// Sets the picture at a place of the parameter with this name. If it had no texture before, the picture is raw
+    /// unless the parameter is a colour.
     pub fn set_picture(&mut self, parameter: &str, place: SquarePath, picture: &ChosenPicture) {
         self.visit_mut(&mut |info, value| value.set_picture(info, parameter, place, picture));
     }
@@ -77,7 +75,7 @@ pub struct UsesMaterial(pub Entity);
 #[relationship_target(relationship = UsesMaterial)]
 pub struct MaterialUsers(Vec<Entity>);
 
-/// The first material inside a material (the front of a two-sided one, say).
+/// The first nested material, such as the front of a two-sided one.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = FirstNestedIn)]
@@ -88,7 +86,7 @@ pub struct FirstNested(pub Entity);
 #[relationship_target(relationship = FirstNested)]
 pub struct FirstNestedIn(Vec<Entity>);
 
-/// The second material inside a material (the back of a two-sided one, say).
+/// The second nested material, such as the back of a two-sided one.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = SecondNestedIn)]

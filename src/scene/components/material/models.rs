@@ -94,7 +94,7 @@ declare_plugins! {
             nonlinear: bool = false => Flag(NONLINEAR),
         },
 
-        /// It is shared until it is edited, because it is several times as large as the others.
+        /// Boxed and shared until edited, because it is several times as large as the others.
         [PluginInfo::new("principled", "principled")]
         Principled(shared: Arc<Principled> => Arc::make_mut),
 

@@ -1,4 +1,4 @@
-//! How much light a medium takes out of a ray, and what becomes of it.
+//! The coefficients of a medium: extinction, scattering and absorption.
 
 use bevy::prelude::*;
 
@@ -9,18 +9,18 @@ use crate::scene::components::parameter_info::ParameterInfo;
 /// The format's default.
 const USUAL_ALBEDO: Rgb = Rgb::splat(0.75);
 
-/// How much light a medium takes out of a ray, and what becomes of it.
+/// The extinction of a medium, and its division into scattering and absorption.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "scenes have few media")]
 pub enum Coefficients {
-    /// By the light that is taken out, and the share of it that is scattered.
+    /// Extinction and albedo.
     Extinction {
         /// The extinction coefficient per unit of length, at least 0.
         sigma_t: VolumeParameter<Rgb>,
-        /// The share of it that is scattered, in [0, 1]; the rest is absorbed.
+        /// The albedo, the scattered share of the extinction, in [0, 1]; the rest is absorbed.
         albedo: VolumeParameter<Rgb>,
     },
-    /// By scattering and absorption, the same everywhere: an extension.
+    /// Scattering and absorption, the same everywhere: an extension.
     Separate {
         /// The scattering coefficient per unit of length, at least 0.
         sigma_s: Rgb,
@@ -39,7 +39,7 @@ impl Default for Coefficients {
 }
 
 impl Coefficients {
-    /// The coefficients as extinction and albedo. Where nothing is taken out, the albedo is 0.
+    /// The coefficients as extinction and albedo. The albedo is 0 where the extinction is.
     pub fn sigma_t_and_albedo(&self) -> (VolumeParameter<Rgb>, VolumeParameter<Rgb>) {
         match self {
             Self::Extinction { sigma_t, albedo } => (sigma_t.clone(), albedo.clone()),
@@ -54,8 +54,8 @@ impl Coefficients {
 }
 
 impl Coefficients {
-    /// The extinction per unit of length before the medium's `scale`, where it is the same everywhere that there is
-    /// any; None for a grid.
+    /// The extinction per unit of length before the medium's `scale`, if it is constant where it is not zero; None for
+    /// a grid.
     pub fn uniform_extinction(&self) -> Option<Rgb> {
         match self {
             Self::Extinction { sigma_t, .. } => match sigma_t {
@@ -66,7 +66,7 @@ impl Coefficients {
         }
     }
 
-    /// Sets the extinction, with the albedo as it is. A grid stays as it is.
+    /// Sets the extinction and keeps the albedo. Does nothing for a grid.
     pub fn set_uniform_extinction(&mut self, extinction: Rgb) {
         let (_, albedo) = self.sigma_t_and_albedo();
         match self {

@@ -1,4 +1,4 @@
-//! Participating media as the user knows them, and the components that refer to them.
+//! Participating media, and the components that refer to them.
 
 mod coefficients;
 mod models;
@@ -14,7 +14,7 @@ pub use phase::{PhaseBlend, PhaseFunction};
 pub(crate) use volume::{GRID, USE_GRID_BBOX};
 pub use volume::{GridFile, VolumeFilter, VolumeFormat, VolumeParameter, VolumeWrap};
 
-/// The name in the file of the medium on the inner side of a shape, and on the outer side.
+/// The parameter name of the medium inside a shape, and of the one outside.
 pub(crate) const INTERIOR: &str = "interior";
 pub(crate) const EXTERIOR: &str = "exterior";
 
@@ -24,7 +24,7 @@ pub(crate) const EXTERIOR: &str = "exterior";
 #[relationship(relationship_target = InteriorOf)]
 pub struct InteriorMedium(pub Entity);
 
-/// The shapes that a medium is inside of.
+/// The shapes that contain this medium.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = InteriorMedium)]
 pub struct InteriorOf(Vec<Entity>);
@@ -35,18 +35,18 @@ pub struct InteriorOf(Vec<Entity>);
 #[relationship(relationship_target = ExteriorOf)]
 pub struct ExteriorMedium(pub Entity);
 
-/// The shapes that a medium is around.
+/// The shapes that this medium surrounds.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = ExteriorMedium)]
 pub struct ExteriorOf(Vec<Entity>);
 
-/// The medium that a sensor or an emitter is in.
+/// The medium around a sensor or an emitter.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = Surrounds)]
 pub struct InMedium(pub Entity);
 
-/// The sensors and emitters that are in a medium.
+/// The sensors and emitters in a medium.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = InMedium)]
 pub struct Surrounds(Vec<Entity>);

@@ -10,19 +10,19 @@ use crate::scene::DocumentOrder;
 use crate::scene::components::parameter_info::ParameterInfo;
 use crate::scene::components::parameters::{Declared, ParameterMut, ParameterRef};
 
-/// A participating medium: what fills the space between surfaces. In the file it is `homogeneous` if its density is the
-/// same everywhere, and else `heterogeneous`.
+/// A participating medium, which fills the space between surfaces. In the file it is `homogeneous` if its density is
+/// the same everywhere, otherwise `heterogeneous`.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(DocumentOrder)]
 pub struct Medium {
-    /// How much light is taken out of a ray.
+    /// Extinction and albedo.
     pub coefficients: Coefficients,
     /// A factor on the coefficients, at least 0.
     pub scale: f32,
-    /// Where scattered light goes.
+    /// The directions of scattered light.
     pub phase: PhaseFunction,
-    /// The radiance that is sent out on a unit of length, in W/(m^3 sr); neither density nor albedo weaken it.
+    /// The radiance emitted per unit of length, in W/(m^3 sr), independent of density and albedo.
     pub emission: VolumeParameter<Rgb>,
     /// A factor on the emission, at least 0.
     pub emission_scale: f32,
@@ -40,7 +40,7 @@ impl Default for Medium {
     }
 }
 
-/// The phase function is declared apart.
+/// The phase function is declared separately.
 impl Declared for Medium {
     fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
         meet(&SIGMA_T, ParameterRef::Coefficients(&self.coefficients));
@@ -73,7 +73,7 @@ impl Medium {
         }
     }
 
-    /// What a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+    /// The medium of a plugin with default parameters; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
         let mut medium = Self::default();
         match (plugin, &mut medium.coefficients) {
@@ -89,14 +89,14 @@ impl Medium {
         Some(medium)
     }
 
-    /// Shows `meet` every grid among the parameters.
+    /// Calls `meet` with every grid among the parameters.
     pub fn for_each_grid(&self, meet: &mut dyn FnMut(&super::GridFile)) {
         self.for_each_placed(&mut |_, file| file.into_iter().for_each(&mut *meet));
     }
 }
 
 impl Medium {
-    /// Shows `meet` every volume that has a place: the map from the unit cube to the world, and the file if it is a
+    /// Calls `meet` with every volume that has a transform: the one from the unit cube to the world, and the file of a
     /// grid.
     pub(crate) fn for_each_placed(&self, meet: &mut dyn FnMut(&Affine3A, Option<&super::GridFile>)) {
         let of_coefficients = match &self.coefficients {
@@ -114,13 +114,13 @@ impl Medium {
         });
     }
 
-    /// How far light goes on average before it is scattered or absorbed, by colour, in units of the world; infinite
-    /// where nothing is taken out. None if the extinction varies in space.
+    /// The mean free path by colour, in units of the world; infinite without extinction. None if the extinction varies
+    /// in space.
     pub fn mean_free_path(&self) -> Option<Rgb> {
         Some((self.coefficients.uniform_extinction()? * self.scale).recip())
     }
 
-    /// Sets [`Self::mean_free_path`]. Colours whose path is not above 0, or is as before, keep their extinction. False
+    /// Sets [`Self::mean_free_path`]. Colours whose path is not above 0, or is unchanged, keep their extinction. False
     /// if the extinction varies in space or the density is 0.
     pub fn set_mean_free_path(&mut self, path: Rgb) -> bool {
         let (Some(extinction), Some(before)) = (self.coefficients.uniform_extinction(), self.mean_free_path()) else {
@@ -140,7 +140,7 @@ impl Medium {
         true
     }
 
-    /// Shows `meet` the map from the unit cube to the world of every volume that has a place, to be changed.
+    /// Calls `meet` with a mutable transform, from the unit cube to the world, of every volume that has one.
     pub(crate) fn for_each_place(&mut self, meet: &mut dyn FnMut(&mut Affine3A)) {
         if let Coefficients::Extinction { sigma_t, albedo } = &mut self.coefficients {
             [sigma_t, albedo]
@@ -154,7 +154,7 @@ impl Medium {
         });
     }
 
-    /// Shows `meet` every grid among the parameters, to be changed.
+    /// Calls `meet` with every grid among the parameters, mutable.
     pub(crate) fn for_each_grid_mut(&mut self, meet: &mut dyn FnMut(&mut super::GridFile)) {
         if let Coefficients::Extinction { sigma_t, albedo } = &mut self.coefficients {
             [sigma_t, albedo]
@@ -168,7 +168,7 @@ impl Medium {
         });
     }
 
-    /// Whether any of its values has a place in the world.
+    /// Whether any of its values has a transform.
     pub(crate) fn has_place(&self) -> bool {
         let mut found = false;
         self.for_each_placed(&mut |_, _| found = true);

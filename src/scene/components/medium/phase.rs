@@ -1,4 +1,4 @@
-//! Phase functions: the plugins by which media say where scattered light goes, each declared once.
+//! Phase functions: the plugins for the directions of light scattered in media, each declared once.
 
 use std::ops::DerefMut;
 
@@ -24,8 +24,8 @@ declare_plugins! {
         [PluginInfo::new("rayleigh", "Rayleigh")]
         Rayleigh,
 
-        /// Values at equal distances of the cosine of the angle between the way of light before and after, from -1
-        /// (back) to 1 (onwards). They need not be normalised.
+        /// Values at equal distances of the cosine of the angle between the directions of light before and after, from
+        /// -1 (back) to 1 (forward). They need not be normalised.
         [PluginInfo::new("tabphase", "table")]
         Tabulated { values: Vec<f32> = vec![1.0, 1.0] => Values(VALUES) },
 
@@ -43,12 +43,12 @@ impl Default for PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// The most phase functions that one consists of, blends among them. Real ones have a few.
+    /// The most phase functions in one, blends included. Real ones have a few.
     pub(crate) const MOST: usize = 64;
     /// The most values of a table.
     pub(crate) const MOST_VALUES: usize = 1 << 16;
 
-    /// Shows `meet` every parameter of it and of those inside that may vary in space.
+    /// Calls `meet` with every parameter that may vary in space, nested phase functions included.
     pub fn for_each_volume(&self, meet: &mut dyn FnMut(&VolumeParameter<f32>)) {
         if let Self::Blend(blend) = self {
             meet(&blend.weight);
@@ -56,7 +56,7 @@ impl PhaseFunction {
         }
     }
 
-    /// Does what [`Self::for_each_volume`] does, to change them.
+    /// [`Self::for_each_volume`] with mutable parameters.
     pub(crate) fn for_each_volume_mut(&mut self, meet: &mut dyn FnMut(&mut VolumeParameter<f32>)) {
         if let Self::Blend(blend) = self {
             meet(&mut blend.weight);
@@ -64,7 +64,7 @@ impl PhaseFunction {
         }
     }
 
-    /// The phase functions inside.
+    /// The nested phase functions.
     pub(crate) fn inside(&self) -> &[Self] {
         match self {
             Self::Blend(blend) => &blend.of,
@@ -76,9 +76,9 @@ impl PhaseFunction {
 /// A mixture of two phase functions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseBlend {
-    /// The share of the second one, in [0, 1]; the first one has the rest.
+    /// The share of the second one, in [0, 1].
     pub weight: VolumeParameter<f32>,
-    /// The two.
+    /// The blended phase functions.
     pub of: [PhaseFunction; 2],
 }
 

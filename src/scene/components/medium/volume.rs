@@ -1,4 +1,4 @@
-//! Values that vary in space, as the user knows them.
+//! Values that vary in space.
 
 use std::path::{Path, PathBuf};
 
@@ -18,11 +18,11 @@ pub(crate) const GRID: &str = "grid";
 pub enum VolumeParameter<T> {
     /// The same value everywhere.
     Constant(T),
-    /// The same value in a box; as the density of a medium, nothing outside of it.
+    /// The same value in a box; as a density it is zero outside.
     Box {
         /// The value in the box.
         value: T,
-        /// World from the unit cube, [0, 1]^3, which becomes the box. Invertible.
+        /// The transform of the unit cube, [0, 1]^3, to the box in the world. Invertible.
         to_world: Affine3A,
     },
     /// A grid of values in a file.
@@ -30,7 +30,7 @@ pub enum VolumeParameter<T> {
 }
 
 impl<T> VolumeParameter<T> {
-    /// The grid, if it is one.
+    /// The grid, if there is one.
     pub fn grid(&self) -> Option<&GridFile> {
         match self {
             Self::Grid(grid) => Some(grid),
@@ -40,7 +40,7 @@ impl<T> VolumeParameter<T> {
 }
 
 impl<T> VolumeParameter<T> {
-    /// The map from the unit cube to the world, and the file if it is a grid; None if it is the same everywhere.
+    /// The transform from the unit cube to the world, and the file of a grid; None for a constant.
     pub(crate) fn placed(&self) -> Option<(&Affine3A, Option<&GridFile>)> {
         match self {
             Self::Constant(_) => None,
@@ -49,7 +49,7 @@ impl<T> VolumeParameter<T> {
         }
     }
 
-    /// The grid, to be changed, if it is one.
+    /// The mutable grid, if there is one.
     pub(crate) fn grid_mut(&mut self) -> Option<&mut GridFile> {
         match self {
             Self::Grid(grid) => Some(grid),
@@ -57,7 +57,7 @@ impl<T> VolumeParameter<T> {
         }
     }
 
-    /// The map from the unit cube to the world, to be changed; None if it is the same everywhere.
+    /// The mutable transform from the unit cube to the world; None for a constant.
     pub(crate) fn place_mut(&mut self) -> Option<&mut Affine3A> {
         match self {
             Self::Constant(_) => None,
@@ -68,7 +68,7 @@ impl<T> VolumeParameter<T> {
 }
 
 impl<T: Copy> VolumeParameter<T> {
-    /// The value, if it is the same everywhere.
+    /// The value, if it is constant.
     pub fn constant(&self) -> Option<T> {
         match self {
             Self::Constant(value) => Some(*value),
@@ -89,7 +89,7 @@ impl From<f32> for VolumeParameter<f32> {
     }
 }
 
-/// A file with a grid of values, and how it is looked at.
+/// A file with a grid of values, and how it is sampled.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(opaque)]
 #[reflect(Clone, PartialEq)]
@@ -98,14 +98,14 @@ pub struct GridFile {
     pub path: PathBuf,
     /// The kind of the file.
     pub format: VolumeFormat,
-    /// World from the grid's own space, in which it fills the unit cube, [0, 1]^3, or is where a `.vdb` file says.
-    /// Invertible.
+    /// The transform to the world from the grid's own space, in which it fills the unit cube, [0, 1]^3, or the box
+    /// given in a `.vdb` file. Invertible.
     pub to_world: Affine3A,
-    /// How values between the centres of voxels come about.
+    /// The interpolation between the centres of voxels.
     pub filter: VolumeFilter,
-    /// What lies outside of the grid.
+    /// The continuation outside of the grid.
     pub wrap: VolumeWrap,
-    /// Whether the grid fills the box that its file names, in place of the unit cube.
+    /// Whether the grid fills the box declared in its file, instead of the unit cube.
     pub use_grid_bbox: bool,
 }
 
@@ -116,7 +116,7 @@ impl GridFile {
     }
 }
 
-/// The kind of a volume file. The plugin that names the file says it.
+/// The format of a volume file, given by the plugin that names the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum VolumeFormat {
     /// Mitsuba's `.vol`: one grid.
@@ -129,11 +129,11 @@ pub enum VolumeFormat {
     },
 }
 
-/// The end of the names of assets that are grids of `.vdb` files.
+/// The extension of asset paths for grids of `.vdb` files.
 const VDB_GRID: &str = ".vdb-grid";
 
 impl VolumeFormat {
-    /// The kind of a file by the end of its name; the usual grid of it.
+    /// The format by the file extension, with the default grid.
     pub fn of_file(file: &Path) -> Self {
         let is_vdb = file.extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"));
         if is_vdb { Self::Vdb { grid: None } } else { Self::Vol }
@@ -147,13 +147,13 @@ impl VolumeFormat {
         }
     }
 
-    /// The path of the asset that a grid of this file is. Each grid of a `.vdb` file is an asset of its own, as if the
-    /// file was a folder and the grid a file in it.
+    /// The path of the asset for a grid of this file. Each grid of a `.vdb` file is an asset of its own, as if the file
+    /// was a folder and the grid a file in it.
     pub fn asset_path(&self, file: &Path) -> PathBuf {
         let Self::Vdb { grid } = self else {
             return file.to_owned();
         };
-        // Names of grids may have any characters, also such that part paths.
+        // Names of grids may have any characters, including path separators.
         let escaped = grid.iter().flat_map(|name| name.bytes()).map(|byte| match byte {
             b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' => char::from(byte).to_string(),
             other => format!("%{other:02x}"),
@@ -161,7 +161,7 @@ impl VolumeFormat {
         file.join(escaped.chain([VDB_GRID.to_owned()]).collect::<String>())
     }
 
-    /// The file that an asset is read from, and the kind and the grid of it: the inverse of [`Self::asset_path`].
+    /// The file, format and grid of an asset: the inverse of [`Self::asset_path`].
     pub fn of_asset(asset: &Path) -> (&Path, Self) {
         let name = asset.file_name().and_then(|name| name.to_str());
         let (Some(file), Some(escaped)) = (asset.parent(), name.and_then(|name| name.strip_suffix(VDB_GRID))) else {
@@ -181,27 +181,27 @@ impl VolumeFormat {
 }
 
 declare_names! {
-    /// How values between the centres of voxels come about.
+    /// The interpolation between the centres of voxels.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum VolumeFilter {
         /// The voxel that the point lies in.
         Nearest = "nearest",
-        /// A mean of the eight voxels around the point.
+        /// Linear between the eight voxels around the point.
         #[default]
         Trilinear = "trilinear",
     }
 }
 
 declare_names! {
-    /// The continuation of a grid outside of its box. The density of a medium ends there all the same.
+    /// The continuation of a grid outside of its box. The density of a medium is zero there all the same.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum VolumeWrap {
         /// The voxels of the border.
         #[default]
         Clamp = "clamp",
-        /// The grid again.
+        /// Repetition of the grid.
         Repeat = "repeat",
-        /// The grid again, every other time turned around.
+        /// Repetition of the grid, every other time mirrored.
         Mirror = "mirror",
     }
 }
