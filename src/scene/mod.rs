@@ -1,8 +1,7 @@
 //! The scene as the editor sees it: entities with plain components, and the assets they name. No scheduling of
 //! rendering here.
 //!
-//! Every shape, material, emitter and sensor is one entity. What they refer to are relationships, settings are
-//! resources.
+//! Every shape, material, emitter and sensor is one entity. References are relationships, settings are resources.
 
 pub mod assets;
 pub mod components;

@@ -1,5 +1,5 @@
-//! Adds the things of a description to the scene, as if they had been made in the editor; and makes descriptions of a
-//! part.
+//! Inserts the things of a description into the scene, as if they had been made in the editor; and describes parts of
+//! the scene.
 
 use std::collections::HashMap;
 
@@ -20,18 +20,17 @@ use crate::scene::{DocumentOrder, FirstNested, Material, Medium, ObjectState, Sc
 pub struct Inserted {
     /// All entities.
     pub all: Vec<Entity>,
-    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials and media, if there
-    /// is nothing else.
+    /// The main entities: shapes of the world, lights and cameras; materials and media, if there is nothing else.
     pub objects: Vec<Entity>,
 }
 
-/// The place after everything that there is.
+/// The order after all existing things.
 pub(crate) fn next_order(world: &mut World) -> u32 {
     let last = world.query::<&DocumentOrder>().iter(world).map(|order| order.0).max();
     last.map_or(0, |last| last.saturating_add(1))
 }
 
-/// Gives names that are free.
+/// Finds free ids and names.
 struct FreeNames {
     folders: FreeFolders,
     taken: TakenNames,
@@ -52,7 +51,7 @@ impl FreeNames {
         let in_folder = |name: &str| self.folders.in_copy(name).unwrap_or_else(|| name.to_owned());
         match &identity.id {
             Some(id) => {
-                // What is in a folder that was found free needs no number.
+                // A name in a folder that is free itself needs no number.
                 let id = self.taken.take(&in_folder(id));
                 (Some(SceneId(id.clone())), Name::new(id))
             }
@@ -65,9 +64,9 @@ impl FreeNames {
     }
 }
 
-/// Adds everything but settings; sensors are added with their films. Ids that are taken get numbers, and so do folders
-/// of groups with everything in them. A material or medium is not added again if the scene has an equal one of the same
-/// id: that one is used then.
+/// Adds everything but settings; sensors are added with their films. Taken ids get numbers, and so do folders of groups
+/// with their content. A material or medium is not added again if the scene has an equal one with the same id: that one
+/// is used then.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let shared = shared_materials(world, scene);
     let shared_media = shared_media(world, scene);
@@ -93,7 +92,7 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     let mut all = Vec::new();
     for thing in Thing::all(scene).filter(is_new) {
         let mut state = thing.state(scene, &made);
-        // Each of very many instances becomes an entity of its own here.
+        // Each instance of a crowd becomes an entity of its own here.
         let placements = state.placements.take();
         let placements = placements.iter().flat_map(|many| many.places.iter());
         let mut places = placements.map(|&place| ToWorld(place.into()));
@@ -131,8 +130,8 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     Inserted { all, objects }
 }
 
-/// Finds for each material of the scene the one in the world that it would duplicate: it is used by a shape, and has
-/// the same id and content.
+/// For each material of the scene the duplicate in the world, if there is one: it is used by a shape, and has the same
+/// id and content.
 fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
     let mut known = world.query_filtered::<(&SceneId, Entity), With<Material>>();
     let known: HashMap<&str, Entity> = known.iter(world).map(|(id, entity)| (id.0.as_str(), entity)).collect();
@@ -151,8 +150,8 @@ fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<E
     shared
 }
 
-/// Finds for each medium of the scene the one in the world that it would duplicate: something is in it, and it has the
-/// same id and content.
+/// For each medium of the scene the duplicate in the world, if there is one: it is in use, and has the same id and
+/// content.
 fn shared_media(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
     let mut known = world.query::<(&SceneId, &Medium, Entity)>();
     let known: HashMap<&str, (&Medium, Entity)> = (known
@@ -168,8 +167,7 @@ fn shared_media(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entit
     shared
 }
 
-/// Whether the material is equal to that of the entity, with all that is inside. `pairs` has the materials that are
-/// known to be equal.
+/// Whether the material equals that of the entity, nested ones included. `pairs` has the materials already found equal.
 fn is_same(
     world: &World,
     scene: &SceneDescription,
@@ -193,8 +191,8 @@ fn is_same(
         })
 }
 
-/// The description of these things with all that they refer to, and nothing else: of materials, media, groups and their
-/// members only what is needed. What the file said of them is left out.
+/// The description of these things with everything that they refer to: of materials, media, groups and their members
+/// only the required ones. Their sources in the file are left out.
 pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
     let (whole, entities) = describe_entities(world);
     let is_wanted = |entity: &Entity| wanted.contains(entity);
@@ -216,7 +214,7 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             is_material_used[material] = true;
         }
     }
-    // Nested materials come before or after those they are in, so this repeats until nothing is added.
+    // Nested materials come before or after their owners, so this repeats until nothing is added.
     loop {
         let before = is_material_used.clone();
         for (material, _) in whole.materials.iter().zip(&before).filter(|(_, used)| **used) {
@@ -276,7 +274,7 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             renumber(&mut shape.instance_of, &group_at);
             renumber(&mut shape.interior, &medium_at);
             renumber(&mut shape.exterior, &medium_at);
-            // Very many instances would become very many elements here.
+            // A crowd would become very many elements here.
             shape.placements = None;
         }),
         emitters: kept(whole.emitters, &is_emitter_used, |emitter| {
@@ -291,7 +289,7 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
     }
 }
 
-/// Those that are used, with changes.
+/// The used elements, changed by `change`.
 fn kept<T>(all: Vec<T>, is_used: &[bool], change: impl Fn(&mut T)) -> Vec<T> {
     let used = all.into_iter().zip(is_used).filter(|(_, used)| **used);
     let mut kept: Vec<T> = used.map(|(item, _)| item).collect();
@@ -299,7 +297,7 @@ fn kept<T>(all: Vec<T>, is_used: &[bool], change: impl Fn(&mut T)) -> Vec<T> {
     kept
 }
 
-/// The index of each used one among the used ones.
+/// For each element its index among the used ones.
 fn places(is_used: &[bool]) -> Vec<Option<usize>> {
     let mut next = 0..;
     is_used

@@ -14,7 +14,7 @@ use crate::scene::write::patch::{Draft, unwritten_value};
 use crate::scene::write::{folder, home_of, steps};
 use crate::scene::{Authored, AuthoredScene, IntegratorKeys, IntegratorSettings, ObjectState};
 
-/// The keys of a thing after an edit of one of its tracks. An error, in words, if that cannot be done.
+/// The keys of a thing after an edit of one of its tracks. An error, in words, if the edit is impossible.
 pub(crate) fn edit_keys(world: &World, thing: Entity, path: &KeyPath, edit: KeyEdit) -> Result<Option<Keys>, String> {
     let keys = world.get::<Keys>(thing);
     let track = keys.and_then(|keys| keys.track(path));
@@ -24,7 +24,7 @@ pub(crate) fn edit_keys(world: &World, thing: Entity, path: &KeyPath, edit: KeyE
     Ok(keys.cloned().unwrap_or_default().with(path, edited).some())
 }
 
-/// The present value at a path of a thing, in the words of its file.
+/// The present value at a path of a thing, in the spelling of its file.
 fn value_of(world: &World, thing: Entity, path: &KeyPath) -> Option<Value> {
     let state = ObjectState::of(world, thing);
     let plugin = plugin_in_file(world, thing, &state);
@@ -32,12 +32,12 @@ fn value_of(world: &World, thing: Entity, path: &KeyPath) -> Option<Value> {
         .as_ref()
         .and_then(|plugin| value_at(plugin, path.as_str()).cloned());
     let full = || value_at(&plugin_of(world, &state)?, path.as_str()).cloned();
-    // A thing that stands at the origin has no transform in the file.
+    // A thing at the origin has no transform in the file.
     let still = || (path.is_place() && state.to_world.is_some()).then(|| Value::Transform(Vec::new()));
     value.or_else(full).or_else(still)
 }
 
-/// The path of the place of a thing; None for what has no place.
+/// The path of the value that places a thing; None for things without a position.
 pub(crate) fn place_path(world: &World, thing: Entity) -> Option<KeyPath> {
     let state = ObjectState::of(world, thing);
     state.to_world?;
@@ -45,19 +45,17 @@ pub(crate) fn place_path(world: &World, thing: Entity) -> Option<KeyPath> {
     Some(Keys::place_in(world.get::<Keys>(thing), &plugin))
 }
 
-/// The keys of a thing that was edited.
+/// The keys of a thing after an edit.
 pub(crate) struct KeysAfter {
-    /// The keys that it has now.
+    /// Its present keys.
     pub keys: Keys,
-    /// The values that can have no keys any more, because a texture or another parameter took their place or the
-    /// plugin is another one.
+    /// The values that lose their keys, because a texture or another parameter replaced them or the plugin has changed.
     pub lost: Vec<KeyPath>,
 }
 
-/// The keys of a thing that was edited: each value with a track that the edit has changed has a key of it at the time
-/// that is shown.
+/// The keys of a thing after an edit: each animated value that the edit has changed gets a key at the shown time.
 ///
-/// `before` is the state before the edit. None if the keys stay as they are.
+/// `before` is the state before the edit. None if the keys do not change.
 pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> Option<KeysAfter> {
     let keys = before.keys.as_ref()?;
     let now = ObjectState::of(world, thing);
@@ -75,7 +73,7 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
     };
     for (path, track) in keys.tracks() {
         let (before, value) = (value_at(&old, path.as_str()), value_at(&new, path.as_str()));
-        // The file may give the value by another parameter at this moment (`fov` for `focal_length`).
+        // The file may give the value by another parameter at this time (`fov` for `focal_length`).
         let is_said_otherwise = before.is_none()
             && superseded_by(path.as_str())
                 .iter()
@@ -107,8 +105,8 @@ pub(crate) fn keys_after(world: &World, thing: Entity, before: &ObjectState) -> 
     (after.keys != *keys).then_some(after)
 }
 
-/// The track of a `focal_length` as that of the `fov` which takes its place when one of them is edited. Focal lengths
-/// are texts, which hold until the next key, and so do these fields of view.
+/// The track of a `focal_length` converted to that of the `fov` which replaces it when one of them is edited. Focal
+/// lengths are texts, which hold until the next key, and so do these fields of view.
 fn as_field_of_view(path: &KeyPath, track: &Track, now: &ObjectState) -> Option<(KeyPath, Track)> {
     let (sensor, film) = now.sensor.as_ref().zip(now.film.as_ref())?;
     if path.as_str() != "focal_length" {
@@ -133,8 +131,8 @@ fn as_field_of_view(path: &KeyPath, track: &Track, now: &ObjectState) -> Option<
     Some((KeyPath::new("fov"), track))
 }
 
-/// The keys of the integrator after an edit of its settings: each setting with a track that has another value now has a
-/// key of it at the time that is shown. None if the keys stay as they are.
+/// The keys of the integrator after an edit of its settings: each animated setting that has changed gets a key at the
+/// shown time. None if the keys do not change.
 pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
     let keys = &world.get_resource::<IntegratorKeys>()?.0;
     let settings = world.get_resource::<IntegratorSettings>()?;
@@ -161,7 +159,7 @@ pub(crate) fn integrator_keys_after(world: &World) -> Option<IntegratorKeys> {
     (edited != *keys).then_some(IntegratorKeys(edited))
 }
 
-/// The path that a setting of the integrator has now: with layers the integrator `aov` is around the one that has it.
+/// The present path of a setting of the integrator: with layers its integrator is nested in `aov`.
 fn setting_path(plugin: &Object, path: &KeyPath) -> Option<KeyPath> {
     let words = path.as_str();
     let outside = words.rsplit_once('.').map(|(_, name)| name.to_owned());
@@ -171,7 +169,7 @@ fn setting_path(plugin: &Object, path: &KeyPath) -> Option<KeyPath> {
     paths.find(|path| value_at(plugin, path.as_str()).is_some())
 }
 
-/// The default of a value that a file leaves out, and says in no other way.
+/// The default of a value that a file leaves out and gives by no other parameter.
 fn unwritten(plugin: &Object, path: &KeyPath, track: &Track) -> Option<Value> {
     let mut names = plugin.properties.iter().map(|property| &*property.name);
     if names.any(|name| superseded_by(name).contains(&path.as_str())) {
@@ -184,7 +182,7 @@ fn unwritten(plugin: &Object, path: &KeyPath, track: &Track) -> Option<Value> {
 }
 
 impl Keys {
-    /// The keys of a copy that stands elsewhere: `by` takes the place of the original to that of the copy.
+    /// The keys of a moved copy: `by` is the transform from the original to the copy.
     pub(crate) fn moved(&self, by: &Affine3A) -> Self {
         let places: Vec<KeyPath> = self
             .tracks()
@@ -223,7 +221,7 @@ fn plugin_of(world: &World, state: &ObjectState) -> Option<Object> {
     }
 }
 
-/// The plugin of a thing in the words of its file.
+/// The plugin of a thing in the spelling of its file.
 fn plugin_in_file(world: &World, thing: Entity, state: &ObjectState) -> Option<Object> {
     let plugin = plugin_of(world, state)?;
     Some(Draft::new(world.get::<Authored>(thing), plugin).object)

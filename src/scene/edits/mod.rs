@@ -1,4 +1,4 @@
-//! Edits of things beyond one component: insertion, key frames, and moments of an animation.
+//! Edits of things beyond one component: insertion, key frames, and the shown time of an animation.
 
 pub mod insert;
 pub(super) mod key_edits;

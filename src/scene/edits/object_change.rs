@@ -1,5 +1,5 @@
-//! The change of an entity by one edit: only the components that differ, before and after. This is what the history of
-//! the editor keeps, and most of its memory: a whole `ObjectState` is some kilobytes, one changed component mostly a
+//! The change of an entity by one edit: only the changed components, before and after. The history of the editor
+//! consists of these, and most of its memory: a whole `ObjectState` is some kilobytes, one changed component mostly a
 //! hundred bytes.
 
 use bevy::prelude::*;
@@ -28,7 +28,7 @@ pub(crate) struct ObjectChange {
 
 macro_rules! object_change {
     ($($field:ident: $component:ident,)*) => {
-        /// A component before and after; None is the absence of it.
+        /// A component before and after; None if absent.
         #[derive(Clone, Debug, PartialEq)]
         enum Part {
             $($component(Box<[Option<$component>; 2]>),)*
@@ -54,7 +54,8 @@ macro_rules! object_change {
                 }
             }
 
-            /// Takes the state after from a later change of the same component; gives it back if it is of another.
+            /// Takes the state after from a later change of the same component; returns it if it is of another
+            /// component.
             fn absorb(&mut self, later: Self) -> Option<Self> {
                 match (self, later) {
                     $((Self::$component(values), Self::$component(later)) => {
@@ -93,14 +94,14 @@ macro_rules! object_change {
 with_components!(object_change);
 
 impl Part {
-    /// Whether it concerns the file, which hiding and locking do not.
+    /// Whether it concerns the file, unlike hiding and locking.
     fn is_of_file(&self) -> bool {
         !matches!(self, Self::Hidden(_) | Self::Locked(_))
     }
 
-    /// An estimate of the memory that the values have allocated. Placements count as if nothing else held them.
+    /// An estimate of the allocated memory in bytes. Shared placements count in full.
     fn heap_bytes(&self) -> usize {
-        /// The size of a texture with its path.
+        /// The approximate size of a texture with its path.
         const TEXTURE: usize = 256;
         fn sum<C>(values: &[Option<C>; 2], bytes: impl Fn(&C) -> usize) -> usize {
             values.iter().flatten().map(bytes).sum()
@@ -131,7 +132,7 @@ impl Part {
 }
 
 impl ObjectChange {
-    /// Whether anything differs that a file would hold.
+    /// Whether a component differs that a file holds.
     pub fn is_of_file(&self) -> bool {
         self.parts.iter().any(Part::is_of_file)
     }
@@ -141,7 +142,7 @@ impl ObjectChange {
         self.parts.iter().any(|part| matches!(part, Part::SceneId(_)))
     }
 
-    /// An estimate of the memory that it takes.
+    /// An estimate of its memory in bytes.
     pub fn bytes(&self) -> usize {
         let parts = self.parts.iter();
         size_of::<Self>()
@@ -150,7 +151,7 @@ impl ObjectChange {
                 .sum::<usize>()
     }
 
-    /// Takes the state after from a later change of the same entity; true if nothing differs any more.
+    /// Takes the state after from a later change of the same entity; true if no difference is left.
     pub fn absorb(&mut self, later: Self) -> bool {
         self.is_there[1] = later.is_there[1];
         for part in later.parts {
@@ -164,8 +165,8 @@ impl ObjectChange {
         self.parts.is_empty()
     }
 
-    /// Takes the present state as the state after the edit: a file may have changed it since. What a file has removed
-    /// stays as it was.
+    /// Takes the present state as the state after the edit: a file may have changed it since. If a file has removed the
+    /// entity, the change stays as it was.
     pub fn refresh(&mut self, world: &World, entity: Entity) {
         if !self.is_there[1] || !ObjectState::is_in_scene(world, entity) {
             return;
@@ -177,8 +178,8 @@ impl ObjectChange {
         }
     }
 
-    /// Sets the changed components to their state on one side. The others stay as they are, even if a file has changed
-    /// them. What a file has removed since stays removed.
+    /// Sets the changed components to their state on one side. Other components stay, even if a file has changed them.
+    /// An entity that a file has removed stays removed.
     pub fn write(&self, world: &mut World, entity: Entity, side: Side) {
         let [from, to] = match side {
             Side::Before => [self.is_there[1], self.is_there[0]],
@@ -188,7 +189,7 @@ impl ObjectChange {
             return;
         }
         if !to {
-            // What others gave it in the meantime is removed as well.
+            // Components added by others meanwhile are removed as well.
             return ObjectState::default().write(world, entity);
         }
         for part in &self.parts {

@@ -1,9 +1,9 @@
-//! Shows another moment of an animated scene.
+//! Shows another time of an animated scene.
 //!
-//! The tracks of what moves are components ([`Keys`]). For another time, the plugins of these things are written twice,
-//! with the values of the components and with those of the tracks, and read again: what differs is written into the
-//! components. So whatever can stand in a file can move, and the entities are what a reading of the file at that time
-//! would give.
+//! The tracks of animated things are components ([`Keys`]). For another time, the plugins of these things are written
+//! twice, with the values of the components and with those of the tracks, and read again: the differences are written
+//! into the components. So every value of a file can be animated, and the entities are as if the file was read at that
+//! time.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use crate::scene::{
     AuthoredScene, IntegratorKeys, IntegratorSettings, Keys, ObjectState, ReloadSummary, SceneDescription,
 };
 
-/// The times of the first and the last key of the scene in seconds; None if nothing moves.
+/// The times of the first and the last key of the scene in seconds; None if nothing is animated.
 pub fn animated_span(world: &mut World) -> Option<(f64, f64)> {
     let mut spans = Vec::new();
     for keys in world.query::<&Keys>().iter(world) {
@@ -45,7 +45,7 @@ pub fn animated_span(world: &mut World) -> Option<(f64, f64)> {
     spans.into_iter().reduce(both)
 }
 
-/// Brings the entities to the moment at `time`, in seconds. Returns whether anything can have changed.
+/// Sets the entities to the time `time`, in seconds. Returns whether they may have changed.
 ///
 /// The text of the file must have been kept ([`crate::scene::KeepSource`]).
 pub fn show_moment(world: &mut World, time: f64) -> bool {
@@ -63,19 +63,19 @@ pub fn show_moment(world: &mut World, time: f64) -> bool {
     changes
 }
 
-/// Gives things the values of their tracks at the time that is shown.
+/// Gives things the values of their tracks at the shown time.
 pub(crate) fn pose(world: &mut World, things: &[Entity]) {
     let time = shown_time(world);
     pose_from(world, things, time);
 }
 
-/// Gives things the values of their tracks at the time that is shown. They have those of `before`, or have been edited
+/// Gives things the values of their tracks at the shown time. They have the values at `before`, or have been edited
 /// since.
 fn pose_from(world: &mut World, things: &[Entity], before: f64) {
     let time = shown_time(world);
     let follows = |thing: &Entity| world.get::<Keys>(*thing).is_some_and(Keys::follows);
     if things.iter().any(follows) {
-        // What they refer to is known at the time of the file's description.
+        // The values of animated elements that they refer to are known at the time of the file's description.
         follow_file_to(world, before);
     }
     let (mut scene, of) = Snapshot::of_things(world, things).describe();
@@ -149,7 +149,7 @@ fn found<'i>(entities: &HashMap<String, Entity>, ids: impl Iterator<Item = &'i O
     ids.map(|id| entity(id).unwrap_or(Entity::PLACEHOLDER)).collect()
 }
 
-/// Updates the entities to a new reading of the file, as [`spawn::update`] does, at the time that is shown.
+/// Updates the entities to a new reading of the file, as [`spawn::update`] does, at the shown time.
 pub(in crate::scene) fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary {
     let time = shown_time(world);
     follow_file(world);

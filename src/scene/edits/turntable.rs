@@ -1,11 +1,11 @@
-//! A camera that goes once around a point.
+//! A camera that circles once around a point.
 
 use bevy::math::{Affine3A, Mat4, Quat, Vec3};
 
 use crate::document::{Interpolation, Key, Track, TransformOp, Value};
 use crate::scene::encode::poses::as_look_at;
 
-/// A whole turn of a camera about an axis of the world.
+/// A full rotation of a camera about an axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turntable {
     start: Affine3A,
@@ -14,7 +14,7 @@ pub struct Turntable {
 }
 
 impl Turntable {
-    /// Begins at this pose of the camera, world from camera, and goes around this point, about the axis of the world
+    /// Starts at this pose of the camera, world from camera, and rotates around `middle`, about the axis of the world
     /// that is nearest to upwards in the camera's picture.
     pub fn new(start: Affine3A, middle: Vec3) -> Self {
         let up = Vec3::from(start.matrix3.y_axis);
@@ -26,7 +26,7 @@ impl Turntable {
         }
     }
 
-    /// The pose after this share of the turn.
+    /// The pose after this fraction of the rotation.
     pub fn at(&self, share: f64) -> Affine3A {
         let turn = Quat::from_axis_angle(self.axis, (share * std::f64::consts::TAU) as f32);
         Affine3A::from_translation(self.middle)
@@ -35,7 +35,7 @@ impl Turntable {
             * self.start
     }
 
-    /// The turn as keys at two times in seconds.
+    /// The rotation as keys at two times in seconds.
     pub fn track(&self, begin: f64, end: f64) -> Track {
         let look_at = as_look_at(&self.start).filter(|step| step.affine().abs_diff_eq(self.start, 1e-5));
         let start = look_at.unwrap_or(TransformOp::Matrix(Mat4::from(self.start)));

@@ -1,4 +1,4 @@
-//! A plugin of a document while its parameters are written.
+//! Writes parameters into a plugin of a document.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::scene::components::texture_parameters::{
 use crate::scene::components::wall_openings::openings_text;
 use crate::scene::{Bitmap, Declared, EulerAngles, FileValue, Parameter, Texture, VolumeFormat, VolumeParameter};
 
-/// Writes every parameter it meets.
+/// Writes every parameter that it is called with.
 pub struct IntoObject<'f> {
     pub object: Object,
     pub folder: &'f Path,
@@ -126,7 +126,7 @@ impl IntoObject<'_> {
     fn put_volume<T>(&mut self, name: &str, volume: &VolumeParameter<T>, color: impl Fn(&T) -> Rgb) {
         let object = match volume {
             VolumeParameter::Constant(value) => match volume_value(color(value)) {
-                // Mitsuba takes a colour that is given directly for a reflectance.
+                // Mitsuba takes a colour without a volume for a reflectance.
                 Value::Rgb(color) if color.max_element() > 1.0 => constant_volume(color),
                 value => return self.put(name, value),
             },
@@ -152,7 +152,7 @@ impl IntoObject<'_> {
     }
 }
 
-/// The plugin with all of its parameters. `folder`: of the file that is written; names of files are relative to it.
+/// The plugin with all of its parameters. `folder`: the folder of the written file, to which file names are relative.
 pub fn declared(category: Category, plugin: &str, values: &impl Declared, folder: &Path) -> Object {
     let mut writer = IntoObject {
         object: Object::new(category, plugin),
@@ -178,7 +178,7 @@ fn constant_volume(color: Rgb) -> Object {
     )
 }
 
-/// The steps of a map that only scales and moves. A step that would do nothing is left out.
+/// The steps of a scale and a translation. Steps without effect are left out.
 fn scaled_and_moved(scale: Vec3, by: Vec3) -> Vec<TransformOp> {
     let scale = (scale != Vec3::ONE).then_some(TransformOp::Scale(scale));
     let by = (by != Vec3::ZERO).then_some(TransformOp::Translate(by));
@@ -223,7 +223,7 @@ pub fn with_child(mut object: Object, child: Object) -> Object {
     object
 }
 
-/// `angles`: those of its rotation, if they are known.
+/// Adds `to_world`. `angles`: the rotation angles, if known.
 pub fn with_to_world(object: Object, to_world: &Affine3A, angles: Option<EulerAngles>) -> Object {
     match as_steps(to_world, angles) {
         steps if steps.is_empty() => object,
@@ -231,7 +231,7 @@ pub fn with_to_world(object: Object, to_world: &Affine3A, angles: Option<EulerAn
     }
 }
 
-/// The pose of what looks along +z, as people write it.
+/// Adds the pose of an object that looks along +z, spelled as people write it.
 pub fn with_view(object: Object, to_world: &Affine3A, angles: Option<EulerAngles>) -> Object {
     match as_look_at(to_world).filter(|_| angles.is_none()) {
         Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),

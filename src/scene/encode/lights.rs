@@ -10,8 +10,8 @@ use crate::document::{Category, Object, Value};
 use crate::scene::components::emitter::frame_along;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 
-/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; names of pictures are
-/// relative to it.
+/// `angles`: the rotation angles, if known. `folder`: the folder of the written file, to which names of pictures are
+/// relative.
 pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngles>, folder: &Path) -> Object {
     let object = declared(Category::Emitter, emitter.plugin(), emitter, folder);
     let position = Vec3::from(to_world.translation);
@@ -30,7 +30,7 @@ pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngle
     }
 }
 
-/// `folder`: as that of [`emitter`].
+/// `folder`: as for [`emitter`].
 pub fn area_light(light: &AreaLight, folder: &Path) -> Object {
     declared(Category::Emitter, "area", light, folder)
 }

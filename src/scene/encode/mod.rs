@@ -1,5 +1,5 @@
-//! Components as plugins of a document. Reading uses this to know what saving would write for a thing that nobody
-//! edited.
+//! Converts components to plugins of a document. Reading uses this to know what saving would write for an unedited
+//! thing.
 
 mod into_object;
 pub mod lights;

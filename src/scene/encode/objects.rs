@@ -1,5 +1,5 @@
-//! Components as plugins of the file, every parameter spelled out. References to materials and media are not these
-//! functions' business.
+//! Converts components to plugins of the file, with every parameter spelled out. References to materials and media are
+//! added elsewhere.
 
 use std::path::Path;
 
@@ -18,12 +18,12 @@ use crate::scene::{
     ShapeKind,
 };
 
-/// `folder`: of the file that is written; names of pictures are relative to it.
+/// `folder`: the folder of the written file, to which names of pictures are relative.
 pub fn material(material: &Material, folder: &Path) -> Object {
     declared(Category::Bsdf, material.plugin(), material, folder)
 }
 
-/// `folder`: as that of [`material`]; names of volumes are relative to it.
+/// `folder`: as for [`material`]; names of volumes are relative to it.
 pub fn medium(medium: &Medium, folder: &Path) -> Object {
     let object = declared(Category::Medium, medium.plugin(), medium, folder);
     with_child(object, phase(&medium.phase, folder))
@@ -35,11 +35,11 @@ fn phase(function: &PhaseFunction, folder: &Path) -> Object {
     inside.fold(object, with_child)
 }
 
-/// The plugin that a folder's transform is written as.
+/// The plugin as which a folder's transform is written.
 pub const FRAME: &str = "constvolume";
 
-/// `angles`: those of its rotation, if they are known. `folder`: of the file that is written; the mesh's name is
-/// relative to it.
+/// `angles`: the rotation angles, if known. `folder`: the folder of the written file, to which the mesh's name is
+/// relative.
 pub fn shape(
     shape: &Shape,
     to_world: &Affine3A,
@@ -65,7 +65,7 @@ pub fn shape(
             with_float(with(object, "p1", Value::Point(*p1)), "radius", *radius)
         }
         ShapeKind::Solid(solid) => declared(Category::Shape, solid.plugin(), solid, folder),
-        // The group it shows is not these functions' business, and it has no other parameters.
+        // The reference to its group is added elsewhere, and it has no other parameters.
         ShapeKind::Instance => {
             return with_to_world(with_lightmap_scale(object("instance"), shape), to_world, angles);
         }
@@ -111,7 +111,7 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
             let object = with_float(object("thinlens"), "aperture_radius", aperture_radius);
             let object = with_float(object, "focus_distance", focus_distance);
             let object = with_fov(object, sensor);
-            // An extension, which other readers need not see where it says nothing.
+            // An extension, which is left out where it has no effect, since other readers do not know it.
             if blades < 3 {
                 object
             } else {
@@ -166,12 +166,12 @@ fn film_object(film: &Film) -> Object {
         object = with_string(object, "compression", compression.name());
     }
     let filter = &film.filter;
-    // A filter names no files.
+    // A filter has no file names.
     let filter = declared(Category::ReconstructionFilter, filter.plugin(), filter, Path::new(""));
     with_child(object, filter)
 }
 
-/// The `<integrator>`; what the format has no parameter for is left out.
+/// The `<integrator>`; settings for which the format has no parameter are left out.
 pub fn integrator(settings: &IntegratorSettings) -> Object {
     let depth = settings.max_depth.map_or(-1, i64::from);
     let object = with(

@@ -1,4 +1,4 @@
-//! Maps as the steps of a transform that people would write.
+//! Converts affine maps to transform steps as people would write them.
 
 use bevy::math::{Affine3A, Mat3, Mat4, Vec3};
 
@@ -6,18 +6,18 @@ use crate::document::TransformOp;
 use crate::scene::components::shape::short_together;
 use crate::scene::{EulerAngles, Turned};
 
-/// The most that a map taken apart and put together again may differ from itself, relative to its largest element.
+/// The largest difference between a map and its recomposed steps, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
 
-/// The most that shortening the numbers of a transform may change, relative to the largest of the linear part, and to
-/// each coordinate of the place: some units in the last place.
+/// The largest difference that shortening the numbers of a transform may make, relative to the largest element of the
+/// linear part, and to each coordinate of the translation: some units in the last place.
 const SHORTENED: f32 = 4e-7;
 
-/// The most that shortening may move a camera, relative to its distance from the origin.
+/// The largest distance by which shortening may move a camera, relative to its distance from the origin.
 const MOVED: f64 = 1e-6;
 
-/// The step with numbers of so many digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
-/// Angles that are known stay.
+/// The step with numbers rounded to `digits`: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
+/// Known angles are kept.
 fn shortened(step: &TransformOp, digits: i32, is_turned_so: bool) -> TransformOp {
     match *step {
         TransformOp::Scale(factors) => TransformOp::Scale(short(factors, digits)),
@@ -30,7 +30,7 @@ fn shortened(step: &TransformOp, digits: i32, is_turned_so: bool) -> TransformOp
     }
 }
 
-/// The numbers with so many digits.
+/// The numbers rounded to `digits`.
 fn short(numbers: Vec3, digits: i32) -> Vec3 {
     numbers.map(|number| {
         let number = f64::from(number);
@@ -42,9 +42,9 @@ fn short(numbers: Vec3, digits: i32) -> Vec3 {
     })
 }
 
-/// The map as scale, rotations about the axes x, y and z in this order, and translation, each only where it does
-/// something; as a matrix when it has shear. `angles`: those that are written if they give its rotation, and otherwise
-/// the ones that are sought nearby.
+/// The map as scale, rotations about the axes x, y and z in this order, and translation, without steps that have no
+/// effect; as a matrix if it shears. `angles`: these are written if they give its rotation, otherwise the nearest ones
+/// that do.
 pub(crate) fn as_steps(map: &Affine3A, angles: Option<EulerAngles>) -> Vec<TransformOp> {
     let as_matrix = || vec![TransformOp::Matrix(Mat4::from(*map))];
     let Some(Turned { scale, degrees }) = Turned::of(&map.matrix3, angles.map(|angles| angles.0)) else {
@@ -87,19 +87,19 @@ pub(crate) fn as_steps(map: &Affine3A, angles: Option<EulerAngles>) -> Vec<Trans
         return short;
     }
     let made = TransformOp::compose(&steps);
-    // A small part must not be lost in the rounding of a large distance.
+    // A small element must not be lost in the rounding of a large translation.
     let is_same =
         made.matrix3.abs_diff_eq(map.matrix3, RECOMPOSED * linear) && made.abs_diff_eq(*map, RECOMPOSED * largest);
     if is_same { steps } else { as_matrix() }
 }
 
-/// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single
-/// precision can hold.
+/// A camera's pose as a look-at step; None if it scales, shears or mirrors, or if single precision cannot hold the
+/// target.
 pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let rotation = Mat3::from(map.matrix3);
     let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
     let origin = Vec3::from(map.translation);
-    // The distance is large enough that the direction is not lost in the rounding of the place.
+    // The distance is large enough that the direction is not lost in the rounding of the position.
     let distance = (origin.as_dvec3().length() as f32).max(1.0);
     let target = origin + distance * rotation.z_axis;
     (is_rigid && target.is_finite()).then(|| {
@@ -122,7 +122,7 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
             let made = step.affine();
             made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED)
                 && made.translation.abs_diff_eq(map.translation, SHORTENED * distance)
-                // In a tiny scene the digits of places would be lost beside the distance to the target.
+                // In a tiny scene the digits of the position would be lost beside the distance to the target.
                 && moved(&made) <= MOVED * origin.as_dvec3().length()
         };
         [6, 7]

@@ -1,4 +1,4 @@
-//! The geometry of shapes before they are placed: shapes that differ in their places only have one form.
+//! The geometry of shapes in their own space: shapes that differ only in their transforms share a form.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -16,23 +16,23 @@ use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
 use crate::scene::components::description::ShapeDescription;
 use crate::scene::{MeshFormat, ShapeKind};
 
-/// The colours of a mesh: the name of its attribute, and a factor.
+/// The vertex colours of a mesh: the name of its attribute, and a factor.
 pub(super) type Colors = Option<(String, f32)>;
 
-/// The geometry of a shape before it is placed.
+/// The geometry of a shape in its own space.
 #[derive(Clone)]
 pub(super) struct Form {
     /// Equal forms have equal keys.
     pub key: String,
     pub mesh: Arc<MeshData>,
-    /// Whether it is shaded with the triangles' own normals.
+    /// Whether it is shaded with geometric normals.
     pub is_flat: bool,
-    /// The shape's own space from that of the mesh.
+    /// The transform from the space of the mesh to that of the shape.
     pub shape_from_mesh: Affine3A,
 }
 
 impl Form {
-    /// Whether a mirror turns its normals around: those of the triangles, and those that follow from them.
+    /// Whether a mirroring transform flips its normals: geometric normals, and normals computed from triangles.
     pub fn turns_with_mirrors(&self) -> bool {
         self.is_flat || self.mesh.has_computed_normals || self.mesh.normals.is_empty()
     }
@@ -54,7 +54,7 @@ impl<'a> Forms<'a> {
         }
     }
 
-    /// The form of a shape; None (reported where it is not meant to have none) if it has no triangles.
+    /// The form of a shape; None if it has no triangles (reported if that is unexpected).
     pub fn of(&mut self, shape: &ShapeDescription, messages: &mut Messages) -> Option<Form> {
         let kind = &shape.shape.kind;
         let name = &*shape.identity.name;
@@ -115,7 +115,7 @@ impl<'a> Forms<'a> {
         form
     }
 
-    /// The pictures that the materials of a shape's mesh file name.
+    /// The pictures named by the materials of a shape's mesh file.
     pub fn pictures_of_file(&mut self, shape: &ShapeDescription) -> Vec<PathBuf> {
         let ShapeKind::Mesh(file) = &shape.shape.kind else {
             return Vec::new();
@@ -146,7 +146,7 @@ impl<'a> Forms<'a> {
             self.files.insert(file.path.clone(), loaded.ok());
         }
         let mesh = self.files[&file.path].as_ref()?.data(file.shape_index)?;
-        // Meshes of files are flipped already where their format's default is to flip them.
+        // Meshes of files are flipped already if that is the default of their format.
         match file.flip_tex_coords == file.format.flips_tex_coords() {
             true => Some(mesh.clone()),
             false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
@@ -154,7 +154,7 @@ impl<'a> Forms<'a> {
     }
 }
 
-/// The vertices of a form as they are written; triangles are not turned.
+/// The vertices of a form as they are written; the winding of triangles does not change.
 pub(super) fn shown(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_unwelded: bool) -> MeshData {
     let source = &form.mesh;
     let all: Vec<usize> = match is_unwelded {
@@ -193,13 +193,13 @@ pub(super) fn shown(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_un
     }
 }
 
-/// Whether colours are those of triangles, so that no two of these may share a vertex.
+/// Whether the colours belong to triangles, so that triangles may not share vertices.
 pub(super) fn is_of_triangles(mesh: &MeshData, colors: &Colors) -> bool {
     let attribute = colors.as_ref().and_then(|(name, _)| mesh.attribute(name));
     attribute.is_some_and(|attribute| attribute.domain == AttributeDomain::Triangle)
 }
 
-/// The colours of the vertices that [`shown`] gives.
+/// The colours of the vertices given by [`shown`].
 pub(super) fn vertex_colors(mesh: &MeshData, (name, scale): &(String, f32), is_unwelded: bool) -> Vec<[f32; 3]> {
     let Some(attribute) = mesh.attribute(name) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The files that a scene is made of, which an export must not overwrite.
+//! The files of a scene, which an export must not overwrite.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,15 @@ use crate::scene::ShapeKind;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::load::pictures::pictures_of_lights;
 
-/// The first of these files that the scene is read from, or that something in it names: a mesh or a picture.
-/// `of_libraries`: the pictures that the materials of mesh files name.
+/// The first of these files that the scene was read from, or that it names as a mesh or a picture. `of_libraries`: the
+/// pictures named by the materials of mesh files.
 pub fn first_in_use<'f>(
     scene: &SceneDescription,
     of_libraries: &BTreeSet<PathBuf>,
     mut files: impl Iterator<Item = &'f Path>,
 ) -> Option<&'f Path> {
     let used = SameFiles::of(used_files(scene).iter().chain(of_libraries));
-    // A file that is not there yet is in no use.
+    // A file that does not exist is not in use.
     files.find(|file| used.has(file))
 }
 
@@ -37,7 +37,7 @@ fn used_files(scene: &SceneDescription) -> BTreeSet<PathBuf> {
     }
     used.extend([scene.path.clone()]);
     used.extend(scene.sources.iter().cloned());
-    // Those of glTF files name their buffers and pictures.
+    // glTF files name their buffers and pictures.
     let origin = scene.remains.origin.iter();
     let sources = origin.flat_map(|origin| &origin.diagnostics.sources);
     used.extend(sources.map(|source| source.path.clone()));

@@ -1,4 +1,4 @@
-//! A value of a material on its way into glTF: a constant, or a texture with what is done to its values.
+//! A material parameter during conversion to glTF: a constant, or a texture with operations on its values.
 
 use crate::color::Rgb;
 use crate::scene::{Parameter, Texture};
@@ -6,29 +6,29 @@ use crate::scene::{Parameter, Texture};
 /// A number or a colour.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Level {
-    /// The same everywhere.
+    /// A constant.
     Constant(Rgb),
-    /// By a texture.
+    /// A texture.
     Varying(Varying),
 }
 
-/// The values of a texture: `factor` times what `map` makes of them.
+/// The values of a texture after `map`, times `factor`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Varying {
     pub texture: Texture,
-    /// Whether it stands for a number, which is the luminance of its colour.
+    /// Whether it is a number, the luminance of the texture's colour.
     pub as_number: bool,
     pub map: Map,
     pub factor: Rgb,
 }
 
-/// What is done to each value.
+/// The operation on each value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Map {
     Same,
     Root,
     Square,
-    /// y of normals turns around, for what lies mirrored.
+    /// Negates y of normals, for mirrored texture coordinates.
     Normals,
 }
 
@@ -71,7 +71,7 @@ impl Level {
         })
     }
 
-    /// The level after a map, which must come before all factors.
+    /// The level after a map, which has to be applied before all factors.
     pub fn mapped(self, map: Map) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map.apply(value)),
@@ -96,13 +96,13 @@ impl Level {
         }
     }
 
-    /// Whether it is this number everywhere.
+    /// Whether it is this constant.
     pub fn is(&self, number: f32) -> bool {
         self.constant() == Some(Rgb::splat(number))
     }
 
-    /// A mixture with the share `weight` of the other. Of a texture and something else the one with the greater share
-    /// is taken.
+    /// A blend with the weight `weight` of `other`. If one of them is a texture, the one with the greater weight is
+    /// taken.
     pub fn mixed(self, other: Self, weight: f32) -> Self {
         match (self.constant(), other.constant()) {
             (Some(a), Some(b)) => Self::Constant(a.lerp(b, weight)),

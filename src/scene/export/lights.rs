@@ -1,4 +1,4 @@
-//! Lights and cameras as nodes.
+//! Exports lights and cameras as nodes.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -13,13 +13,12 @@ use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, 
 use crate::scene::components::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 
-/// Parts of an export that lights and cameras need.
+/// The parts of an export used for lights and cameras.
 pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
-    /// Whether lightmaps beside the file have the light that glTF has no counterpart for, so that its absence from the
-    /// file is not reported.
+    /// Whether lightmaps beside the file hold the light that glTF cannot express, so that its absence is not reported.
     pub is_baked: bool,
 }
 
@@ -53,7 +52,7 @@ impl Stage<'_> {
                     self.messages.note("light", name, "the slide is left out");
                 }
                 let outer = cone.cutoff_angle.to_radians().clamp(1e-4, FRAC_PI_2);
-                // It has to be less.
+                // glTF requires it to be less.
                 let inner = cone.beam_width.to_radians().clamp(0.0, outer * (1.0 - 1e-4));
                 let spot = Spot {
                     inner_cone_angle: inner,
@@ -69,7 +68,7 @@ impl Stage<'_> {
             {
                 return;
             }
-            // A bake has them as files of their own.
+            // A bake writes them to files of their own.
             EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } if self.is_baked => {
                 return;
             }
@@ -95,7 +94,7 @@ impl Stage<'_> {
         );
     }
 
-    /// Adds the sun of a sky as light from one direction.
+    /// Adds the sun of a sky as a directional light.
     fn sun(&mut self, about: &EmitterDescription, sky: &SunSky) {
         let name = &*about.identity.name;
         let atmosphere = rigid(&about.to_world).and_then(|turn| {
@@ -200,7 +199,7 @@ impl Stage<'_> {
         );
     }
 
-    /// Adds the node of a thing without extent; `turned` makes a pose of glTF of that of the scene.
+    /// Adds the node of a thing without extent; `turned` converts a pose of the scene to one of glTF.
     fn stand(
         &mut self,
         kind: &'static str,

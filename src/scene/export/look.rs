@@ -1,4 +1,4 @@
-//! The look of a surface in the terms of glTF: metallic-roughness with layers.
+//! A surface in the terms of glTF: metallic-roughness with layers.
 
 use super::level::Level;
 use crate::color::Rgb;
@@ -10,25 +10,25 @@ pub(super) struct Look {
     pub opacity: Level,
     pub metallic: Level,
     pub roughness: Level,
-    /// The share of light that goes through.
+    /// The share of transmitted light.
     pub transmission: Level,
-    /// Whether light is bent inside, rather than a pane.
+    /// Whether transmitted light is refracted, unlike in a pane.
     pub is_thick: bool,
-    /// The index of refraction, above 0. Below 1 the outside is the denser side, which only glass may have.
+    /// The index of refraction, above 0. Below 1 the outside is denser, which only glass may have.
     pub index: f32,
-    /// A factor on the reflectance of what is no metal. At 0 the surface is matt.
+    /// A factor on the reflectance of dielectrics. At 0 the surface is diffuse.
     pub specular: f32,
     pub sheen: Rgb,
     pub clearcoat: Level,
     pub clearcoat_roughness: f32,
-    /// Raw normals.
+    /// The normal map, as raw numbers.
     pub normals: Option<Level>,
-    /// Whether they go by the handedness of coordinates, as in glTF, rather than by the shading frame.
+    /// Whether normals follow the handedness of texture coordinates, as in glTF, rather than the shading frame.
     pub gltf_tangents: bool,
     pub is_two_sided: bool,
 }
 
-/// What light passes as if there was nothing.
+/// A surface that is not there: light passes straight through.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Appearance {
     Nothing,
@@ -36,7 +36,7 @@ pub(super) enum Appearance {
 }
 
 impl Appearance {
-    /// The appearance with another look if it is a surface.
+    /// Changes the look if it is a surface.
     pub fn changed(self, change: impl FnOnce(Look) -> Look) -> Self {
         match self {
             Self::Nothing => Self::Nothing,
@@ -46,7 +46,7 @@ impl Appearance {
 }
 
 impl Look {
-    /// A matt surface of this colour.
+    /// A diffuse surface of this colour.
     pub fn matt(base: Level) -> Self {
         Self {
             base,
@@ -75,7 +75,7 @@ impl Look {
         }
     }
 
-    /// The look of a pane with this index, which reflects alike on both sides.
+    /// The look of a pane with the inverse index if that is below 1: it reflects the same on both sides.
     pub fn upright(self) -> Self {
         Self {
             index: self.index.max(self.index.recip()),

@@ -1,5 +1,5 @@
-//! What a material of the scene looks like in the terms of glTF. What has no counterpart there is left out or
-//! approximated, and noted.
+//! Converts materials of the scene to the terms of glTF. Properties without counterpart are left out or approximated,
+//! and noted.
 
 use super::level::{Level, Map};
 use super::look::{Appearance, Look};
@@ -13,7 +13,7 @@ use crate::scene::{
 };
 use crate::shading::{eta_from_specular, ior, melanin_absorption};
 
-/// Makes looks of materials.
+/// Converts materials to looks.
 pub(super) struct Looks<'a, 'p> {
     pub materials: &'a [MaterialDescription],
     pub pictures: &'a mut Pictures<'p>,
@@ -21,7 +21,7 @@ pub(super) struct Looks<'a, 'p> {
 }
 
 impl Looks<'_, '_> {
-    /// The look of the material of an index.
+    /// The look of the material with an index.
     pub fn of(&mut self, index: usize) -> Appearance {
         let Some(about) = self.materials.get(index) else {
             return Appearance::Surface(Look::matt(Level::number(0.5)).into());
@@ -237,7 +237,7 @@ impl Looks<'_, '_> {
         let name = &*about.identity.name;
         let (first, second) = (self.nested(about.first), self.nested(about.second.or(about.first)));
         let (first, second) = match (first, second) {
-            // A share of nothing is a mask.
+            // A blend with an invisible material is a mask.
             (Appearance::Nothing, second @ Appearance::Surface(_)) => {
                 return second.changed(|look| self.masked(look, weight, name));
             }
@@ -261,7 +261,7 @@ impl Looks<'_, '_> {
         Appearance::Surface(first.mixed(second, weight).into())
     }
 
-    /// The square root of the width of the facets' slopes.
+    /// The square root of the width alpha of the slope distribution.
     fn roughness(&mut self, distribution: Distribution, alpha: &Roughness, name: &str) -> Level {
         if distribution == Distribution::Beckmann {
             self.lose(name, "the facets are spread by GGX, not Beckmann");
@@ -310,7 +310,7 @@ impl Looks<'_, '_> {
         number(interior) / number(exterior)
     }
 
-    /// The index of what is no glass, at least 1.
+    /// The index of a surface that is not glass, at least 1.
     fn possible_index(&mut self, index: f32, name: &str) -> f32 {
         if index >= 1.0 {
             return index;
@@ -330,7 +330,7 @@ impl Looks<'_, '_> {
         if *reflectance != Parameter::Constant(Rgb::ONE) {
             self.lose(name, "the factor on the reflection is left out");
         }
-        // Light crosses the surface twice, and the colour of glTF is that of both times.
+        // Light crosses the surface twice, and glTF's colour is that of both passes.
         let base = Level::of_color(transmittance).mapped(Map::Square);
         Look {
             roughness,
@@ -437,7 +437,7 @@ impl Looks<'_, '_> {
         }
     }
 
-    /// The number, or the mean (reported) of its texture.
+    /// The constant, or the mean (reported) of a texture.
     fn uniform(&mut self, parameter: &Parameter<f32>, what: &str, name: &str) -> f32 {
         let level = Level::of_number(parameter);
         if level.constant().is_none() {
@@ -447,7 +447,7 @@ impl Looks<'_, '_> {
     }
 }
 
-/// About the colour of many hairs of this absorption (Chiang and others 2016, a fit).
+/// The approximate colour of many hairs with this absorption (Chiang and others 2016, a fit).
 fn hair_color(sigma_a: Rgb, azimuthal_roughness: f32) -> Rgb {
     let b = azimuthal_roughness;
     let fit = 5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5);

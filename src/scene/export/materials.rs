@@ -1,4 +1,4 @@
-//! Writes looks as materials of glTF: which numbers become factors, and which textures share a picture.
+//! Writes looks as materials of glTF: decides on factors and on the channels of shared pictures.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -20,44 +20,44 @@ use crate::scene::assets::mtl_picture::mtl_picture;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
 
-/// The index of refraction where a material says none.
+/// The default index of refraction in glTF.
 const USUAL_INDEX: f32 = 1.5;
 
-/// What a surface is made of.
+/// The material data of a surface.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<'a> {
     /// The name of the shape.
     pub shape: &'a str,
     /// The index of its material.
     pub material: Option<usize>,
-    /// The material of its mesh file, with the file and the number in it.
+    /// The material from its mesh file, with the file and the index in it.
     pub of_file: Option<(&'a Path, usize, &'a MtlMaterial)>,
-    /// The light that it sends out.
+    /// The emission.
     pub light: Option<&'a AreaLight>,
     /// The medium inside.
     pub interior: Option<usize>,
-    /// Whether pictures lie mirrored on it, as seen from the side of its normals.
+    /// Whether pictures are mirrored on it, as seen from the side of its normals.
     pub is_mirrored: bool,
 }
 
-/// What a surface becomes.
+/// The result of writing a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Written {
-    /// Light passes it as if there was nothing.
+    /// The surface is not there: light passes straight through.
     Nothing,
     Material {
         /// The index of the material in the file.
         index: usize,
-        /// The attribute of the mesh that has its colours, and a factor on it.
+        /// The mesh attribute with its vertex colours, and a factor on it.
         colors: Option<(String, f32)>,
-        /// Whether its back would be black here.
+        /// Whether the scene shows its back black.
         is_one_sided: bool,
-        /// Whether the surface is to be turned, so that the denser side is the inner one.
+        /// Whether the surface has to be flipped, so that the denser side is the inner one.
         is_inside_out: bool,
     },
 }
 
-/// How a surface looks, and what it sends out.
+/// The look and the emission of a surface.
 #[derive(Clone)]
 struct Prepared {
     look: Look,
@@ -68,10 +68,10 @@ struct Prepared {
 /// The materials of an export.
 pub(super) struct Materials<'a> {
     scene: &'a SceneDescription,
-    /// Whether surfaces are parted into their sides later, so that the back of a lamp can be another material.
+    /// Whether surfaces are split into their sides later, so that the back of a lamp can have another material.
     has_backs: bool,
     pub pictures: Pictures<'a>,
-    /// The looks of surfaces; None for what light passes.
+    /// The looks of surfaces; None for invisible ones.
     prepared: HashMap<String, Option<Prepared>>,
     written: HashMap<String, Written>,
     names: HashMap<String, usize>,
@@ -89,7 +89,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// What a surface becomes; equal ones share a material.
+    /// Writes the material of a surface; equal ones share a material.
     pub fn write(&mut self, surface: &Surface, writer: &mut GltfWriter, messages: &mut Messages) -> Written {
         let prepared = self.prepare(surface, messages);
         let goes_by_side = prepared
@@ -107,7 +107,7 @@ impl<'a> Materials<'a> {
         written
     }
 
-    /// Whether a surface has a normal map, and whether this goes by the handedness of coordinates as in glTF.
+    /// Whether a surface has a normal map, and whether this follows the handedness of coordinates as in glTF.
     pub fn normal_map(&mut self, surface: &Surface, messages: &mut Messages) -> Option<bool> {
         let look = self.prepare(surface, messages)?.look;
         look.normals.map(|_| look.gltf_tangents)
@@ -133,7 +133,7 @@ impl<'a> Materials<'a> {
         let appearance = match (surface.material, in_file) {
             (Some(index), _) => looks.of(index),
             (None, Some(mtl)) => Appearance::Surface(looks.of_mtl(mtl).into()),
-            // The format's default, and that of lamps.
+            // The format's default material, also for emissive shapes.
             (None, None) => {
                 Appearance::Surface(Look::matt(Level::number(if surface.light.is_some() { 0.0 } else { 0.5 })).into())
             }
@@ -206,7 +206,7 @@ impl<'a> Materials<'a> {
         let (mut made, colors) = material.material(look);
         if let Some(emission) = emission {
             material.emit(emission, &mut made);
-            // Both sides of what is seen from both shine in glTF.
+            // In glTF both sides of a two-sided material are emissive.
             made.shines_from_front = !shines_both_ways && made.emissive_factor != [0.0; 3];
             made.double_sided = shines_both_ways || made.double_sided && (self.has_backs || !made.shines_from_front);
         }
@@ -231,7 +231,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// Puts the medium inside of a material's surface, if it can be said.
+    /// Sets the medium inside a material's surface, if glTF can express it.
     fn fill(&self, interior: usize, material: &mut Material, messages: &mut Messages) {
         let Some(about) = self.scene.media.get(interior) else {
             return;
@@ -257,21 +257,21 @@ impl<'a> Materials<'a> {
         let sigma_a = (medium.scale * sigma_t * (Rgb::ONE - albedo)).max(Rgb::ZERO);
         let most = sigma_a.max_element();
         if most > 0.0 && most.is_finite() {
-            // After this distance the most absorbed colour is left with the share 1 / e.
+            // At this distance the transmittance of the most absorbed colour is 1 / e.
             volume.attenuation_distance = Some(most.recip());
             volume.attenuation_color = Some((-sigma_a / most).exp().to_array());
         }
     }
 }
 
-/// Equal surfaces have equal keys, whichever way pictures lie on them.
+/// Equal surfaces have equal keys, whether pictures are mirrored or not.
 fn key_of(surface: &Surface) -> String {
     let of_file = surface.of_file.map(|(path, slot, _)| (path, slot));
     let light = surface.light.map(|light| (&light.radiance, light.two_sided));
     format!("{:?} {of_file:?} {light:?} {:?}", surface.material, surface.interior)
 }
 
-/// Whether a shape of this kind lets its back be seen.
+/// Whether the back of such a shape can be seen.
 pub(super) fn shows_its_back(kind: &ShapeKind) -> bool {
     kind.is_flat() || matches!(kind, ShapeKind::Cylinder { .. } | ShapeKind::Mesh(_))
 }
@@ -292,7 +292,7 @@ impl MaterialWriter<'_, '_> {
         self.pictures.texture(self.writer, planes, self.messages)
     }
 
-    /// The level, in which values of the mesh (reported) have become their mean: only the base colour may have them.
+    /// The level with mesh attributes (reported) replaced by their mean: only the base colour may have them.
     fn without_attribute(&mut self, level: Level, what: &str) -> Level {
         match level {
             Level::Varying(varying) if has_attribute(&varying.texture) => {
@@ -305,7 +305,7 @@ impl MaterialWriter<'_, '_> {
         }
     }
 
-    /// The material, and the attribute that has its colours.
+    /// The material, and the attribute with its vertex colours.
     fn material(&mut self, look: Look) -> (Material, Option<(String, f32)>) {
         let mut material = Material {
             double_sided: look.is_two_sided,
@@ -319,7 +319,7 @@ impl MaterialWriter<'_, '_> {
                 ..
             }) => {
                 colors = Some((name, scale));
-                // What multiplies the values of the mesh is a picture in glTF, too.
+                // The factor on vertex colours is a picture in glTF, too.
                 let times = times.map(|times| Level::of_color(&Parameter::Texture(*times)).times(factor));
                 parts(self.without_attribute(times.unwrap_or(Level::Constant(factor)), "the colour"))
             }
@@ -422,7 +422,7 @@ impl MaterialWriter<'_, '_> {
         }
     }
 
-    /// Lets a material shine.
+    /// Makes a material emissive.
     fn emit(&mut self, emission: Level, material: &mut Material) {
         let (plane, factor) = parts(self.without_attribute(emission, "the light"));
         let planes = Planes {
@@ -468,7 +468,7 @@ fn parts(level: Level) -> (Option<Varying>, Rgb) {
     }
 }
 
-/// Whether a texture, or one inside of it, is of the mesh's own values.
+/// Whether a texture uses a mesh attribute, possibly nested.
 fn has_attribute(texture: &Texture) -> bool {
     match texture {
         Texture::MeshAttribute { .. } => true,
@@ -479,7 +479,7 @@ fn has_attribute(texture: &Texture) -> bool {
     }
 }
 
-/// The mean of a texture with values of meshes, which differ: half of what the scale makes of 1.
+/// The assumed mean of a texture with mesh attributes, whose values are unknown: half of its scale.
 fn guess(texture: &Texture) -> Rgb {
     match texture {
         Texture::MeshAttribute { scale, .. } => Rgb::splat(0.5 * scale),

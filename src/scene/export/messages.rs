@@ -1,5 +1,5 @@
-//! Collects what an export says about what is lost: a sentence for each material, and one for all other things that
-//! lose the same.
+//! Collects the messages of an export about losses: a sentence for each material, and one for all other things with the
+//! same loss.
 
 use std::collections::{HashMap, HashSet};
 
@@ -13,15 +13,15 @@ pub(super) struct Messages {
     names: HashMap<Loss, Names>,
 }
 
-/// The names of the things that lose something.
+/// The names of the things with the same loss.
 #[derive(Default)]
 struct Names {
-    /// In the order in which they came up, those that are told.
+    /// The names in the message, in the order of their occurrence.
     told: Vec<String>,
     all: HashSet<String>,
 }
 
-/// What happens to things of a kind (`shape`, `light`).
+/// The loss of things of a kind (`shape`, `light`).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Loss {
     kind: &'static str,
@@ -31,7 +31,7 @@ struct Loss {
 }
 
 impl Messages {
-    /// Notes what becomes of a thing of this kind, in a sentence that fits one thing and several.
+    /// Notes a loss of a thing of this kind, in a sentence that fits one thing and several.
     pub fn note(&mut self, kind: &'static str, name: &str, what: impl Into<String>) {
         self.add(kind, name, false, what.into());
     }
@@ -56,7 +56,7 @@ impl Messages {
         }
     }
 
-    /// The sentences, in the order in which they came up.
+    /// The sentences, in the order of their occurrence.
     pub fn sentences(mut self) -> Vec<String> {
         let sentence = |key: Loss| {
             let names = self.names.remove(&key).unwrap_or_default();

@@ -1,7 +1,7 @@
-//! Exports a scene to glTF 2.0: what of the scene becomes what there, and what is said about the rest.
+//! Exports a scene to glTF 2.0, and reports the losses.
 //!
 //! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them.
-//! How glTF files are built is in [`crate::gltf::write`], and the table of docs/scene-format.md says what becomes what.
+//! glTF files are built in [`crate::gltf::write`], and the table of docs/scene-format.md lists the counterparts.
 
 mod error;
 mod form;
@@ -37,15 +37,15 @@ use crate::scene::components::description::{SceneDescription, SensorDescription}
 /// The files of an export, which are not written yet.
 #[derive(Debug)]
 pub struct Export {
-    /// The files; the one that names the others comes last.
+    /// The files; the main one, which names the others, comes last.
     pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// One sentence for each thing that the files do not say as the scene does.
+    /// One sentence for each loss.
     pub messages: Vec<String>,
-    /// A sentence about the settings of the film, which change no light and are lost in every export.
+    /// A sentence about the settings of the film, which do not affect light and are lost in every export.
     pub note: Option<String>,
 }
 
-/// Whether a file of this name is one that a scene is exported to.
+/// Whether this file name has an extension of glTF.
 pub fn is_export(path: &Path) -> bool {
     Kind::of(path).is_some()
 }
@@ -66,8 +66,8 @@ impl Kind {
     }
 }
 
-/// Makes the files of a scene that will be written to `target`, a name that ends with `.glb` or `.gltf`. `hidden`: the
-/// indices of shapes and emitters that are left out. Meshes and pictures are read as far as `access` permits.
+/// Makes the files of a scene for writing to `target`, a name that ends with `.glb` or `.gltf`. `hidden`: the shapes
+/// and emitters that are left out. Meshes and pictures are read as far as `access` permits.
 pub fn export(
     scene: &SceneDescription,
     hidden: &Hidden,
@@ -108,20 +108,19 @@ pub fn export(
     })
 }
 
-/// The content of the files of a scene, which may still be changed.
+/// The content of a scene's files, which may still be changed.
 #[derive(Debug)]
 pub struct Collected {
     /// The content.
     pub writer: GltfWriter,
-    /// One sentence for each thing of the level that it does not say as the scene does; nothing about the settings of
-    /// pictures.
+    /// One sentence for each loss, except for settings of the picture.
     pub messages: Vec<String>,
-    /// The pictures that materials of mesh files name, for [`first_in_use`].
+    /// The pictures named by materials of mesh files, for [`first_in_use`].
     pub pictures_of_libraries: BTreeSet<PathBuf>,
 }
 
-/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `is_baked`: there will be
-/// lightmaps and probes beside the file, and the light that they have is not reported as left out.
+/// Collects the content of the files of a scene. `hidden` and `access` as for [`export`]; `is_baked`: lightmaps and
+/// probes are written beside the file, so that their light is not reported as left out.
 pub fn collect(
     scene: &SceneDescription,
     hidden: &Hidden,
@@ -133,7 +132,7 @@ pub fn collect(
     let frames = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
     let frames = frames.filter_map(|frame| {
         let folder = frame.identity.id.as_deref()?.strip_suffix('/')?;
-        // What moves with the folder has keys of its own.
+        // Things in an animated folder have keys of their own.
         Some((folder.to_owned(), frame.to_world))
     });
     let mut folders = Folders::new(frames);
@@ -172,7 +171,7 @@ pub fn collect(
 
 const HIDDEN: &str = "hidden in the window";
 
-/// The things that are hidden in the window, by their indices in the description.
+/// The things that are hidden in the window.
 #[derive(Clone, Debug, Default)]
 pub struct Hidden {
     /// Indices into [`SceneDescription::shapes`].
@@ -181,7 +180,7 @@ pub struct Hidden {
     pub emitters: HashSet<usize>,
 }
 
-/// Says which settings of the picture are lost, where they change it.
+/// Reports lost settings that affect the picture.
 fn report_settings(scene: &SceneDescription, messages: &mut Messages) {
     let integrator = &scene.integrator;
     if let Some(depth) = integrator.max_depth {
@@ -196,7 +195,7 @@ fn report_settings(scene: &SceneDescription, messages: &mut Messages) {
     }
 }
 
-/// The settings of films that are not the usual ones, none of which glTF has.
+/// The settings of the film that differ from the defaults; glTF has none of them.
 fn lost_film(scene: &SceneDescription) -> Option<String> {
     let usual = Film::of_format();
     let mut messages = Messages::default();
@@ -216,7 +215,7 @@ fn lost_film(scene: &SceneDescription) -> Option<String> {
     messages.sentences().pop()
 }
 
-/// Says which cameras and lights leave the medium that they are in.
+/// Reports cameras and lights in a medium, which is lost.
 fn report_media_around(scene: &SceneDescription, messages: &mut Messages) {
     let integrator = &scene.integrator;
     let sensors = scene
@@ -236,7 +235,7 @@ fn report_media_around(scene: &SceneDescription, messages: &mut Messages) {
 }
 
 impl Export {
-    /// Writes the files, which replace older ones together.
+    /// Writes the files, which replace older ones in one step.
     pub fn write(&self) -> Result<(), ExportError> {
         let Some((main, _)) = self.files.last() else {
             return Ok(());

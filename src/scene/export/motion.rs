@@ -1,5 +1,4 @@
-//! Key frames of poses as animations of glTF: values at times between which glTF goes straight, and turns along the
-//! shortest arc.
+//! Key frames of poses as animations of glTF: linear between times, with rotations along the shortest arc.
 
 use bevy::math::{Affine3A, Quat, Vec3};
 
@@ -10,19 +9,19 @@ use crate::gltf::write::model::Pose;
 use crate::gltf::write::{self, GltfWriter};
 use crate::scene::{KeyPath, Keys};
 
-/// How far poses may be from the true ones: relative to the size of things, and to the way between two keys.
+/// The largest deviation of interpolated poses, relative to the size of things and to the distance between two keys.
 const TOLERANCE: f32 = 1e-3;
-/// How often the time between two keys is halved at most.
+/// How often the interval between two keys may be halved.
 const HALVINGS: u32 = 6;
 
-/// The motion of a thing: where it stands at each time.
+/// The motion of a thing: its pose at each time.
 pub(super) struct Motion<'m> {
     pub keys: &'m Keys,
-    /// Local from the space of the thing's own value, such as the pose of a sphere within its shape.
+    /// The transform to local space from that of a value of the thing, such as the centre of a sphere within its shape.
     pub local: &'m dyn Fn(&Value) -> Option<Affine3A>,
 }
 
-/// The map of a value that says where something is.
+/// The map of a value that places a thing.
 pub(super) fn placed(value: &Value) -> Option<Affine3A> {
     match value {
         Value::Transform(steps) => Some(TransformOp::compose(steps)),
@@ -35,13 +34,13 @@ pub(super) fn placed(value: &Value) -> Option<Affine3A> {
 }
 
 impl Motion<'_> {
-    /// The track of the place, if it moves.
+    /// The track of the pose, if it is animated.
     fn track(&self) -> Option<&Track> {
         let mut tracks = self.keys.tracks();
         tracks.find(|(path, _)| path.is_place()).map(|(_, track)| &**track)
     }
 
-    /// Lets a node move as the thing does; what cannot be said is noted.
+    /// Animates a node as the thing is; motion that glTF cannot express is noted.
     pub fn write(&self, node: usize, kind: &'static str, name: &str, writer: &mut GltfWriter, messages: &mut Messages) {
         let others: Vec<&KeyPath> = self
             .keys
@@ -81,7 +80,7 @@ impl Motion<'_> {
         let shifts: Vec<[f32; 3]> = keys.iter().map(|(_, pose)| pose.translation).collect();
         let turns: Vec<[f32; 4]> = keys.iter().map(|(_, pose)| pose.rotation).collect();
         let scales: Vec<[f32; 3]> = keys.iter().map(|(_, pose)| pose.scale).collect();
-        // A node without a channel has the pose that it stands in.
+        // A node without a channel keeps its rest pose.
         if differ(&shifts) {
             writer.animate(node, "translation", times, &shifts, interpolation);
         }
@@ -97,7 +96,7 @@ impl Motion<'_> {
         pose_of(&(self.local)(&track.at(f64::from(time)))?)
     }
 
-    /// The poses at rising times from 0 s on. None if one of them cannot be said.
+    /// The poses at ascending times from 0 s on. None if glTF cannot express one of them.
     fn poses(&self, track: &Track) -> Option<Vec<(f32, Pose)>> {
         let mut times: Vec<f32> = track.keys.iter().map(|key| key.time as f32).collect();
         // Animations of glTF begin at 0 s at the earliest.
@@ -118,7 +117,7 @@ impl Motion<'_> {
             }
             keys.push((time, pose));
         }
-        // Turns go the shorter way if neighbours are on one side.
+        // Rotations follow the shortest arc if neighbouring quaternions are on one side.
         for index in 1..keys.len() {
             let before = Quat::from_array(keys[index - 1].1.rotation);
             let turn = Quat::from_array(keys[index].1.rotation);
@@ -129,7 +128,7 @@ impl Motion<'_> {
         Some(keys)
     }
 
-    /// Adds poses between two until the way along them is near the true one.
+    /// Adds poses between two until the interpolation is close to the true pose.
     fn add_between(
         &self,
         track: &Track,
@@ -142,7 +141,7 @@ impl Motion<'_> {
             let pose = self.pose(track, start.0 + share * (end.0 - start.0))?;
             extent = extent.max(distance(&pose, &start.1));
         }
-        // The pieces that are still to be looked at, the earliest one last.
+        // A stack of the intervals that are still to be checked, the earliest on top.
         let mut waiting = vec![(start, end, HALVINGS)];
         while let Some((start, end, halvings)) = waiting.pop() {
             let middle = start.0 + 0.5 * (end.0 - start.0);
@@ -157,7 +156,7 @@ impl Motion<'_> {
         Some(())
     }
 
-    /// Whether the way of glTF between two poses is near the true one.
+    /// Whether glTF's interpolation between two poses is close to the true one.
     fn is_straight(&self, track: &Track, start: (f32, Pose), end: (f32, Pose), extent: f32) -> Option<bool> {
         for share in [0.25, 0.5, 0.75] {
             let exact = map_of(&self.pose(track, start.0 + share * (end.0 - start.0))?);

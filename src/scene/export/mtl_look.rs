@@ -1,4 +1,4 @@
-//! What a material of an MTL library looks like in the terms of glTF.
+//! Converts the materials of MTL libraries to the terms of glTF.
 
 use super::level::Level;
 use super::look::Look;

@@ -1,5 +1,5 @@
-//! The pictures of textures: files as they are where glTF means the same by them, and else pictures that are made of
-//! the textures' values.
+//! The pictures of textures: unchanged files if glTF interprets them the same way, otherwise pictures computed from the
+//! textures' values.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -22,28 +22,28 @@ use crate::scene::assets::texture_map::{load_picture, packed_bitmap};
 use crate::scene::{Parameter, Texture, TextureFilter, TextureWrap};
 use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
 
-/// Pixels along each side of a picture that is made of textures which lie differently.
+/// Pixels along each side of a picture computed from textures with different uv transforms.
 const BAKED: u32 = 1024;
 
 /// Bytes per pixel while such a picture is made: the values, their codes with 16 bits and with 8, and the file.
 const BAKED_BYTES: u64 = 40;
 
-/// What a picture holds.
+/// The content of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Planes {
     /// Red, green and blue together.
     pub color: Option<Varying>,
-    /// Single channels. Those that are not given are 1.
+    /// Single channels; None means 1.
     pub channels: [Option<Varying>; 4],
-    /// Whether colours are written as sRGB, rather than numbers as they are.
+    /// Whether colours are written as sRGB, rather than numbers unchanged.
     pub srgb: bool,
-    /// Whether values may be above 1: they are divided by the largest then.
+    /// Whether values may be above 1: then they are divided by the largest.
     pub is_light: bool,
-    /// Whether the alpha of the picture would count.
+    /// Whether glTF would use the alpha of the picture.
     pub counts_alpha: bool,
 }
 
-/// How a texture lies over uv, and how many texels it has.
+/// The uv transform of a texture, its wrapping, and its size in texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lie {
     to_uv: Affine2,
@@ -101,8 +101,8 @@ impl<'a> Pictures<'a> {
         varying.factor * sum / (side * side) as f32
     }
 
-    /// The texture of a picture with these planes, and the number by which its values are to be multiplied, besides by
-    /// the factors of the planes. None if there are no planes, or if it cannot be made, which is reported.
+    /// The texture of a picture with these planes, and a number by which its values are to be multiplied, in addition
+    /// to the factors of the planes. None if there are no planes, or if it cannot be made, which is reported.
     pub fn texture(
         &mut self,
         writer: &mut GltfWriter,
@@ -163,7 +163,7 @@ impl<'a> Pictures<'a> {
         Some((info, peak))
     }
 
-    /// The file of a picture that means in glTF what it means here.
+    /// The unchanged file of a picture, if glTF interprets it the same way.
     fn as_it_is(&self, planes: &Planes) -> Option<Vec<u8>> {
         let is_alone = planes.channels.iter().all(Option::is_none);
         let varying = planes.color.as_ref().filter(|_| is_alone)?;
@@ -175,7 +175,7 @@ impl<'a> Pictures<'a> {
         }
         let bytes = memory::read_data(&bitmap.path, self.access).ok()?;
         let format = image::guess_format(&bytes).ok()?;
-        // Here alpha means nothing: opacity is a mask of its own.
+        // Here alpha is ignored: opacity is a separate mask.
         let is_right = match format {
             ImageFormat::Png => !(planes.counts_alpha && has_alpha(&bytes)),
             ImageFormat::Jpeg => true,
@@ -185,7 +185,7 @@ impl<'a> Pictures<'a> {
     }
 
     /// A PNG file of the planes' values, and the number by which they were divided. `lies_alike`: whether all textures
-    /// lie as the picture will.
+    /// have the picture's uv transform.
     fn baked(
         &mut self,
         planes: &Planes,
@@ -195,7 +195,7 @@ impl<'a> Pictures<'a> {
         messages: &mut Messages,
     ) -> Option<(Vec<u8>, f32)> {
         let pixels = u64::from(width) * u64::from(height);
-        // The sides may be those of different pictures, so that it is far larger than any of them.
+        // The sides may come from different pictures, so that it may be far larger than any of them.
         let _memory = match memory::reserve(BAKED_BYTES.saturating_mul(pixels)) {
             Ok(reserved) => reserved,
             Err(shortage) => {
@@ -253,7 +253,7 @@ impl<'a> Pictures<'a> {
                 ImageBuffer::from_raw(width, height, rgb.collect()).map(DynamicImage::ImageRgb16)
             }
         }?;
-        // Only light with a wide range gains from 16 bits, and other programs read 8.
+        // Only emission with a wide range gains from 16 bits, and other programs read 8.
         let picture = match (peak > 1.0, has_alpha) {
             (true, _) => picture,
             (false, true) => picture.into_rgba8().into(),
@@ -267,7 +267,7 @@ impl<'a> Pictures<'a> {
         Some((bytes.into_inner(), peak))
     }
 
-    /// How a texture lies; None if a picture of its values cannot lie so.
+    /// The mapping of a texture; None if a picture of its values cannot have it.
     fn lie(&mut self, texture: &Texture, messages: &mut Messages) -> Option<Lie> {
         let lie = match texture {
             Texture::Bitmap(bitmap) => {
@@ -279,7 +279,7 @@ impl<'a> Pictures<'a> {
                     size: image.map_or((1, 1), |image| (image.width(), image.height())),
                 }
             }
-            // Two by two squares are two by two texels.
+            // Two by two squares become two by two texels.
             Texture::Checkerboard { color0, color1, to_uv }
                 if color0.constant().is_some() && color1.constant().is_some() =>
             {
@@ -295,7 +295,7 @@ impl<'a> Pictures<'a> {
         transform_of(&lie.to_uv).map(|_| lie)
     }
 
-    /// Adds a texture for the look-up. `place`: how it lies in place of its own way.
+    /// Adds a texture to the table. `place`: the mapping that replaces its own.
     fn pack(
         &mut self,
         texture: &Texture,
@@ -347,7 +347,7 @@ fn has_alpha(file: &[u8]) -> bool {
     decoder.is_ok_and(|decoder| decoder.color_type().has_alpha())
 }
 
-/// The value at a place, without the factor.
+/// The value at a point, without the factor.
 fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2) -> Rgb {
     let at = TexturePoint::of_uv(uv);
     let value = match varying.as_number {
@@ -357,7 +357,7 @@ fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2) -> Rg
     varying.map.apply(value)
 }
 
-/// How all of them lie, with the greatest size; None if they lie differently.
+/// The common mapping with the largest size; None if mappings differ.
 fn common_lie(lies: &[Option<Lie>]) -> Option<Lie> {
     let first = (*lies.first()?)?;
     lies.iter().try_fold(first, |so_far, lie| {
@@ -368,7 +368,7 @@ fn common_lie(lies: &[Option<Lie>]) -> Option<Lie> {
     })
 }
 
-/// The map as glTF has it; None if it shears.
+/// The map as a texture transform of glTF; None if it shears.
 fn transform_of(map: &Affine2) -> Option<TextureTransform> {
     const SHEAR: f32 = 1e-5;
     let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
@@ -377,7 +377,7 @@ fn transform_of(map: &Affine2) -> Option<TextureTransform> {
         return None;
     }
     let angle = x.y.atan2(x.x);
-    // v points down in the picture, so that a turn to the left there is one to the right in these coordinates.
+    // v points down in the picture, so that a counter-clockwise rotation there is clockwise in these coordinates.
     Some(TextureTransform {
         offset: map.translation.to_array(),
         rotation: -angle,

@@ -1,4 +1,4 @@
-//! Where nodes stand: poses as glTF has them, and the tree of folders.
+//! The poses of nodes in glTF, and the tree of folders.
 
 use std::collections::HashMap;
 
@@ -8,10 +8,10 @@ use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Node, Pose};
 use crate::math::is_invertible;
 
-/// How far axes may be from being perpendicular, as a cosine.
+/// The largest cosine between two axes that still count as perpendicular.
 const SHEAR: f64 = 1e-4;
 
-/// The map as a scale, a turn and a shift; None if it shears or is not finite.
+/// The map as scale, rotation and translation; None if it shears or is not finite.
 pub(super) fn pose_of(map: &Affine3A) -> Option<Pose> {
     let axes = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|axis| axis.as_dvec3());
     let [x, y, z] = axes.map(|axis| axis.try_normalize());
@@ -23,7 +23,7 @@ pub(super) fn pose_of(map: &Affine3A) -> Option<Pose> {
     let mut scale = DVec3::from_array(axes.map(DVec3::length));
     scale.x *= mirror;
     let turn = bevy::math::DQuat::from_mat3(&DMat3::from_cols(mirror * x, y, z)).normalize();
-    // A turn that is nothing but rounding is none.
+    // A rotation within rounding errors is the identity.
     let is_turned = turn.xyz().length() > 1e-8;
     Some(Pose {
         translation: Vec3::from(map.translation).to_array(),
@@ -44,8 +44,8 @@ pub(super) fn map_of(pose: &Pose) -> Affine3A {
     )
 }
 
-/// Where a camera or a light stands, without what scales it: forward stays, up is made perpendicular to it, and a
-/// mirrored pose stays mirrored.
+/// The pose of a camera or a light without scale: forward stays, up is made perpendicular to it, and a mirrored pose
+/// stays mirrored.
 pub(super) fn rigid(pose: &Affine3A) -> Option<Affine3A> {
     let [left, up, forward] = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis];
     let forward = forward.try_normalize()?;
@@ -61,13 +61,13 @@ pub(super) fn rigid(pose: &Affine3A) -> Option<Affine3A> {
     rigid.is_finite().then_some(rigid)
 }
 
-/// Where a thing hangs in the tree.
+/// The position of a thing in the tree of nodes.
 pub(super) struct Branch {
-    /// The node above it.
+    /// The parent node.
     pub parent: Option<usize>,
-    /// The map from the space of that node to the world.
+    /// The transform from the space of the parent to the world.
     pub world_from_parent: Affine3A,
-    /// The part of the name behind the folders.
+    /// The part of the name after the folders.
     pub leaf: String,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Branch {
 pub(super) struct Folders {
     /// The transforms of folders that have one.
     frames: HashMap<String, Affine3A>,
-    /// The nodes, with the maps from their spaces to the world.
+    /// The nodes, with the transforms from their spaces to the world.
     nodes: HashMap<String, (usize, Affine3A)>,
 }
 
@@ -89,7 +89,7 @@ impl Folders {
         }
     }
 
-    /// Where a thing of this name hangs. Folders are made as they are needed.
+    /// The position of a thing with this name in the tree. Nodes of folders are made as needed.
     pub fn branch(&mut self, name: &str, writer: &mut GltfWriter) -> Branch {
         let Some((folder, leaf)) = name.trim_end_matches('/').rsplit_once('/') else {
             return Branch {
@@ -112,7 +112,7 @@ impl Folders {
         }
         let above = self.branch(folder, writer);
         let frame = self.frames.get(folder).copied().unwrap_or(above.world_from_parent);
-        // A frame that shears what is in it is passed over: what is in it stands where it stands.
+        // A frame that shears its content is ignored: the content keeps its pose in the world.
         let pose = pose_of(&(above.world_from_parent.inverse() * frame)).unwrap_or_default();
         let node = Node {
             name: above.leaf,

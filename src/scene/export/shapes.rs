@@ -1,4 +1,5 @@
-//! Shapes as nodes with meshes. Shapes of one form and material share a mesh, and all of one form share its vertices.
+//! Exports shapes as nodes with meshes. Shapes of one form and material share a mesh, and all of one form share its
+//! vertices.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
@@ -26,17 +27,17 @@ pub(super) struct Shapes<'a> {
     pub scene: &'a SceneDescription,
     pub materials: Materials<'a>,
     forms: Forms<'a>,
-    /// Vertices by what they are made from.
+    /// The attributes by the key of their vertices.
     vertices: HashMap<String, Attributes>,
-    /// Triangles in the same way; None where there are none.
+    /// The indices by their key; None for no triangles.
     triangles: HashMap<String, Option<usize>>,
-    /// Accessors of tangents in the same way; None where there are none.
+    /// The accessors of tangents by their key; None for no tangents.
     tangents: HashMap<String, Option<usize>>,
-    /// For each triangle whether pictures lie mirrored on it, in the same way.
+    /// For each triangle whether pictures are mirrored on it, by key.
     mirrored: HashMap<String, Rc<[bool]>>,
     meshes: HashMap<String, usize>,
-    /// The meshes of groups, by the group and whether their places mirror them; None for groups without anything
-    /// visible.
+    /// The meshes of groups, by the group and whether its instances mirror them; None for groups without visible
+    /// shapes.
     groups: HashMap<(usize, bool), Option<usize>>,
     /// The members of each group.
     members: Vec<Vec<usize>>,
@@ -64,7 +65,7 @@ impl<'a> Shapes<'a> {
         }
     }
 
-    /// The pictures that the materials of mesh files name, also those of shapes that were not written.
+    /// The pictures named by the materials of mesh files, including those of shapes that were not written.
     pub fn pictures_of_libraries(&mut self) -> BTreeSet<PathBuf> {
         let shapes = self.scene.shapes.iter();
         shapes.flat_map(|shape| self.forms.pictures_of_file(shape)).collect()
@@ -131,7 +132,7 @@ impl<'a> Shapes<'a> {
         Ok(())
     }
 
-    /// Adds the places of a group: nodes of one mesh.
+    /// Adds the instances of a group: nodes with one mesh.
     fn write_instances(
         &mut self,
         shape: &ShapeDescription,
@@ -196,7 +197,7 @@ impl<'a> Shapes<'a> {
         Ok(())
     }
 
-    /// The mesh of a group; None if it has nothing visible.
+    /// The mesh of a group; None if it has no visible shapes.
     fn group_mesh(
         &mut self,
         group: usize,
@@ -252,8 +253,8 @@ impl<'a> Shapes<'a> {
         mesh
     }
 
-    /// The parts of a shape, one for each material that can be seen, or two where pictures lie both ways on one with a
-    /// normal map.
+    /// The primitives of a shape, one for each visible material, or two if pictures are mirrored on a part of a shape
+    /// with a normal map.
     fn primitives(
         &mut self,
         shape: &ShapeDescription,
@@ -302,7 +303,7 @@ impl<'a> Shapes<'a> {
                 None => vec![Side::All],
             };
             for part in parts {
-                // Shading frames turn around where the pose mirrors, and the coordinates do so, too.
+                // A mirroring pose flips shading frames as well as the handedness of texture coordinates.
                 surface.is_mirrored = part.is_mirrored() != placing.is_mirrored;
                 let (index, colors, turns) = match self.materials.write(&surface, writer, messages) {
                     Written::Nothing => {
@@ -329,13 +330,13 @@ impl<'a> Shapes<'a> {
                         (index, colors, is_inside_out)
                     }
                 };
-                // Triangles without an area of coordinates are on the same side before and after they are turned.
+                // Triangles with a zero area in uv are on the same side before and after the flip.
                 let chosen = (placing, part);
                 let placing = Placing {
                     is_turned: placing.is_turned ^ turns,
                     ..placing
                 };
-                // Seen from the other side, pictures lie the other way around.
+                // Seen from the other side, pictures are mirrored.
                 let part = if turns { part.turned() } else { part };
                 let colors = self.known_colors(form, colors, name, messages);
                 let is_unwelded = is_of_triangles(&form.mesh, &colors);
@@ -358,7 +359,7 @@ impl<'a> Shapes<'a> {
         Ok(primitives)
     }
 
-    /// The vertices of a form, which are written once for all that show them in the same way.
+    /// The vertices of a form, which are written once for all shapes that use them in the same way.
     fn attributes(
         &mut self,
         form: &Form,
@@ -380,7 +381,7 @@ impl<'a> Shapes<'a> {
         Ok(attributes)
     }
 
-    /// The parts of a form with a normal map that need tangents of their own.
+    /// The sides of a form with a normal map that need tangents of their own.
     fn sides(&mut self, form: &Form, placing: &Placing, gltf_tangents: bool) -> Vec<Side> {
         if gltf_tangents && tangents::of_mesh(form, None, false, false).is_some() {
             return vec![Side::All];
@@ -395,7 +396,7 @@ impl<'a> Shapes<'a> {
             .collect()
     }
 
-    /// For each triangle whether its picture lies mirrored, as it is written.
+    /// For each triangle whether its picture is mirrored, as the triangle is written.
     fn mirrored(&mut self, form: &Form, placing: &Placing, is_unwelded: bool) -> Rc<[bool]> {
         let key = key_of(form, placing, is_unwelded);
         let known = self.mirrored.entry(key).or_insert_with(|| {
@@ -436,8 +437,8 @@ impl<'a> Shapes<'a> {
         self.tangents.insert(key, attributes.get("TANGENT").copied());
     }
 
-    /// The triangles of a material slot, of so many, that are in a part as another placing has it; None if there are
-    /// none.
+    /// The triangles of one of `slots` material slots that belong to a side under the placing `chosen`; None if there
+    /// are none.
     fn indices(
         &mut self,
         form: &Form,
@@ -452,7 +453,7 @@ impl<'a> Shapes<'a> {
             Side::All => None,
             Side::Upright | Side::Mirrored => Some(self.mirrored(form, &chosen, is_unwelded)),
         };
-        // Whether a triangle is mirrored depends on its shape alone, and on the side of its normals.
+        // Whether a triangle is mirrored depends only on the form and on the side of the normals.
         let of_part = sides.as_ref().map(|_| (part, chosen.is_turned));
         let key = format!("{} {is_unwelded} {runs_backwards} {slot} {slots} {of_part:?}", form.key);
         if let Some(known) = self.triangles.get(&key) {

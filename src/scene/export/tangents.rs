@@ -1,5 +1,5 @@
 //! Tangents of meshes with normal maps. In glTF the bitangent follows the handedness of the texture coordinates, here
-//! it does so only where a material says it: what lies mirrored gets a picture of its own then.
+//! it does so only if the material says it: otherwise mirrored triangles get a picture of their own.
 
 use bevy::math::{Affine3A, Vec2, Vec3, Vec4};
 
@@ -7,7 +7,7 @@ use super::form::Form;
 use crate::geometry::attribute::{AttributeValues, MeshAttribute};
 use crate::geometry::mesh::{MeshData, TANGENT, TANGENT_SIGN};
 
-/// The corners of all triangles of a form among the vertices that are written, in the order in which they are written.
+/// The vertex indices of all triangles of a form, in the order and winding in which they are written.
 pub(super) fn written_corners(form: &Form, is_unwelded: bool, runs_backwards: bool) -> impl Iterator<Item = [u32; 3]> {
     let corners = form.mesh.triangles.iter().enumerate();
     corners.map(move |(triangle, corners)| {
@@ -19,7 +19,7 @@ pub(super) fn written_corners(form: &Form, is_unwelded: bool, runs_backwards: bo
     })
 }
 
-/// For each of these triangles whether its picture lies mirrored, as seen from the side of its normals.
+/// For each of these triangles whether its picture is mirrored, as seen from the side of its normals.
 pub(super) fn mirrored(mesh: &MeshData, corners: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
     let is_mirrored = |triangle: [u32; 3]| {
         let Some([du, dv]) = derivatives(mesh, triangle) else {
@@ -36,8 +36,8 @@ pub(super) fn mirrored(mesh: &MeshData, corners: impl Iterator<Item = [u32; 3]>)
     corners.map(is_mirrored).collect()
 }
 
-/// The directions in which a triangle's points move with u and with v, zero where coordinates have no area; None
-/// without coordinates.
+/// The derivatives of a triangle's position by u and by v, zero if its area in uv is zero; None without texture
+/// coordinates.
 fn derivatives(mesh: &MeshData, triangle: [u32; 3]) -> Option<[Vec3; 2]> {
     let [p, q, r] = triangle.map(|corner| mesh.positions[corner as usize]);
     let [a, b, c]: [Option<&Vec2>; 3] = triangle.map(|corner| mesh.uvs.get(corner as usize));
@@ -51,7 +51,7 @@ fn derivatives(mesh: &MeshData, triangle: [u32; 3]) -> Option<[Vec3; 2]> {
 }
 
 /// A tangent for each vertex, from the triangles around it that are mirrored, or from those that are not: the mean of
-/// the directions of u, weighted by the angles of the triangles, as MikkTSpace has it. None without normals, or without
+/// the directions of u, weighted by the angles of the triangles, as in MikkTSpace. None without normals, or without
 /// coordinates.
 pub(super) fn of_coordinates(
     mesh: &MeshData,
@@ -83,7 +83,7 @@ pub(super) fn of_coordinates(
     Some(sums.into_iter().zip(&mesh.normals).map(across).collect())
 }
 
-/// The tangents that a mesh has of its own, as its vertices are written. None if it has none.
+/// The mesh's own tangents, for its written vertices. None if it has none.
 pub(super) fn of_mesh(form: &Form, baked: Option<Affine3A>, is_turned: bool, is_unwelded: bool) -> Option<Vec<Vec4>> {
     let source = &form.mesh;
     let numbers = |attribute: &'_ MeshAttribute| match &attribute.values {

@@ -1,29 +1,29 @@
-//! Finds the entities of which a component has changed. Bevy's filters look at one entity after the other; here the
-//! ticks of many are compared at once, which takes a tenth of the time where there are hundreds of thousands of shapes
-//! and nothing has changed.
+//! Finds the entities with a changed component. Bevy's filters check one entity after the other; here the ticks of many
+//! are compared at once, which takes a tenth of the time if there are hundreds of thousands of shapes and nothing has
+//! changed.
 
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::query::ArchetypeFilter;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-/// The entities of which `C` has been added or written since the system last ran, among those that `F` names.
+/// The entities whose `C` was added or written since the system last ran, among those that match `F`.
 #[derive(SystemParam)]
 pub(crate) struct Changes<'w, 's, C: Component, F: ArchetypeFilter + 'static = ()> {
     all: Query<'w, 's, (Entity, Ref<'static, C>), F>,
 }
 
 impl<C: Component, F: ArchetypeFilter + 'static> Changes<'_, '_, C, F> {
-    /// Whether there is any.
+    /// Whether there are any.
     pub fn any(&self) -> bool {
         let mut found = false;
         self.for_each(|_| found = true);
         found
     }
 
-    /// Calls `visit` for each.
+    /// Calls `visit` for each of these entities.
     pub fn for_each(&self, mut visit: impl FnMut(Entity)) {
-        /// Ticks that are compared without a branch.
+        /// The number of ticks that are compared without a branch.
         const AT_ONCE: usize = 64;
         let Ok(tables) = self.all.contiguous_iter() else {
             let changed = self.all.iter().filter(|(_, component)| component.is_changed());

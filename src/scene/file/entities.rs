@@ -1,4 +1,4 @@
-//! The entities behind the things of a description.
+//! The entities of the things in a description.
 
 use bevy::prelude::*;
 
@@ -16,7 +16,7 @@ pub(crate) struct Entities {
 }
 
 impl Entities {
-    /// The entity of the thing that something is declared inside of.
+    /// The entity of the owner at a place of declaration; None for the top level.
     pub fn at(&self, place: DeclarationPlace) -> Option<Entity> {
         let entity = match place {
             DeclarationPlace::TopLevel => None,
@@ -28,7 +28,7 @@ impl Entities {
         entity.copied()
     }
 
-    /// The entities of all lists, one list after the other.
+    /// The entities of all lists in turn.
     pub fn all(&self) -> impl Iterator<Item = Entity> {
         let lists = [
             &self.media,

@@ -1,8 +1,7 @@
 //! Keeps the description of the file as it was last read or written, and the entity of each thing in it.
 //!
-//! A new description of the file is compared with it. A thing with an id is recognised by its kind and id. A thing
-//! without an id is recognised among those of the same kind and plugin, by what it is and by its order
-//! ([`recognised`]).
+//! A new description of the file is compared with it. A thing with an id is recognised by its kind and id, a thing
+//! without an id among those of the same kind and plugin, by its content and its order ([`recognised`]).
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -28,8 +27,8 @@ pub(in crate::scene) struct FileBase {
     pub(in crate::scene) scene: Arc<SceneDescription>,
     /// The entities of the scene's lists, in the same order.
     pub(in crate::scene) entities: Entities,
-    /// The state that an entity had when the file was read or written, where that is not the state that the file
-    /// gives. The order is not compared.
+    /// The state that an entity had when the file was read or written, if it differed from the file. The order is not
+    /// compared.
     pub(in crate::scene) unlike_file: HashMap<Entity, ObjectState>,
     /// The integrator's settings and their tracks in the file.
     pub(in crate::scene) integrator: Option<(IntegratorSettings, Keys)>,
@@ -43,7 +42,7 @@ impl FileBase {
         unlike.unwrap_or_else(|| thing.state(&self.scene, &self.entities))
     }
 
-    /// Remembers the state `here` of a thing which the file describes as `in_file`.
+    /// Records the state `here` of a thing which the file describes as `in_file`.
     pub(in crate::scene) fn remember(&mut self, entity: Entity, here: ObjectState, in_file: &ObjectState) {
         if here.unordered() != in_file.unordered() {
             self.unlike_file.insert(entity, here);
@@ -51,7 +50,7 @@ impl FileBase {
     }
 }
 
-/// A place in one of the lists of a [`SceneDescription`], and in the same list of [`Entities`].
+/// An index into one of the lists of a [`SceneDescription`], and into the same list of [`Entities`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum Thing {
     Medium(usize),
@@ -108,8 +107,8 @@ impl Thing {
         }
     }
 
-    /// Whether this thing of a description has the same components as `other` of another one, the order apart.
-    /// `entities` are those of each. It makes no copies, unlike a comparison of [`Self::state`].
+    /// Whether this thing of a description has the same components as `other` of another one, except for the order.
+    /// `entities` belong to each. It makes no copies, unlike a comparison of [`Self::state`].
     pub(in crate::scene) fn is_same(
         self,
         (scene, entities): (&SceneDescription, &Entities),
@@ -159,7 +158,7 @@ impl Thing {
         is_alike && (&one.id, &one.name, &one.angles, &one.keys) == (&two.id, &two.name, &two.angles, &two.keys)
     }
 
-    /// The components that the description gives the thing's entity.
+    /// The components of the thing's entity according to the description.
     pub(in crate::scene) fn state(self, scene: &SceneDescription, entities: &Entities) -> ObjectState {
         let identity = self.identity(scene);
         let common = ObjectState {
@@ -232,7 +231,7 @@ impl Thing {
     }
 }
 
-/// The place of each thing of a new description in the same list of the old one; None for new things.
+/// For each thing of a new description its index in the same list of the old one; None for new things.
 #[derive(Debug)]
 pub(in crate::scene) struct Recognised {
     pub media: Vec<Option<usize>>,
@@ -255,8 +254,8 @@ impl Recognised {
         }
     }
 
-    /// Compares two readings of one file at different times, as [`Self::new`] compares two files: objects at the same
-    /// place are the same.
+    /// Compares two readings of one file at different times, like [`Self::new`] two files: objects at the same position
+    /// are the same.
     pub(in crate::scene) fn in_order(before: &SceneDescription, now: &SceneDescription) -> Self {
         let counts = |scene: &SceneDescription| {
             let (shapes, sensors) = (scene.shapes.len(), scene.sensors.len());
@@ -283,7 +282,7 @@ impl Recognised {
         }
     }
 
-    /// The thing of the old description that this thing of the new one was.
+    /// The thing of the old description for a thing of the new one.
     pub(in crate::scene) fn before(&self, thing: Thing) -> Option<Thing> {
         match thing {
             Thing::Medium(index) => self.media[index].map(Thing::Medium),
@@ -295,7 +294,7 @@ impl Recognised {
         }
     }
 
-    /// An entity for each thing of the new description: its old one, if `keep` accepts that, or else one from `make`.
+    /// An entity for each thing of the new description: its old one, if `keep` accepts it, or else one from `make`.
     pub(in crate::scene) fn entities(
         &self,
         before: &Entities,
@@ -316,11 +315,11 @@ impl Recognised {
     }
 }
 
-/// One of the lists' elements.
+/// An element of one of the lists.
 trait Described {
     fn identity(&self) -> &Identity;
-    /// Whether two things are the same in themselves, whatever they are called, wherever they stand in the file and
-    /// whatever they refer to.
+    /// Whether two things have the same content, regardless of their names, their order in the file and their
+    /// references.
     fn is_alike(&self, other: &Self) -> bool;
 }
 
@@ -385,7 +384,7 @@ fn contents<'s, T>(list: &'s [T], places: &[usize]) -> Vec<Content<'s, T>> {
     places.iter().map(|&place| Content(&list[place])).collect()
 }
 
-/// The things without an id by their plugin, in the order of the file.
+/// The things without an id, by plugin, in the order of the file.
 fn nameless<T: Described>(list: &[T]) -> HashMap<&str, Vec<usize>> {
     let mut by_plugin: HashMap<&str, Vec<usize>> = HashMap::new();
     for (index, thing) in list.iter().enumerate() {
@@ -399,7 +398,7 @@ fn nameless<T: Described>(list: &[T]) -> HashMap<&str, Vec<usize>> {
     by_plugin
 }
 
-/// Sets what the file says of an entity, if it differs. Nothing happens if there is no such entity.
+/// Sets the source of an entity, if it differs. Does nothing if the entity does not exist.
 pub(in crate::scene) fn set_authored(world: &mut World, entity: Entity, authored: Option<&Authored>) {
     if world.get::<Authored>(entity) == authored {
         return;

@@ -1,5 +1,5 @@
-//! Brings what is known of the scene's file to the moment that is shown. The entities go there first, and this follows
-//! only when it is needed: before saving and reloading.
+//! Moves the description of the scene's file to the shown time. The entities are moved first; this follows only when
+//! needed, before saving and reloading.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use crate::scene::components::moment::shown_time;
 use crate::scene::read::read;
 use crate::scene::{AuthoredScene, ObjectState};
 
-/// Brings what is known of the file to the time that is shown.
+/// Moves the description of the file to the shown time.
 pub(in crate::scene) fn follow_file(world: &mut World) {
     let time = shown_time(world);
     follow_file_to(world, time);
 }
 
-/// Brings it to another time, in seconds.
+/// Moves it to another time, in seconds.
 pub(in crate::scene) fn follow_file_to(world: &mut World, time: f64) {
     let is_other = |origin: &Arc<Document>| origin.time != time && is_animated(&origin.root);
     let Some(origin) = origin(world).filter(is_other) else {

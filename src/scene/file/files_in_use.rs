@@ -1,5 +1,5 @@
-//! The files of one kind that things of the scene name. Each is loaded once however often it is used, and released when
-//! it is no longer used. Paths are those of assets, which for a grid of a `.vdb` file is not that of the file.
+//! The files of one kind that are used in the scene. Each is loaded once for all uses, and released after the last.
+//! Paths are those of assets, which differ from the file's for a grid of a `.vdb` file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -18,12 +18,12 @@ impl<A: Asset> Default for FilesInUse<A> {
 }
 
 impl<A: Asset> FilesInUse<A> {
-    /// The asset of a file, which may still be loading; None for a path that nothing names.
+    /// The asset of a file, which may still be loading; None for an unused path.
     pub fn get(&self, path: &Path) -> Option<&Handle<A>> {
         self.0.get(path)
     }
 
-    /// The absolute paths of all files that something in the scene names, sorted.
+    /// The absolute paths of all files in use, sorted.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.0.keys().map(PathBuf::as_path)
     }
@@ -33,8 +33,8 @@ impl<A: Asset> FilesInUse<A> {
         self.0.iter()
     }
 
-    /// Loads the `wanted` files that are new and lets go of the others. The resource counts as changed only if
-    /// something is.
+    /// Loads the new files in `wanted` and releases the others. The resource is marked as changed only if the list
+    /// changes.
     pub(in crate::scene) fn keep(files: &mut ResMut<Self>, wanted: BTreeSet<PathBuf>, server: &AssetServer) {
         if wanted.iter().eq(files.0.keys()) {
             return;

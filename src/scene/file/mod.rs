@@ -1,4 +1,4 @@
-//! The file of the scene: what is known of its content and of the files that things name.
+//! The file of the scene: its known content, and the files used by things.
 
 pub(crate) mod changes;
 pub(crate) mod entities;

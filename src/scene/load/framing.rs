@@ -1,4 +1,4 @@
-//! The extent of the scene, and a camera for scenes that bring none.
+//! The extent of the scene, and a camera for scenes without one.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -7,11 +7,11 @@ use glam::Vec3;
 use crate::math::Aabb;
 use crate::scene::{MeshHandle, SceneStatus, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh};
 
-/// Asks for this sensor to be placed so that it sees everything, once all meshes are loaded.
+/// Requests that this sensor is placed to see the whole scene, once all meshes are loaded.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct FrameWhenLoaded;
 
-/// World bounds of one shape; None while its mesh is not there, and for instances of groups and what has no surface.
+/// World bounds of one shape; None while its mesh is missing, and for instances of groups and shapes without a surface.
 pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMesh>) -> Option<Aabb> {
     let local = match &shape.kind {
         ShapeKind::Sphere { center, radius } => Aabb::from_points([*center - *radius, *center + *radius]),
@@ -55,7 +55,7 @@ pub(in crate::scene) fn frame_scene(
     let (center, extent, radius) = (bounds.center(), bounds.extent(), bounds.framed_radius());
     for (entity, mut sensor, mut to_world) in &mut waiting {
         let half = match bounds.radius() < radius {
-            // There is nothing to see, so the camera is placed where a larger thing would be visible.
+            // The scene is empty, so the camera is placed as for a larger one.
             true => radius,
             false => (0.5 * extent.x.max(extent.y)).max(1e-3 * radius),
         };

@@ -26,8 +26,8 @@ use crate::scene::{
     KeepSource, OpenScene, ReloadSummary, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust,
 };
 
-/// Asks for a scene. From now on one counts as being read, so that nothing begins in this frame that must not meet it,
-/// such as a save.
+/// Requests a scene. From now on it counts as being read, so that no conflicting work, such as a save, begins in this
+/// frame.
 pub(crate) fn ask_for(world: &mut World, request: OpenScene) {
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.state = SceneState::Loading;
@@ -44,12 +44,12 @@ pub(in crate::scene) fn open_scenes(
     access: Res<SceneAccess>,
     server: Res<AssetServer>,
 ) {
-    // If there are several in one frame, the last one counts.
+    // The last of several requests in a frame counts.
     let Some(request) = requests.read().last() else {
         return;
     };
     let path = settle(&request.path);
-    // A file that is not there yet may come: the asset server looks for it.
+    // A missing file may appear later: the asset server waits for it.
     if let Err(error) = files::check(&path, largest(&path))
         && !error.is_not_found()
     {
@@ -84,14 +84,14 @@ pub(in crate::scene) fn open_scenes(
     });
 }
 
-/// The scene files that have been read, or could not be read, since the last look.
+/// The scene files that were read, or could not be read, since the last frame.
 #[derive(Default)]
 pub(in crate::scene) struct Readings {
     arrived: HashSet<AssetId<SceneAsset>>,
     failed: HashMap<AssetId<SceneAsset>, String>,
 }
 
-/// Runs alone: a scene touches everything.
+/// Runs exclusively: a scene changes everything.
 pub(in crate::scene) fn apply_scenes(
     world: &mut World,
     mut arrived: Local<MessageCursor<AssetEvent<SceneAsset>>>,
@@ -147,7 +147,7 @@ pub(in crate::scene) fn apply_scenes(
     }
 }
 
-/// Whether this says what is known of the scene's file since that was written here.
+/// Whether the asset equals the known state of the scene's file since it was written here.
 fn is_known(world: &mut World, asset: &SceneAsset) -> bool {
     let file = world.resource::<SceneFile>();
     let base = world.get_resource::<FileBase>();
@@ -165,7 +165,7 @@ fn is_known(world: &mut World, asset: &SceneAsset) -> bool {
     is_known
 }
 
-/// Lets the asset of the scene's file have the description that is known, so that a large scene is in memory once.
+/// Replaces the description of the scene file's asset by the known one, so that a large scene is in memory once.
 fn share_description(world: &mut World) {
     let (Some(file), Some(base)) = (world.get_resource::<SceneFile>(), world.get_resource::<FileBase>()) else {
         return;
@@ -184,7 +184,7 @@ fn share_description(world: &mut World) {
     }
 }
 
-/// Whether this was read of the scene's file before that was written here. It is read again then, because otherwise the
+/// Whether the asset was read before the scene's file was written here. Then it is read again, because otherwise the
 /// file would seem to revert the edits.
 fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
     let file = world.resource::<SceneFile>();
@@ -198,7 +198,7 @@ fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
     is_outdated
 }
 
-/// Makes the entities what the file says.
+/// Updates the entities to the file.
 fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     let is_asked = |asked: &mut Asked| asked.handle.id() == id;
     let asked = world.resource_mut::<SceneFile>().asked.take_if(is_asked);
@@ -216,7 +216,7 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     }
 }
 
-/// Goes on with the scene that is being opened for as long as a frame may take.
+/// Continues opening a scene for as long as a frame may take.
 fn go_on_opening(world: &mut World, mut opening: Opening) {
     match opening.go_on(world) {
         false => {
@@ -231,7 +231,7 @@ fn go_on_opening(world: &mut World, mut opening: Opening) {
     }
 }
 
-/// Notes what has been read of which file, once the entities are there. `spawned`: a scene that was newly opened.
+/// Records which file was read, once the entities exist. `spawned`: a newly opened scene.
 fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, reload: ReloadSummary) {
     let (id, asset, asked) = arrived;
     let fresh = spawned.is_some();
@@ -253,7 +253,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     let path = file.path.clone();
     let waits = file.asked.is_some();
     if !world.resource::<KeepSource>().get() {
-        // The entities are all that is needed of it.
+        // Only the entities are needed from now on.
         world.resource_mut::<SceneFile>().handle = None;
         world.resource_mut::<Assets<SceneAsset>>().remove(id);
         world.insert_resource(FileBase::default());
@@ -271,7 +271,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     }
 }
 
-/// Makes the entities what has just been read of the scene's own file without the asset server. Edits stay as in a
+/// Updates the entities to a new reading of the scene's own file, without the asset server. Edits are kept as in a
 /// reload.
 pub(in crate::scene) fn take_in_read(world: &mut World, scene: SceneDescription, diagnostics: Arc<Diagnostics>) {
     let scene = Arc::new(scene);
@@ -330,7 +330,7 @@ pub(in crate::scene) fn follow_file(
     }
 }
 
-/// Opens an empty scene of no file in place of the open one: a camera that looks at the origin, and a grey sky.
+/// Replaces the open scene by an empty one without a file: a camera that looks at the origin, and a grey sky.
 pub(crate) fn new_scene(world: &mut World) {
     if let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) {
         access.set(trust.access(Path::new("")));
@@ -348,8 +348,7 @@ pub(crate) fn new_scene(world: &mut World) {
     };
 }
 
-/// The scene that was there stays, with the file it is from. Only where there was none a broken file is waited for to
-/// be mended.
+/// Keeps the open scene with its file. Only if there was none, the broken file is watched until it is repaired.
 fn fail(world: &mut World, id: AssetId<SceneAsset>, diagnostics: impl FnOnce(&Path) -> Arc<Diagnostics>) {
     let has_scene = world.resource::<SceneStatus>().revision > 0;
     let mut file = world.resource_mut::<SceneFile>();

@@ -1,4 +1,4 @@
-//! The mesh files of a scene that is converted without being opened: whether they can be read.
+//! Checks the mesh files of a scene that is converted without being opened.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::PathBuf;
@@ -10,9 +10,9 @@ use crate::scene::assets::triangle_mesh::{MeshShape, load_mesh};
 use crate::scene::components::missing::sentence;
 use crate::scene::{FileKind, SceneDescription, ShapeKind};
 
-/// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an
-/// error for a mesh that cannot be read, a warning for what was left out of it. `missing`: the severity of files that
-/// are not there. The pictures (absolute) of the materials that come with the meshes and are in use.
+/// Reads each mesh file of a shape, and reports problems at the first shape that names it: an error for an unreadable
+/// mesh, a warning for parts that were left out. `missing`: the severity of missing files. Returns the pictures
+/// (absolute paths) of the meshes' own materials that are in use.
 pub fn check_meshes(
     scene: &SceneDescription,
     access: &Access,
@@ -41,7 +41,7 @@ pub fn check_meshes(
             let loaded = load_mesh(&mesh.path, access).map_err(|error| error.to_string())?;
             Ok(loaded.shapes.into_iter().map(Findings::from).collect())
         });
-        // A shape with a material of its own does not use those of its file.
+        // A shape with a material does not use those of its file.
         if shape.material.is_none()
             && let Ok(shapes) = shapes
             && let Some(findings) = shapes.get(mesh.shape_index as usize)
@@ -79,10 +79,10 @@ pub fn check_meshes(
     pictures
 }
 
-/// The results of checking a mesh, which itself is dropped.
+/// The results of checking a mesh, which is dropped.
 struct Findings {
     warnings: Vec<String>,
-    /// The pictures that its materials name.
+    /// The pictures named by its materials.
     pictures: Vec<PathBuf>,
 }
 

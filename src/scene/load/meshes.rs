@@ -1,4 +1,4 @@
-//! Loads the meshes that shapes name, and reports problems with them to the status.
+//! Loads the meshes of shapes, and reports problems with them to the status.
 
 use std::collections::{HashMap, HashSet};
 
@@ -24,7 +24,7 @@ pub(in crate::scene) fn follow_mesh_files(
             return;
         };
         match &shape.kind {
-            // A mesh without a file is one that the program has made.
+            // A mesh without a file was made by the program.
             ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
             ShapeKind::Mesh(file) => {
                 let handle = MeshHandle(server.load(AssetPath::from_path_buf(file.path.clone())));
@@ -40,7 +40,7 @@ pub(in crate::scene) fn follow_mesh_files(
     });
 }
 
-/// Brings errors, warnings and the number of missing meshes up to date, whenever a mesh or a shape has changed.
+/// Updates errors, warnings and the number of loading meshes, whenever a mesh or a shape has changed.
 pub(in crate::scene) fn report_meshes(
     mut status: ResMut<SceneStatus>,
     file: Res<SceneFile>,
@@ -74,7 +74,7 @@ pub(in crate::scene) fn report_meshes(
     uses.sort_by_key(|(_, (order, ..))| **order);
     let mut errors = Vec::new();
     let mut warnings = Vec::new();
-    // The warnings of a file are told once, whichever of its shapes are used.
+    // The warnings of a file are reported once, for all of its shapes.
     let (mut failed, mut loading) = (HashSet::new(), HashSet::new());
     for ((id, index), (_, mesh, authored)) in uses {
         let problem = |property: &str, what: &str| {
@@ -94,7 +94,7 @@ pub(in crate::scene) fn report_meshes(
         match server.load_state(id) {
             LoadState::Failed(error) => {
                 if failed.insert(id) {
-                    // What was read before stays: it is no stand-in that is shown.
+                    // The mesh read before stays in the picture, without a stand-in.
                     errors.push(match is_missing(&error) && asset.is_none() {
                         true => file.missing_file(FileKind::Mesh, &mesh.path, place(authored, "filename")),
                         false => problem("filename", &cause(&error)),
@@ -120,7 +120,7 @@ pub(in crate::scene) fn report_meshes(
     }
 }
 
-/// The place of a shape's property in its scene file, or of the shape that does not give it.
+/// The span of a shape's property in its scene file, or of the shape if it does not give the property.
 fn place(authored: Option<&Authored>, property: &str) -> Option<Span> {
     let object = &authored?.object;
     let named = object.properties.iter().find(|given| given.name == property);

@@ -1,4 +1,4 @@
-//! Brings scenes and the files that they name into the world.
+//! Loads scenes and the files that they name into the world.
 
 pub(super) mod framing;
 pub(super) mod loading;

@@ -1,5 +1,4 @@
-//! Opens scenes over several frames where a frame must not take long: the entities of very many things are made piece
-//! by piece.
+//! Opens scenes over several frames if frames must be short: the entities of very many things are made in steps.
 
 use std::time::{Duration, Instant};
 
@@ -9,22 +8,21 @@ use super::scene_file::Asked;
 use super::spawn::Spawning;
 use crate::scene::assets::SceneAsset;
 
-/// The longest time that a frame spends on the entities of a scene that is opened; None: as long as it takes. The
-/// window sets it.
+/// The longest time that a frame spends on the entities of a scene being opened; None: no limit. The window sets it.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct OpeningPace(pub Option<Duration>);
 
 /// A scene file that has been read, and the request for it.
 pub(in crate::scene) type Arrived = (AssetId<SceneAsset>, SceneAsset, Option<Asked>);
 
-/// A scene that is becoming entities.
+/// A scene whose entities are being made.
 #[derive(Resource)]
 pub(in crate::scene) struct Opening {
     spawning: Spawning,
     arrived: Arrived,
 }
 
-/// The most steps in a frame: what lists the things of the scene follows after each frame.
+/// The most steps in a frame: systems that list the things of the scene run after each frame.
 const MOST_STEPS: usize = 32;
 
 impl Opening {
@@ -32,7 +30,7 @@ impl Opening {
         Self { spawning, arrived }
     }
 
-    /// Makes more entities, for as long as a frame may take. True once all are there.
+    /// Makes more entities, for as long as a frame may take. True once all exist.
     pub fn go_on(&mut self, world: &mut World) -> bool {
         let pace = world.get_resource::<OpeningPace>().copied().unwrap_or_default();
         let begun = Instant::now();

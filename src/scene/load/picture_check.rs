@@ -1,4 +1,4 @@
-//! The picture files of a scene that is converted without being opened: whether they can be read.
+//! Checks the picture files of a scene that is converted without being opened.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use crate::scene::assets::texture_map::{TextureMapError, load_picture};
 use crate::scene::components::missing::{NOT_THERE, sentence};
 use crate::scene::{FileKind, MissingFile, SceneDescription};
 
-/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and
-/// those with pixels that count as something else, where the scene names them first. All are warnings: the new file
-/// names the picture as well, whatever there is.
+/// Reads each picture of the scene and of its meshes' materials; reports unreadable ones, and pixels whose values were
+/// changed, where the scene names the picture first. All are warnings: the new file names the picture as well, whatever
+/// its state.
 pub fn check_pictures(
     scene: &SceneDescription,
     of_meshes: &BTreeSet<PathBuf>,

@@ -1,4 +1,4 @@
-//! Loads the picture files that textures and environments name.
+//! Loads the picture files of textures and environments.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ use crate::scene::{
 /// The pictures in use, by absolute path.
 pub type Pictures = FilesInUse<TextureMap>;
 
-/// The things that name pictures, with their changes.
+/// The things with pictures, and their changes.
 #[derive(SystemParam)]
 pub(in crate::scene) struct PictureNews<'w, 's> {
     materials: Changes<'w, 's, Material>,
@@ -35,7 +35,7 @@ pub(in crate::scene) struct PictureNews<'w, 's> {
 }
 
 impl PictureNews<'_, '_> {
-    /// Reads every reader to its end.
+    /// Whether there are changes. Reads every reader to its end.
     fn any(&mut self) -> bool {
         let counts = [
             self.removed.read().count(),
@@ -55,7 +55,7 @@ pub(in crate::scene) fn follow_pictures(
     materials: Query<&Material>,
     lights: Query<&AreaLight>,
     emitters: Query<&Emitter>,
-    // Shapes with a material of their own do not use the library of their file.
+    // Shapes with a material do not use the library of their file.
     libraries: Query<&MeshHandle, Without<UsesMaterial>>,
     meshes: Res<Assets<TriangleMesh>>,
     mut news: PictureNews,
@@ -91,7 +91,7 @@ pub(in crate::scene) fn report_pictures(
     mut failures: MessageReader<AssetLoadFailedEvent<TextureMap>>,
     lights: Query<&AreaLight>,
     emitters: Query<&Emitter>,
-    // A light may be given a picture that is there already.
+    // A light may get a picture that is already loaded.
     changed: Query<(), Or<(Changed<AreaLight>, Changed<Emitter>)>>,
 ) {
     let news = events.read().count() + failures.read().count() + changed.iter().count();

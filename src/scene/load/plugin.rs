@@ -1,5 +1,4 @@
-//! The plugin with everything of the scene that an app needs: types, assets, and the systems between files and
-//! entities.
+//! The plugin with all parts of the scene that an app needs: types, assets, and the systems between files and entities.
 
 use bevy::asset::{AssetApp, AssetTrackingSystems};
 use bevy::prelude::*;
@@ -26,7 +25,7 @@ use crate::scene::{Material, *};
 /// ```
 pub struct ScenePlugin;
 
-/// Bevy's asset plugin as scenes need it: it reads files from anywhere on the disk, without `.meta` files beside them.
+/// Bevy's asset plugin with the settings for scenes: it reads files anywhere on the disk, without `.meta` files.
 pub fn asset_plugin() -> AssetPlugin {
     AssetPlugin {
         unapproved_path_mode: bevy::asset::UnapprovedPathMode::Allow,

@@ -1,8 +1,8 @@
-//! Turns a description into entities, or changes those that exist. Only what differs is written, so that a reload of an
+//! Turns a description into entities, or updates existing ones. Only differences are written, so that a reload of an
 //! unchanged file marks nothing as changed.
 //!
-//! The description of the file as it was last read or written is remembered. What changed on both sides is taken from
-//! the file, and every other edit stays.
+//! The description of the file as it was last read or written is kept. A change on both sides is taken from the file,
+//! and all other edits stay.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -23,26 +23,26 @@ use crate::scene::{
     SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
 };
 
-/// Spawns the scene in place of the one that is there.
+/// Spawns the scene in place of the open one.
 pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     let mut spawning = Spawning::begin(world, scene.clone());
     while !spawning.step(world) {}
     spawning.finish(world);
 }
 
-/// A new scene that replaces the present one step by step.
+/// A new scene that replaces the open one step by step.
 pub(in crate::scene) struct Spawning {
     scene: Arc<SceneDescription>,
-    /// The entities of the former scene that are still to be despawned.
+    /// The entities of the old scene that are still to be despawned.
     old: Vec<Entity>,
-    /// The entities of the new scene, once the old ones are gone.
+    /// The entities of the new scene, once the old ones are despawned.
     entities: Option<Entities>,
     /// The things whose entities have no components yet.
     rest: Box<dyn Iterator<Item = Thing> + Send + Sync>,
 }
 
 impl Spawning {
-    /// The things that one step takes away or makes, a millisecond's work.
+    /// The number of things that one step despawns or makes, a millisecond's work.
     pub const STEP: usize = 256;
 
     pub fn begin(world: &mut World, scene: Arc<SceneDescription>) -> Self {
@@ -63,7 +63,7 @@ impl Spawning {
         }
     }
 
-    /// True once everything is there.
+    /// Does a step; true once everything exists.
     pub fn step(&mut self, world: &mut World) -> bool {
         let left = self.old.len().saturating_sub(Self::STEP);
         if !self.old.is_empty() {
@@ -89,7 +89,7 @@ impl Spawning {
         made < Self::STEP
     }
 
-    /// Does what is left to do once everything is there.
+    /// Does the remaining work once everything exists.
     pub fn finish(self, world: &mut World) {
         let entities = self.entities.unwrap_or_default();
         world.insert_resource(ShownTime(self.scene.time));
@@ -104,7 +104,7 @@ impl Spawning {
     }
 }
 
-/// The parts of the scene that became no entity, and its integrator.
+/// Takes the parts of the scene that became no entity, and its integrator.
 fn take_over_remains(world: &mut World, scene: &SceneDescription) {
     if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
         world.insert_resource(scene.remains.clone());
@@ -112,7 +112,7 @@ fn take_over_remains(world: &mut World, scene: &SceneDescription) {
     update_integrator(world, scene);
 }
 
-/// Updates the entities to the description, without what was edited since it was last read or written.
+/// Updates the entities to the description, without the edits since it was last read or written.
 pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary {
     let base = world.remove_resource::<FileBase>().unwrap_or_default();
     let mut summary = ReloadSummary::default();
@@ -129,13 +129,13 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         ..FileBase::default()
     };
     let mut new_ids = HashMap::new();
-    // If nothing has an id, none can be taken twice.
+    // If nothing has an id, ids cannot collide.
     let has_ids = world.query::<&SceneId>().iter(world).next().is_some();
     for thing in Thing::all(scene) {
         let entity = thing.entity(&entities);
         let known = recognised.before(thing);
         let known = known.filter(|known| known.entity(&base.entities) == entity);
-        // Most things of a large scene have not changed in the file: then nothing changes here but their places in it.
+        // Most things of a large scene have not changed in the file: only their order is updated.
         if let Some(known) = known
             && keeps_order
             && !base.unlike_file.contains_key(&entity)
@@ -161,7 +161,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         };
         now.write(world, entity);
         set_authored(world, entity, thing.identity(scene).authored.as_ref());
-        // What was edited since the last reading stays an edit.
+        // An edit since the last reading stays an edit.
         let here = match ours == now {
             true => base.state_then(known),
             false => now,
@@ -195,7 +195,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     new_base.entities = entities;
     world.insert_resource(new_base);
     if watched.is_some() && looked_from(world) != watched {
-        // A user who moves the camera in the file wants to see from there.
+        // A user who moves the camera in the file wants its view.
         world.insert_resource(FreeView::default());
     }
     summary.replaced += usize::from(is_integrator_edited_twice(world, scene));
@@ -206,7 +206,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     summary
 }
 
-/// Counts the things that [`update`] would find edited both here and in the file; the integrator's settings count as
+/// The number of things that [`update`] would find edited both here and in the file; the integrator's settings count as
 /// one. Changes nothing.
 pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     let none = FileBase::default();
@@ -228,7 +228,7 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     summary.replaced + usize::from(is_integrator_edited_twice(world, scene))
 }
 
-/// Renames things of the scene whose ids something new of the file has. Returns the number of the renamed things.
+/// Renames things of the scene whose ids are taken by new things of the file. Returns their number.
 pub(in crate::scene) fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
     if new_ids.is_empty() {
         return 0;
@@ -251,7 +251,7 @@ pub(in crate::scene) fn give_way(world: &mut World, new_ids: &HashMap<SceneId, E
     same.len()
 }
 
-/// Whether something that stays uses this material or medium.
+/// Whether a thing that stays uses this material or medium.
 fn is_needed(world: &World, material: Entity, is_gone: &EntityHashSet) -> bool {
     let stays = |user: Entity| !is_gone.contains(&user) && ObjectState::is_in_scene(world, user);
     if users_of_medium(world, material).any(stays) {
@@ -270,7 +270,7 @@ fn is_needed(world: &World, material: Entity, is_gone: &EntityHashSet) -> bool {
             .is_some_and(|outer| outer.iter().any(stays))
 }
 
-/// Whether the entities stand in the order of the file already, whatever their numbers; numbers are not changed then.
+/// Whether the entities are already in the order of the file; then their numbers are kept.
 fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> bool {
     let order_of = |thing: Thing| {
         let here = world.get::<DocumentOrder>(thing.entity(entities)).copied();
@@ -283,8 +283,7 @@ fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> 
     places.is_sorted_by(|a, b| a.1 < b.1)
 }
 
-/// The merged state of a thing, of which the file now says `theirs`, and which is `ours` here. `known` is the thing in
-/// `base`.
+/// The merged state of a thing, which is `theirs` in the file now and `ours` here. `known` is the thing in `base`.
 fn taken_over(
     base: &FileBase,
     known: Thing,
@@ -294,7 +293,7 @@ fn taken_over(
 ) -> ObjectState {
     let (before, new) = (known.state(&base.scene, &base.entities).unordered(), theirs.unordered());
     if !ours.is_there() {
-        // The thing was deleted here: it comes back only if the file has changed it.
+        // The thing was deleted here: it returns only if the file has changed it.
         if before == new {
             return ours.clone();
         }
@@ -319,7 +318,7 @@ fn looked_from(world: &World) -> Option<(Entity, ToWorld)> {
     Some((active, *world.get::<ToWorld>(active)?))
 }
 
-/// A scene without a camera gets one until it has its own, and something is looked through.
+/// A scene without a camera gets a stand-in until it has its own, and a sensor becomes active.
 fn update_cameras(world: &mut World, of_file: &[Entity]) {
     let is_camera = |world: &World, entity: &Entity| world.get::<Sensor>(*entity).is_some();
     let is_stand_in = |world: &World, entity: Entity| world.get::<StandInSensor>(entity).is_some();
@@ -351,7 +350,7 @@ fn update_cameras(world: &mut World, of_file: &[Entity]) {
     }
 }
 
-/// The sensor of a scene that has none.
+/// The stand-in sensor of a scene without one.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(in crate::scene) struct StandInSensor;
 
@@ -374,7 +373,7 @@ fn is_integrator_edited_twice(world: &World, scene: &SceneDescription) -> bool {
         })
 }
 
-/// The command line and the panels may have changed the settings, so only what the file changed is taken. Settings that
+/// The command line and the panels may have changed the settings, so only changes of the file are taken. Settings that
 /// are not in files are kept.
 fn update_integrator(world: &mut World, scene: &SceneDescription) {
     let now = (scene.integrator, scene.integrator_keys.clone());

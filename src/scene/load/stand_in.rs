@@ -1,4 +1,4 @@
-//! The boxes that stand in place of meshes whose files are missing or broken.
+//! The stand-in boxes for meshes whose files are missing or broken.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -13,16 +13,16 @@ use crate::scene::{
     TriangleMesh,
 };
 
-/// The most meshes whose bounds are remembered.
+/// The most meshes whose bounds are kept.
 const MOST_MESHES: usize = 100_000;
 
-/// The bounds, in their own space, of all meshes that were loaded since the program was started.
+/// The bounds, in their own space, of all meshes loaded since the program was started.
 #[derive(Resource, Debug, Default)]
 pub struct KnownBounds(HashMap<(PathBuf, u32), Aabb>);
 
 impl KnownBounds {
-    /// The box that stands for a mesh that is not there: the one around it when it was last loaded, or else one of
-    /// length 1 around the origin.
+    /// The stand-in box of a missing mesh: its bounds when it was last loaded, or else a box of length 1 around the
+    /// origin.
     pub fn of(&self, mesh: &MeshFile) -> Aabb {
         let known = self.0.get(&(mesh.path.clone(), mesh.shape_index));
         known
@@ -31,7 +31,7 @@ impl KnownBounds {
     }
 }
 
-/// Remembers the bounds of meshes that have arrived.
+/// Records the bounds of meshes that have arrived.
 pub(in crate::scene) fn note_bounds(
     mut known: ResMut<KnownBounds>,
     server: Res<AssetServer>,
@@ -70,16 +70,17 @@ pub struct StandIns<'w, 's> {
 /// Crowds have no boxes: they would hide the picture.
 type SeenInstance = (With<InstanceOf>, Without<Hidden>, Without<Placements>);
 
-/// The most places of a member of a group that have a box.
+/// The most boxes of a group's member.
 const MOST_PLACES: usize = 1000;
 
 impl StandIns<'_, '_> {
-    /// Whether the list of [`Self::shapes`] may be another one than in the last frame. Shapes may change beside it.
+    /// Whether the list of [`Self::shapes`] may have changed since the last frame. The shapes themselves may change as
+    /// well.
     pub fn may_differ(&self) -> bool {
         self.status.is_changed()
     }
 
-    /// The shapes of whose meshes nothing can be shown because of their files.
+    /// The shapes without a mesh to show, because of their files.
     pub fn shapes(&self) -> Vec<Entity> {
         let paths: HashSet<&Path> = self
             .status
@@ -104,8 +105,8 @@ impl StandIns<'_, '_> {
         shapes.map(|(entity, ..)| entity).collect()
     }
 
-    /// Where such a shape would be seen, world from its own space, and what a click there selects: the shape, or an
-    /// instance of the group that it belongs to.
+    /// The instances of such a shape: the transform world from its own space, and the entity that a click there
+    /// selects, the shape or an instance of its group.
     pub fn places(&self, entity: Entity) -> Vec<(Entity, Affine3A)> {
         let Ok((_, _, to_world, _)) = self.shapes.get(entity) else {
             return Vec::new();

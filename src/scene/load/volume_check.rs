@@ -1,4 +1,4 @@
-//! The volume files of a scene that is converted without being opened: whether they can be read.
+//! Checks the volume files of a scene that is converted without being opened.
 
 use std::path::PathBuf;
 
@@ -8,8 +8,8 @@ use crate::scene::assets::volume_map::{VolumeMapError, load_volume};
 use crate::scene::components::missing::{NOT_THERE, sentence};
 use crate::scene::{FileKind, MissingFile, SceneDescription, VolumeFormat};
 
-/// Reads each volume that the scene names; reports those that cannot be read or were mended where the scene names them
-/// first. All are warnings: the new file names the volume as well, whatever there is.
+/// Reads each volume of the scene; reports unreadable and repaired ones where the scene names them first. All are
+/// warnings: the new file names the volume as well, whatever its state.
 pub fn check_volumes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
     let mut places: Vec<(&PathBuf, &Span)> = scene.volume_places.iter().collect();
     places.sort_by_key(|(_, span)| (span.source.0, span.start));

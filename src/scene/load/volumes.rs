@@ -1,4 +1,4 @@
-//! Loads the volume files that media name.
+//! Loads the volume files of media.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ use crate::scene::{Medium, SceneStatus};
 /// The grids in use, by the paths of their assets.
 pub type Volumes = FilesInUse<VolumeMap>;
 
-/// Loads the volumes that media name now.
+/// Loads the volumes of the present media.
 pub(in crate::scene) fn follow_volumes(
     mut volumes: ResMut<Volumes>,
     server: Res<AssetServer>,

@@ -1,10 +1,10 @@
-//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material
-//! libraries, pictures, volumes.
+//! Reloads files of the open scene when they change on disk: the scene with its includes, meshes, material libraries,
+//! pictures, volumes.
 //!
 //! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders
-//! are watched, not files: editors replace files by renaming others over them. A file that is half written fails to
-//! load, which keeps the old content; the end of the writing makes another event. One file is never read twice at the
-//! same time, so that the last reading wins.
+//! are watched, not files: editors replace files by renaming others over them. A partially written file fails to load,
+//! which keeps the old content; the end of the writing makes another event. One file is never read twice at the same
+//! time, so that the last reading wins.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ use crate::scene::{
 /// The time for which events are held back, so that one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
 
-/// A reload without any message for this time is thought to be lost.
+/// The time after which a reload without any message counts as lost.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The watch, and the files that are watched.
@@ -46,9 +46,9 @@ pub struct SceneWatch {
     folders: HashSet<PathBuf>,
     /// The assets to reload when a file changes.
     reloads: HashMap<PathBuf, Vec<PathBuf>>,
-    /// The files that changed and are not handed over yet.
+    /// The changed files whose reload was not requested yet.
     waiting: HashSet<PathBuf>,
-    /// The files that were handed over without any news since, with the time.
+    /// The requested reloads without a result, with the time of the request.
     on_their_way: HashMap<PathBuf, Instant>,
     presence: Presence,
 }
@@ -59,22 +59,22 @@ struct Watcher {
 }
 
 impl SceneWatch {
-    /// Whether all files that are known to have changed have been read again.
+    /// Whether all known changes of files have been reloaded.
     pub fn is_idle(&self) -> bool {
         self.waiting.is_empty() && self.on_their_way.is_empty()
     }
 
-    /// The files that the open scene consists of, and places where it looks for files in vain.
+    /// The files of the open scene, and the paths where it searches for missing ones.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.reloads.keys().map(PathBuf::as_path)
     }
 
-    /// Whether the open scene consists of this file, under whatever name.
+    /// Whether the open scene uses this file, under any name.
     pub fn has_file(&self, path: &Path) -> bool {
         SameFiles::of(self.files()).has(path)
     }
 
-    /// Whether the open scene needs this file beside its own, under whatever name.
+    /// Whether the open scene uses this file besides its own, under any name.
     pub(in crate::scene) fn has_part(&self, path: &Path) -> bool {
         SameFiles::of(self.files().filter(|file| *file != self.scene)).has(path)
     }
@@ -97,7 +97,7 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the folders of all files that matter, or the nearest folder above for those that do not exist.
+    /// Watches the folders of all listed files, or the nearest existing folder above.
     fn watch_folders(&mut self) {
         let Some(watcher) = &mut self.watcher else {
             return;
@@ -109,7 +109,7 @@ impl SceneWatch {
             .map(Path::to_owned)
             .collect();
         for folder in self.folders.difference(&wanted) {
-            // This fails for folders that are gone, which need no watch any more.
+            // This fails for deleted folders, which need no watch any more.
             let _ = watcher.debouncer.unwatch(folder);
         }
         let mut watched: HashSet<PathBuf> = self.folders.intersection(&wanted).cloned().collect();
@@ -129,7 +129,7 @@ impl SceneWatch {
     }
 }
 
-/// The list of files that matter, kept up to date.
+/// Keeps the list of files up to date.
 pub(in crate::scene) fn list_files(
     mut watch: ResMut<SceneWatch>,
     file: Res<SceneFile>,
@@ -158,7 +158,7 @@ pub(in crate::scene) fn list_files(
     for (path, handle) in own.into_iter().chain(asked) {
         add(path, path);
         if let Some(scene) = scenes.get(handle) {
-            // A file that appears where it is expected is read without the scene.
+            // A missing mesh, picture or volume that appears is loaded without reloading the scene.
             let missing = scene.description.missing.values();
             let elsewhere = missing.flat_map(|file| &file.others);
             for source in scene.description.sources.iter().chain(elsewhere) {
@@ -205,7 +205,7 @@ pub(in crate::scene) struct Arrivals<'w, 's, A: Asset> {
 }
 
 impl<A: Asset> Arrivals<'_, '_, A> {
-    /// Removes what has arrived or failed from the list of what is being loaded. Returns what was waited for and has
+    /// Removes arrived and failed files from the list of requested reloads. Returns the requested ones that have
     /// arrived.
     fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) -> Vec<PathBuf> {
         let mut arrived = Vec::new();
@@ -281,7 +281,7 @@ fn take_events(watch: &mut SceneWatch) {
         };
         for event in events {
             let is_change = match event.kind {
-                // Times and rights are no content; only systems that are polled report new content by its time.
+                // Times and permissions are no content; only polling watchers report new content by its time.
                 EventKind::Modify(ModifyKind::Metadata(kind)) => kind == MetadataKind::WriteTime,
                 EventKind::Create(_) | EventKind::Modify(_) => true,
                 EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
@@ -304,7 +304,7 @@ fn take_events(watch: &mut SceneWatch) {
     }
     if folders_changed {
         watch.look_for_files();
-        // A folder that came into being may have brought its files along.
+        // A new folder may already contain files.
         let before = watch.folders.clone();
         watch.watch_folders();
         let brought = |file: &Path| {

@@ -1,4 +1,4 @@
-//! Bsdfs, with what is nested in them.
+//! Reads bsdfs, nested ones included.
 
 use super::from_file::FromFile;
 use super::picture_search::PictureSearch;
@@ -8,13 +8,13 @@ use crate::scene::Material;
 use crate::scene::components::description::{DeclarationPlace, MaterialDescription};
 use crate::scene::encode::objects;
 
-/// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is
+/// The deepest nesting of materials, through references too. More is an error: no scene needs it, and the stack is
 /// finite.
 const DEEPEST: usize = 32;
 
 impl<'a> SceneReader<'a> {
-    /// The index of this bsdf in the description; read once, however often it is referred to. `place` is where it is
-    /// written if that is not the top level.
+    /// The index of this bsdf in the description; it is read once for all references. `place` is where it is declared
+    /// if that is not the top level.
     pub(super) fn read_bsdf(&mut self, object: &'a Object, place: DeclarationPlace, depth: usize) -> usize {
         if let Some(&known) = self.material_of.get(&address(object)) {
             return known;
@@ -79,7 +79,7 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch)
     (material, nested)
 }
 
-/// The bsdfs inside; a wrong number of them is an error.
+/// The nested bsdfs; a wrong number of them is an error.
 fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Object> {
     let expected = &material.info().nested;
     if *expected.end() == 0 {

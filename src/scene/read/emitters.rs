@@ -1,4 +1,4 @@
-//! Emitters, and inside shapes `area`.
+//! Reads emitters, including the `area` of shapes.
 
 use bevy::math::Affine3A;
 
@@ -15,7 +15,7 @@ use crate::scene::{AreaLight, Emitter, EmitterKind};
 impl<'a> SceneReader<'a> {
     /// Whether the emitter became part of the description.
     pub(super) fn read_emitter(&mut self, object: &'a Object) -> bool {
-        // Shapes that refer to it read it.
+        // An `area` is read by the shapes that refer to it.
         if object.plugin == "area" {
             if object.id.is_none() {
                 let message = "an `area` emitter has no effect outside of a shape";
@@ -48,7 +48,7 @@ impl<'a> SceneReader<'a> {
         true
     }
 
-    /// The light of a shape; None (reported) if the emitter is not of that kind.
+    /// The emission of a shape; None (reported) if the emitter is not an `area`.
     pub(super) fn read_area_light(&mut self, object: &'a Object) -> Option<AreaLight> {
         if object.plugin != "area" {
             let message = format!("{} has no effect in a shape, only `area` has", object.title());
@@ -67,7 +67,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The emitters of Mitsuba, also of old versions, that this program does not have.
+/// The emitters of Mitsuba, also of old versions, that this program lacks.
 const FOREIGN_EMITTERS: [&str; 6] = [
     "directionalarea",
     "timed_sunsky",
@@ -77,10 +77,10 @@ const FOREIGN_EMITTERS: [&str; 6] = [
     "collimated",
 ];
 
-/// The media that are given inside of an object, with their names.
+/// The media nested in an object, with their parameter names.
 type Media<'a> = Vec<(Option<&'a str>, &'a Object)>;
 
-/// The emitter with its place and the media around it. Where the place is None, the fault has been reported.
+/// The emitter with its transform and the media around it. If the transform is None, the error has been reported.
 fn read_parameters<'a>(
     mut reader: Reader<'a, '_>,
     pictures: &mut PictureSearch,
@@ -106,7 +106,7 @@ fn read_parameters<'a>(
     Some((emitter, to_world, media))
 }
 
-/// The place, from `position` or `to_world`.
+/// The transform, from `position` or `to_world`.
 fn place(reader: &mut Reader) -> Option<Affine3A> {
     let Some(position) = reader.point("position") else {
         return reader.to_world();
@@ -115,7 +115,7 @@ fn place(reader: &mut Reader) -> Option<Affine3A> {
     Some(Affine3A::from_translation(position))
 }
 
-/// The direction, from `direction` or `to_world`; None (reported) for one without length.
+/// A frame along the direction, from `direction` or `to_world`; None (reported) for one of zero length.
 fn direction(reader: &mut Reader) -> Option<Affine3A> {
     let Some(direction) = reader.vector("direction") else {
         return reader.to_world();

@@ -1,10 +1,9 @@
-//! Fields of view, also by the focal length of a lens before 35 mm film.
+//! Fields of view, also given as the focal length of a lens on 35 mm film.
 
 use crate::document::Reader;
 use crate::scene::FovAxis;
 
-/// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24
-/// mm).
+/// The field of view along the diagonal, in degrees, of a lens of `millimetres` on 35 mm film (a frame of 36 x 24 mm).
 pub fn fov_of_focal_length(millimetres: f32) -> f32 {
     2.0 * (0.5 * 36f32.hypot(24.0) / millimetres).atan().to_degrees()
 }

@@ -1,4 +1,4 @@
-//! The values of parameters, whatever plugin they are of.
+//! Reads the declared parameters of plugins of every family.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub(super) struct FromFile<'r, 'a, 'd> {
 }
 
 impl FromFile<'_, '_, '_> {
-    /// Takes what the file gives for these parameters.
+    /// Reads the parameters that the file gives.
     pub fn read_all(mut self, values: &mut impl Declared) {
         values.visit_mut(&mut |info, value| self.read(info, value));
     }
@@ -107,7 +107,7 @@ impl FromFile<'_, '_, '_> {
             *value = given;
         }
         let is_given = self.reader.has(name) || self.reader.child(name).is_some();
-        // A reference to nothing has been reported.
+        // A reference without target has been reported.
         if !is_given && !self.reader.refers_to_nothing() {
             let span = self.reader.object().span;
             let message = "`normalmap` needs a texture of that name, its normals";
@@ -118,7 +118,7 @@ impl FromFile<'_, '_, '_> {
     fn height(&mut self, value: &mut Parameter<f32>) {
         let mut textures = self.reader.children(Category::Texture).into_iter();
         let Some((_, object)) = textures.next() else {
-            // A reference to nothing has been reported.
+            // A reference without target has been reported.
             if self.reader.refers_to_nothing() {
                 return;
             }
@@ -205,7 +205,7 @@ impl FromFile<'_, '_, '_> {
     }
 
     fn roughness(&mut self, value: &mut Roughness) {
-        // 0 is as smooth as the model can be.
+        // 0 is clamped to the smoothest roughness of the model.
         let given = ["alpha", "alpha_u", "alpha_v"]
             .map(|name| self.reader.float_parameter(name, 0.0..=f32::MAX, self.pictures));
         match given {

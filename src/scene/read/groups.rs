@@ -8,7 +8,7 @@ use crate::scene::components::description::{GroupDescription, Identity, ShapeDes
 use crate::scene::{Placements, Shape, ShapeKind};
 
 impl<'a> SceneReader<'a> {
-    /// Lists all groups before anything that refers to them is read.
+    /// Lists all groups before the instances are read.
     pub(super) fn list_groups(&mut self) {
         for object in self.root.objects().filter(|object| object.is_group()) {
             let identity = self.identity(object, || Object::new(Category::Shape, "shapegroup"));
@@ -66,7 +66,7 @@ impl<'a> SceneReader<'a> {
             .map(|(_, shape)| self.group_of.get(&address(shape)).copied());
         match (groups.next(), groups.next()) {
             (Some(Some(group)), None) => Some(group),
-            // A lost reference has been reported.
+            // A reference without target has been reported.
             _ if object.children.iter().any(|child| self.index.resolve(child).is_none()) => None,
             _ => {
                 let message = "shape `instance` needs a reference to one shapegroup: it is left out";
@@ -76,7 +76,7 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// The crowds of the document that stand before this child of the scene become one shape each. The place of the
+    /// Reads the crowds of the document before this child of the scene, each as one shape. Returns the order of the
     /// last one in the file.
     pub(super) fn read_crowds(&mut self, position: usize) -> Option<u32> {
         let mut last = None;

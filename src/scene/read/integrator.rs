@@ -1,5 +1,5 @@
-//! Integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; every other
-//! one is taken for `path` or `volpath`.
+//! Reads integrators: `path`, `volpath`, `volpathmis`, `bdpt`, `vcm`, `ptracer`, `auto`, and `aov` around them; all
+//! others are read as `path` or `volpath`.
 
 use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader, Severity};
@@ -7,7 +7,7 @@ use crate::layer::{Layer, Layers};
 use crate::scene::encode::objects;
 use crate::scene::{AuthoredScene, IntegratorSettings, PathPlugin};
 
-/// The largest depth; longer paths are as good as unbounded.
+/// The largest depth; longer paths count as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
 
 impl<'a> SceneReader<'a> {
@@ -26,7 +26,7 @@ impl<'a> SceneReader<'a> {
         true
     }
 
-    /// Warns of media that no integrator sees.
+    /// Warns of media that the integrator ignores.
     pub(super) fn report_media_without_effect(&mut self, remains: &AuthoredScene) {
         if self.description.media.is_empty() || self.description.integrator.plugin.traces_media() {
             return;
@@ -76,7 +76,7 @@ impl<'a> SceneReader<'a> {
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }
-        // Direct light is that of paths of two segments.
+        // Direct light has paths of two segments.
         if plugin == "direct" {
             settings.max_depth = Some(2);
         }
@@ -103,13 +103,13 @@ impl<'a> SceneReader<'a> {
         if known.is_some() {
             reader.ignore(&["timeout", "block_size", "samples_per_pass"]);
             if plugin == PathPlugin::VolPathMis.name() {
-                // Light is followed over all channels together in any case.
+                // Paths always carry all colour channels together.
                 reader.boolean("use_spectral_mis");
             }
             reader.finish();
             return settings;
         }
-        // `aov` and the like hold the integrator that makes the picture.
+        // `aov` and similar integrators contain the one that makes the picture.
         let inner = reader.children(Category::Integrator).first().map(|(_, inner)| *inner);
         let layers = match plugin {
             "aov" => {
@@ -130,8 +130,8 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The layers of an integrator `aov`, whose parameter `aovs` is a list of names and kinds: `dd:depth,nn:sh_normal`. The
-/// names are those of channels in Mitsuba's files; ours have names of their own.
+/// The layers of an integrator `aov`, whose parameter `aovs` is a list of names and kinds: `dd:depth,nn:sh_normal`.
+/// These names are the channels in Mitsuba's files; ours have fixed names.
 fn read_layers(reader: &mut Reader) -> Layers {
     let known = Layer::ALL.map(Layer::name_in_file);
     let Some(list) = reader.string("aovs") else {
@@ -163,5 +163,5 @@ fn read_layers(reader: &mut Reader) -> Layers {
     layers.into_iter().collect()
 }
 
-/// Layers that Mitsuba has and we have not.
+/// Layers that Mitsuba has and this program lacks.
 const UNSUPPORTED: [&str; 6] = ["dp_du", "dp_dv", "duv_dx", "duv_dy", "prim_index", "boundary_test"];

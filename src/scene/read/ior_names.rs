@@ -1,7 +1,6 @@
-//! Names of media and metals that a scene file may use; a name outside these lists is an error with its place in the
-//! file.
+//! Names of dielectrics and metals allowed in scene files; any other name is an error with its place in the file.
 //!
-//! The numbers behind them are the renderer's, which this layer does not know; a test holds both lists equal.
+//! The renderer has the numbers, which this layer does not know; a test keeps both lists equal.
 
 use crate::document::suggest::closest;
 
@@ -39,7 +38,7 @@ pub(crate) const CONDUCTORS: [&str; 42] = [
     "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
 ];
 
-/// The words for some of the conductors, with their names in files.
+/// English words for some of the conductors, with their names in files.
 const METALS: [(&str, &str); 8] = [
     ("aluminium", "Al"),
     ("aluminum", "Al"),
@@ -51,7 +50,7 @@ const METALS: [(&str, &str); 8] = [
     ("tungsten", "W"),
 ];
 
-/// Advises on a name that is no conductor. Symbols are too short to suggest one of them.
+/// The advice for a name that is no conductor. Chemical symbols are too short for suggestions.
 pub(crate) fn conductor_help(name: &str) -> String {
     let is_meant = |word: &str| word == name || closest(name, [word]).is_some();
     match METALS.iter().find(|(word, _)| is_meant(word)) {
@@ -60,12 +59,12 @@ pub(crate) fn conductor_help(name: &str) -> String {
     }
 }
 
-/// Whether this is the name of a dielectric, in any case.
+/// Whether this is the name of a dielectric, ignoring case.
 pub(crate) fn is_dielectric(name: &str) -> bool {
     DIELECTRICS.iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
-/// Whether this is the name of a conductor, in any case.
+/// Whether this is the name of a conductor, ignoring case.
 pub(crate) fn is_conductor(name: &str) -> bool {
     let known = |name: &str| CONDUCTORS.iter().any(|known| known.eq_ignore_ascii_case(name));
     known(name) || name.strip_suffix("_palik").is_some_and(known)

@@ -1,4 +1,4 @@
-//! Participating media: their coefficients, phase functions, and the volumes by which these vary in space.
+//! Reads participating media: their coefficients, phase functions and volumes.
 
 use std::ops::RangeInclusive;
 
@@ -22,8 +22,8 @@ use crate::scene::{
 };
 
 impl<'a> SceneReader<'a> {
-    /// The index of this medium in the description; read once, however often it is referred to. `place` is where it is
-    /// written if that is not the top level. None (reported) if there is no such plugin.
+    /// The index of this medium in the description; it is read once for all references. `place` is where it is declared
+    /// if that is not the top level. None (reported) if there is no such plugin.
     pub(super) fn read_medium(&mut self, object: &'a Object, place: DeclarationPlace) -> Option<usize> {
         if let Some(&known) = self.medium_of.get(&address(object)) {
             return known;
@@ -47,7 +47,7 @@ impl<'a> SceneReader<'a> {
         read
     }
 
-    /// The medium of a sensor or an emitter, of those that are given inside of it.
+    /// The medium of a sensor or an emitter, among those nested in it.
     pub(super) fn read_medium_around(
         &mut self,
         media: &[(Option<&str>, &'a Object)],
@@ -62,7 +62,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The media on the inner and the outer side of a shape. Others remain unread.
+/// The interior and exterior media of a shape. Others stay unread.
 pub(super) fn media_of_shape<'a>(reader: &mut Reader<'a, '_>) -> [Option<&'a Object>; 2] {
     [INTERIOR, EXTERIOR].map(|side| {
         let medium = reader.child(side)?;
@@ -90,7 +90,7 @@ fn read_parameters(mut reader: Reader, files: &mut PictureSearch) -> Option<Medi
     if let Some(phase) = phase_inside(&mut reader, files) {
         medium.phase = phase;
     }
-    // Where the samples lie is chosen by this program.
+    // This program chooses the positions of the samples.
     reader.ignore(&["sample_emitters"]);
     reader.finish();
     Some(medium)
@@ -131,7 +131,7 @@ impl FromFile<'_, '_, '_> {
         *value = Coefficients::Separate { sigma_s, sigma_a };
     }
 
-    /// The density that is given, as its plugin takes it, or the `usual` one.
+    /// The given density in the form of its plugin, or the default.
     fn density(&mut self, given: Option<VolumeParameter<Rgb>>, usual: &VolumeParameter<Rgb>) -> VolumeParameter<Rgb> {
         match (given, usual) {
             (None, usual) => usual.clone(),
@@ -207,7 +207,7 @@ impl FromFile<'_, '_, '_> {
     }
 }
 
-/// The phase function inside of a medium.
+/// The phase function of a medium.
 fn phase_inside(reader: &mut Reader, files: &mut PictureSearch) -> Option<PhaseFunction> {
     let inside = reader.children(Category::Phase);
     if let Some((_, second)) = inside.get(1) {
@@ -265,7 +265,7 @@ fn read_volume(
     files: &mut PictureSearch,
 ) -> Option<VolumeParameter<Rgb>> {
     let Some(object) = reader.child(name) else {
-        // The range has been checked by then.
+        // The range has already been checked.
         let color = reader.rgb_in(name, range.clone())?;
         let color = match role {
             Role::Emission => reader.emission(name).unwrap_or(color),
@@ -349,7 +349,7 @@ fn boxed(value: Rgb, to_world: Affine3A) -> VolumeParameter<Rgb> {
 }
 
 fn grid_volume(reader: &mut Reader, files: &mut PictureSearch) -> Option<VolumeParameter<Rgb>> {
-    // This program decides how the grid is stored in memory, and takes its numbers as they are.
+    // This program decides how the grid is stored in memory, and uses its values unchanged.
     reader.ignore(&["accel", "raw"]);
     let filter = named(reader, "filter_type", &VolumeFilter::ALL, VolumeFilter::name).unwrap_or_default();
     let wrap = named(reader, "wrap_mode", &VolumeWrap::ALL, VolumeWrap::name).unwrap_or_default();

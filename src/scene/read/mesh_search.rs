@@ -2,7 +2,7 @@
 //!
 //! A relative name is tried, in this order, in the folder of the file that holds it, the folder of the scene, the
 //! scene's `<path>` folders (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder.
-//! In the last two a leading `../assets/` of the name is left away, so that the scenes of the project find meshes that
+//! In the last two a leading `../assets/` of the name is stripped, so that the scenes of the project find meshes that
 //! are kept elsewhere.
 
 use std::collections::{HashMap, HashSet};
@@ -15,8 +15,7 @@ use crate::files::{Access, FolderNames};
 /// The environment variable with further folders, separated as in `$PATH`.
 pub(crate) const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
 
-/// The folders of one scene, for one reading or writing of it: folders are looked into once, however many files are
-/// sought.
+/// The search folders of one scene, for one reading or writing of it: each folder is listed at most once for all files.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshSearch {
     scene_folder: PathBuf,
@@ -26,7 +25,7 @@ pub(crate) struct MeshSearch {
     looks: Arc<Mutex<Looks>>,
 }
 
-/// What is known of folders and files so far. Clones of a search share it.
+/// The cached facts about folders and files. Clones of a search share it.
 #[derive(Debug, Default)]
 struct Looks {
     names: FolderNames,
@@ -37,7 +36,7 @@ struct Looks {
 }
 
 impl Looks {
-    /// What [`settle`] makes of the path.
+    /// [`settle`] with cached folders.
     fn settle(&mut self, path: &Path) -> PathBuf {
         let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
             return settle(path);
@@ -56,10 +55,10 @@ impl Looks {
 /// The result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The file, absolute. If there is none, the place in the folder of the file that holds the name, where the scene
-    /// may not read it.
+    /// The file, absolute. If there is none, the path in the folder of the file with the name, if the scene may not
+    /// read it.
     At(PathBuf),
-    /// The places looked at, the first of them in the folder of the file that holds the name.
+    /// The paths that were tried, the first of them in the folder of the file with the name.
     Nowhere(Vec<PathBuf>),
 }
 
@@ -81,7 +80,7 @@ impl MeshSearch {
         }
     }
 
-    /// The search among files that may be read.
+    /// Limits the search to files that `access` permits.
     pub fn within(self, access: Access) -> Self {
         Self {
             access,
@@ -90,7 +89,7 @@ impl MeshSearch {
         }
     }
 
-    /// A search only in the places where every reader of the format looks.
+    /// A search only in the folders where every reader of the format looks.
     pub fn of_format(scene_folder: &Path, search_folders: &[PathBuf]) -> Self {
         Self {
             asset_folders: Vec::new(),
@@ -98,7 +97,7 @@ impl MeshSearch {
         }
     }
 
-    /// Finds the file. `folder` is that of the file that holds the name.
+    /// Finds the file. `folder` is the folder of the file with the name.
     pub fn find(&self, name: &str, folder: &Path) -> Found {
         let mut looks = self.looks.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (folder.to_owned(), name.to_owned());
@@ -155,7 +154,7 @@ impl MeshSearch {
 }
 
 impl MeshSearch {
-    /// Finds a file as [`Self::find`] does, but does not tell where it looked in vain.
+    /// [`Self::find`] without the paths that were tried.
     pub fn find_file(&self, name: &str, folder: &Path) -> Option<PathBuf> {
         match self.find(name, folder) {
             Found::At(path) => Some(path),

@@ -1,9 +1,9 @@
 //! Turns a document into a [`SceneDescription`]: it knows which plugins and parameters exist, their defaults and their
 //! ranges.
 //!
-//! No ECS and no rendering; of the disk only whether files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file
-//! asks for that is not supported gets a stand-in and a warning with its place; what cannot be is an error, and the
-//! description is then only good for finding more errors. Reading never stops early.
+//! No ECS and no rendering; of the disk only whether files exist. Defaults are those of Mitsuba 3.6 to 3.9. An
+//! unsupported feature gets a stand-in and a warning with its place; invalid content is an error, and the description
+//! is then only good for finding more errors. Reading never stops early.
 
 mod bsdfs;
 mod emitters;
@@ -39,7 +39,7 @@ use crate::scene::components::missing;
 use crate::scene::encode::objects::FRAME;
 use crate::scene::{AuthoredScene, LengthUnit};
 
-/// Reads the whole document; what is wrong with it is added to its diagnostics.
+/// Reads the whole document; problems are added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
     let mut origin = document.clone();
     origin.diagnostics = Diagnostics::default();
@@ -50,7 +50,7 @@ pub fn read(document: &mut Document) -> SceneDescription {
     description
 }
 
-/// The ids below `root` that are of no thing of the scene.
+/// The ids below `root` that belong to no thing of the scene.
 fn foreign_ids(scene: &SceneDescription, root: &Object) -> HashSet<SmolStr> {
     fn collect(object: &Object, ids: &mut HashSet<SmolStr>) {
         ids.extend(object.id.clone());
@@ -72,7 +72,7 @@ fn foreign_ids(scene: &SceneDescription, root: &Object) -> HashSet<SmolStr> {
     ids
 }
 
-/// Reads as [`read`] does, for a scene that is not saved again: of the source it keeps only the places of file names.
+/// [`read`] for a scene that is not saved again: of the source it keeps only the spans of file names.
 pub(crate) fn read_meaning(document: &mut Document) -> SceneDescription {
     read_as(document, false)
 }
@@ -127,7 +127,7 @@ impl SceneReader<'_> {
                 Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
                 Category::Volume if is_frame(object) => self.read_shape(object, None),
-                // Others are used only by references to them, and reported there.
+                // Others are read with the references to them, and reported there.
                 _ => false,
             };
             if !taken {
@@ -146,7 +146,7 @@ impl SceneReader<'_> {
         }
         self.description.unit = reader.string(UNIT).and_then(LengthUnit::of_name).unwrap_or_default();
         reader.finish();
-        // After an error the scene is not shown, and the part that could not be read may be its sensor.
+        // After an error the scene is not shown, and the unreadable part may be its sensor.
         if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {
             let message = "the scene has no sensor: one that sees everything takes its place".to_owned();
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);
@@ -169,7 +169,7 @@ impl SceneReader<'_> {
 }
 
 impl SceneReader<'_> {
-    /// Reports things of which more values have keys than can move.
+    /// Reports things with too many animated values.
     fn report_tracks(&mut self) {
         if self.animated.is_empty() {
             return;
@@ -188,14 +188,13 @@ impl SceneReader<'_> {
     }
 }
 
-/// Whether it is the transform of a folder. Mitsuba reads such a volume and does nothing with it, because nothing
-/// refers to it.
+/// Whether it is the transform of a folder. Mitsuba reads such a volume and ignores it, because nothing refers to it.
 pub(crate) fn is_frame(object: &Object) -> bool {
     let id = object.id.as_deref().unwrap_or_default();
     object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
 }
 
-/// The order of a list: the old place of each thing by its new one, and the new place by the old one.
+/// The sorted order of a list: the old index for each new one, and the new index for each old one.
 fn by_order<T, Order: Ord>(list: &[T], order: impl Fn(&T) -> Order) -> (Vec<usize>, Vec<usize>) {
     let mut old_place: Vec<usize> = (0..list.len()).collect();
     old_place.sort_by_key(|&old| order(&list[old]));
@@ -206,7 +205,7 @@ fn by_order<T, Order: Ord>(list: &[T], order: impl Fn(&T) -> Order) -> (Vec<usiz
     (old_place, new_place)
 }
 
-/// Sorts the media, which are found in the order of references as well.
+/// Sorts the media, which are found in the order of references, into the order of the file.
 fn sort_media(description: &mut SceneDescription) {
     let media = &mut description.media;
     let (_, new_place) = by_order(media, |medium| medium.identity.order);

@@ -1,4 +1,4 @@
-//! Parameters that many plugins have, with the checks and stand-ins they share.
+//! Readers of parameters that many plugins have, with their checks and stand-ins.
 
 use std::ops::RangeInclusive;
 
@@ -9,10 +9,9 @@ use crate::color::Rgb;
 use crate::document::{Reader, Severity};
 use crate::scene::{Parameter, Texture};
 
-/// Reads one kind of parameter. None if the file does not give it, or if its value is unusable, which has been
-/// reported.
+/// Reads one kind of parameter. None if the file does not give it, or if its value is invalid, which has been reported.
 pub trait Parameters {
-    /// A colour between 0 and 1; above is possible but odd, below is an error.
+    /// A colour between 0 and 1; above 1 is a warning, below 0 an error.
     fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// A colour without upper bound.
     fn unbounded_color(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
@@ -22,7 +21,7 @@ pub trait Parameters {
         range: RangeInclusive<f32>,
         pictures: &mut PictureSearch,
     ) -> Option<Parameter<f32>>;
-    /// The light that an emitter sends out; not negative.
+    /// The emission of a light; not negative.
     fn radiometric(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// The plugin given for a parameter: the colour of a spectrum, or a texture.
     fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
@@ -33,11 +32,11 @@ pub trait Parameters {
 }
 
 /// Reports a shape or an emitter that cannot be read. A plugin that Mitsuba has is a limit of this program: a warning,
-/// and the rest of the scene is worth seeing. A plugin that nobody has is a misspelt name: an error, because Mitsuba
-/// reads no such file either.
+/// since the rest of the scene can be shown. An unknown plugin is a misspelt name: an error, because Mitsuba does not
+/// read such a file either.
 pub fn report_left_out(reader: &mut Reader, is_known_elsewhere: bool, help: Option<String>) {
     if reader.object().plugin.is_empty() {
-        // The empty name was reported where it stands.
+        // The empty name was already reported.
         return;
     }
     let title = reader.object().title();

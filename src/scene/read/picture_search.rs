@@ -1,4 +1,4 @@
-//! Finds the picture files and the volume files that a scene names, and notes what is missing.
+//! Finds the picture files and the volume files of a scene, and notes missing ones.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,31 +10,30 @@ use crate::scene::components::description::PicturePlaces;
 use crate::scene::components::medium::GRID;
 use crate::scene::{FileKind, MissingFile, MissingFiles, VolumeFormat};
 
-/// The most grids of one file that a scene may name, more than any file has. The file is read for each of them.
+/// The most grids of one file in a scene, more than any file has. The file is read for each of them.
 const MOST_GRIDS: usize = 64;
 
-/// Finds the pictures and volumes that a scene names, in the folders where its meshes are looked for, and keeps where
-/// each was named.
+/// Finds the pictures and volumes of a scene, in the same folders as its meshes, and keeps the spans of their names.
 pub struct PictureSearch {
     pub folders: MeshSearch,
     pub places: PicturePlaces,
-    /// The places of volumes by the paths of their assets.
+    /// The spans of volumes by the paths of their assets.
     pub volume_places: PicturePlaces,
-    /// The number of grids that are named of each volume file.
+    /// The number of grids used from each volume file.
     pub grids: HashMap<PathBuf, usize>,
-    /// Files of all kinds that were not found.
+    /// The missing files of all kinds.
     pub missing: MissingFiles,
 }
 
 impl PictureSearch {
-    /// The picture's file; the first place where it was looked for if there is none: it may come later.
+    /// The picture's file; if it is missing, the first path that was tried, since it may appear later.
     pub fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
         let (path, span) = self.look(FileKind::Picture, name, reader);
         self.places.entry(path.clone()).or_insert(span);
         path
     }
 
-    /// The file of a volume, found as a picture is. None (reported) if too many grids of it are named.
+    /// The file of a volume, searched like a picture. None (reported) if too many of its grids are used.
     pub fn find_volume(&mut self, name: &str, format: &VolumeFormat, reader: &mut Reader) -> Option<PathBuf> {
         let (path, span) = self.look(FileKind::Volume, name, reader);
         let asset = format.asset_path(&path);
@@ -61,7 +60,7 @@ impl PictureSearch {
         (path, span)
     }
 
-    /// Notes a file that is in none of these places. Returns the first of them, by which it is known.
+    /// Notes a file that is missing at all these paths. Returns the first of them, its key.
     pub fn note_missing(&mut self, kind: FileKind, places: Vec<PathBuf>, span: Span, help: Option<String>) -> PathBuf {
         let mut places = places.into_iter();
         let path = places.next().unwrap_or_default();

@@ -13,7 +13,7 @@ use crate::document::spectrum::Role;
 use crate::document::{Category, Object, Reader, TransformOp};
 use crate::scene::{Parameter, Texture, ToWorld};
 
-/// The most textures inside each other that a parameter may consist of.
+/// The most nested textures of a parameter.
 const MOST_TEXTURES: usize = 256;
 
 impl Parameters for Reader<'_, '_> {
@@ -50,7 +50,7 @@ impl Parameters for Reader<'_, '_> {
         }
         let number = match self.spectrum_or_texture(name, pictures)? {
             Parameter::Texture(texture) => return Some(Parameter::Texture(texture)),
-            // Mitsuba takes the mean of a colour for a number.
+            // Mitsuba uses the mean of a colour as a number.
             Parameter::Constant(color) => color.element_sum() / 3.0,
         };
         if !range.contains(&number) {
@@ -114,7 +114,7 @@ impl Parameters for Reader<'_, '_> {
     }
 }
 
-/// Checks that a texture, or a spectrum with a texture inside, consists of few enough of them. None has been reported.
+/// Checks that a texture, or a spectrum with a texture inside, has few enough nested ones. None has been reported.
 fn check_textures_inside<'a>(reader: &mut Reader<'a, '_>, name: &str, object: &'a Object) -> Option<()> {
     if reader.count_inside(object, Category::Texture, MOST_TEXTURES) > MOST_TEXTURES {
         let message = format!("`{name}` consists of more than {MOST_TEXTURES} textures");

@@ -1,11 +1,11 @@
-//! Recognises things of a file that have no ids after the file has changed. A longest common subsequence pairs those
-//! that are equal, and what lies between is paired by its place, as in comparisons of texts (Hunt and McIlroy, "An
-//! Algorithm for Differential File Comparison", 1976).
+//! Recognises things without ids after their file has changed. A longest common subsequence pairs equal things, and
+//! things between these are paired in order, as in comparisons of texts (Hunt and McIlroy, "An Algorithm for
+//! Differential File Comparison", 1976).
 
-/// The most comparisons for one list; beyond it only its ends are compared.
+/// The most comparisons for one list; beyond them only its ends are compared.
 const MOST_COMPARISONS: usize = 4_000_000;
 
-/// The place in `before` of each thing of `now`, ascending; None for those that are new.
+/// For each thing of `now` its index in `before`, ascending; None for new things.
 pub(in crate::scene) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec<Option<usize>> {
     let head = before.iter().zip(now).take_while(|(a, b)| a == b).count();
     let tails = before[head..].iter().rev().zip(now[head..].iter().rev());
@@ -18,7 +18,7 @@ pub(in crate::scene) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec
             .map(|(a, b)| (head + a, head + b)),
     );
     pairs.extend((0..=tail).rev().map(|left| (before.len() - left, now.len() - left)));
-    // Between two pairs, things are paired in order. The last pair is behind the ends.
+    // Between two pairs, things are paired in order. A final pair stands for the ends of the lists.
     let mut found = Vec::with_capacity(now.len());
     let mut next = 0;
     for (a, b) in pairs {
@@ -35,12 +35,12 @@ pub(in crate::scene) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec
     found
 }
 
-/// The longest ascending pairs of places of equal things.
+/// The longest ascending list of index pairs of equal things.
 fn common_subsequence<T: PartialEq>(a: &[T], b: &[T]) -> Vec<(usize, usize)> {
     if a.len().saturating_mul(b.len()) > MOST_COMPARISONS {
         return Vec::new();
     }
-    // The length of the longest common subsequence of the rests from (i, j) on.
+    // The length of the longest common subsequence of the suffixes from (i, j) on.
     let width = b.len() + 1;
     let mut lengths = vec![0u32; (a.len() + 1) * width];
     for i in (0..a.len()).rev() {

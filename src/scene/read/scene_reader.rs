@@ -1,4 +1,4 @@
-//! The description while it grows, and what every kind of object is read with.
+//! The description under construction, and the reading common to every kind of object.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -15,16 +15,16 @@ use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Obje
 use crate::scene::components::description::{Identity, SceneDescription};
 use crate::scene::{Authored, EulerAngles, Keys, Material, MissingFiles, ShapeKind};
 
-/// An object's place among all objects of the document.
+/// An object's order among all objects of the document.
 pub struct Place<'a> {
     pub object: &'a Arc<Object>,
     pub order: u32,
     pub top_level: bool,
 }
 
-/// The description while it grows.
+/// The description under construction.
 pub struct SceneReader<'a> {
-    /// Whether things keep what the file said of them.
+    /// Whether things keep their source in the file.
     pub keeps_source: bool,
     pub root: &'a Object,
     pub search_folders: &'a [PathBuf],
@@ -34,26 +34,26 @@ pub struct SceneReader<'a> {
     pub pictures: PictureSearch,
     pub folder: PathBuf,
     pub places: HashMap<usize, Place<'a>>,
-    /// None: a medium that could not be read.
+    /// The index of the medium for each object read; None for an unreadable one.
     pub medium_of: HashMap<usize, Option<usize>>,
     pub material_of: HashMap<usize, usize>,
     pub group_of: HashMap<usize, usize>,
     pub crowds: &'a [Crowd],
-    /// The index among all objects of the first instance of each crowd.
+    /// The order of the first instance of each crowd.
     pub crowd_orders: Vec<u32>,
     /// The number of crowds that have become shapes.
     pub crowds_read: usize,
-    /// The addresses of the objects of which a value, or one in them, has keys.
+    /// The addresses of the objects with animated values in their subtree.
     pub animated: HashSet<usize>,
     pub description: SceneDescription,
 }
 
-/// The address of an object, by which objects are told apart: the document does not move while it is read.
+/// The address of an object as its key: the document does not move while it is read.
 pub fn address(object: &Object) -> usize {
     std::ptr::from_ref(object).addr()
 }
 
-/// The children that are objects themselves, not references.
+/// The nested objects, without references.
 fn inside(object: &Object) -> impl Iterator<Item = &Arc<Object>> {
     object.children.iter().filter_map(|child| match child {
         Child::Object(object) => Some(object),
@@ -61,8 +61,7 @@ fn inside(object: &Object) -> impl Iterator<Item = &Arc<Object>> {
     })
 }
 
-/// The places of all objects, and of the first instance of each crowd: they are counted through in the order of the
-/// file.
+/// The order of all objects, and of the first instance of each crowd, counted in the order of the file.
 fn places(document: &Document) -> (HashMap<usize, Place<'_>>, Vec<u32>) {
     let mut places = HashMap::new();
     let mut crowd_orders = Vec::new();
@@ -143,7 +142,7 @@ impl<'a> SceneReader<'a> {
         self.places.get(&address(object)).map_or(0, |place| place.order)
     }
 
-    /// The same object as the document holds it.
+    /// The shared pointer of the document to this object.
     pub fn shared(&self, object: &Object) -> Arc<Object> {
         let place = self.places.get(&address(object));
         place.map_or_else(|| Arc::new(object.clone()), |place| place.object.clone())
@@ -153,9 +152,9 @@ impl<'a> SceneReader<'a> {
         self.places.get(&address(object)).is_some_and(|place| place.top_level)
     }
 
-    /// The identity that objects of every kind have. `as_read` makes what would be written for the object.
+    /// The identity of an object of any kind. `as_read` makes the plugin that would be written for it.
     pub fn identity(&self, object: &Object, as_read: impl FnOnce() -> Object) -> Identity {
-        // Messages about files name the places of their names.
+        // Messages about files need the spans of the names.
         let names_file = || object.properties.iter().any(|property| property.name == "filename");
         Identity {
             id: object.id.as_ref().map(SmolStr::to_string),
@@ -171,7 +170,7 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// The tracks of an object; None if nothing of it moves.
+    /// The tracks of an object; None if it has none.
     pub fn keys(&self, object: &Object) -> Option<Keys> {
         let moves = !self.animated.is_empty();
         moves.then(|| Keys::of(object, &self.index, &self.animated)).flatten()
@@ -186,7 +185,7 @@ impl<'a> SceneReader<'a> {
         Authored::new(self.shared(object), as_read, categories)
     }
 
-    /// The folder a path in a file is relative to.
+    /// The folder to which paths in a file are relative.
     pub fn folder_of(&self, span: Span) -> PathBuf {
         let source = self.diagnostics.source(span.source);
         let parent = source.and_then(|file| settle(&file.path).parent().map(Path::to_owned));
@@ -194,7 +193,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The angles of the transform of a thing. A camera has none: it looks at something.
+/// The angles in the transform of a thing. A camera has none, since it is written as a look-at.
 pub fn angles_of(object: &Object) -> Option<EulerAngles> {
     let mut properties = object.properties.iter();
     match &properties.find(|property| property.name == "to_world")?.value {
@@ -203,7 +202,7 @@ pub fn angles_of(object: &Object) -> Option<EulerAngles> {
     }
 }
 
-/// A plugin's name without an allocation if it is known.
+/// A plugin's name, without an allocation for known ones.
 fn name_of_plugin(plugin: &str) -> Cow<'static, str> {
     let mut known = ShapeKind::PLUGINS.into_iter().chain(Material::PLUGINS);
     let known = known.find(|known| *known == plugin);

@@ -1,4 +1,4 @@
-//! Sensors `perspective`, `thinlens` and `orthographic`, with their film, reconstruction filter and sampler.
+//! Reads sensors `perspective`, `thinlens` and `orthographic`, with their film, reconstruction filter and sampler.
 
 use glam::Vec2;
 
@@ -15,7 +15,7 @@ use crate::scene::{
     ComponentFormat, Crop, Film, FilmStorage, FovAxis, Lens, PictureFormat, PixelFormat, ReconstructionFilter, Sensor,
 };
 
-/// What the sampler says of the samples. It is part of the [`Film`] here, so that it is looked for there.
+/// Parameters of the sampler. Some are part of the [`Film`] here, so that users may look for them there.
 const SAMPLER_PARAMETERS: [&str; 4] = ["sample_count", "noise_target", "adaptive", "seed"];
 
 impl<'a> SceneReader<'a> {
@@ -151,7 +151,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// The value of this name. What is not known is left out, with a warning.
+/// The value with this name. An unknown one is left out, with a warning.
 fn chosen<T: Copy>(reader: &mut Reader, parameter: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
     let text = reader.string(parameter)?;
     let found = all
@@ -242,7 +242,7 @@ fn read_filter(mut reader: Reader, pictures: &mut PictureSearch) -> Reconstructi
     filter
 }
 
-/// The number of samples, and the noise that ends them. All samplers converge to the same picture, so that all are
+/// Reads the number of samples, and the noise limit. All samplers converge to the same picture, so that all are
 /// accepted, and the user chooses the sequence.
 fn read_sampler(mut reader: Reader, film: &mut Film) {
     let count = reader.integer_in("sample_count", 1..=i64::from(Film::LARGEST_SAMPLE_COUNT));

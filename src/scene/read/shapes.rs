@@ -1,4 +1,5 @@
-//! Shapes: primitives, mesh files and instances, with their bsdf, their light and the media on their two sides.
+//! Reads shapes: primitives, mesh files and instances, with their bsdf, their emission and the media on their two
+//! sides.
 
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid};
 
-/// The shapes of Mitsuba, also of old versions, that this program does not have.
+/// The shapes of Mitsuba, also of old versions, that this program lacks.
 const FOREIGN_SHAPES: [&str; 9] = [
     "bsplinecurve",
     "linearcurve",
@@ -30,7 +31,7 @@ const FOREIGN_SHAPES: [&str; 9] = [
 ];
 
 impl<'a> SceneReader<'a> {
-    /// Whether the shape became part of the description; `group`: the one it is written inside of.
+    /// Whether the shape became part of the description; `group`: the group that contains it.
     pub(super) fn read_shape(&mut self, object: &'a Object, group: Option<usize>) -> bool {
         if object.is_group() {
             return self.read_group(object);
@@ -97,7 +98,7 @@ impl<'a> SceneReader<'a> {
         }
 
         let Some(to_world) = to_world else {
-            // Materials and media inside this shape must not be looked for at a shape that does not exist.
+            // Materials and media declared inside this shape move, since the shape does not exist.
             self.forget_place(place, before);
             return false;
         };
@@ -133,7 +134,7 @@ impl<'a> SceneReader<'a> {
         true
     }
 
-    /// The file; the first place where it was looked for if there is none.
+    /// The mesh file; if it is missing, the first path that was tried.
     fn find_mesh(&mut self, object: &Object, name: &str) -> PathBuf {
         let property = object.properties.iter().find(|property| property.name == "filename");
         let span = property.map_or(object.span, |property| property.span);
@@ -143,13 +144,13 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// The numbers of materials and media so far.
+    /// The numbers of materials and media read so far.
     pub(super) fn declared(&self) -> [usize; 2] {
         [self.description.materials.len(), self.description.media.len()]
     }
 
-    /// Has what was declared at a place that does not exist after all be declared at the top level. `before`: what was
-    /// there before the place.
+    /// Moves the declarations of a place that does not exist after all to the top level. `before`: the result of
+    /// [`Self::declared`] before the place.
     pub(super) fn forget_place(&mut self, place: DeclarationPlace, before: [usize; 2]) {
         let SceneDescription { materials, media, .. } = &mut self.description;
         let materials = materials[before[0]..].iter_mut().map(|it| &mut it.declared_in);
@@ -206,7 +207,7 @@ fn read_kind<'a>(reader: &mut Reader<'a, '_>, pictures: &mut PictureSearch) -> O
     Some((kind, None))
 }
 
-/// A mesh, whose file is still to be found by its name.
+/// A mesh, with the name of its file, which is not searched yet.
 fn read_mesh<'a>(reader: &mut Reader<'a, '_>, format: MeshFormat) -> (ShapeKind, Option<&'a str>) {
     let file_name = reader.string("filename");
     if file_name.is_none() && !reader.has("filename") {

@@ -1,8 +1,8 @@
-//! The plugins of `<spectrum type="...">`, each read as the colour that it has in a renderer of three colours.
+//! Reads the plugins of `<spectrum type="...">` as RGB colours.
 //!
-//! `uniform`, `d65`, `srgb` and `rawconstant` are what the RGB modes of Mitsuba 3 make of them: numbers are taken as
-//! they are, and the wavelengths of `uniform` have no effect. `regular`, `irregular` and `blackbody`, which those modes
-//! do not evaluate, are integrated as Mitsuba integrates the wavelengths and values of a `<spectrum value="...">`.
+//! `uniform`, `d65`, `srgb` and `rawconstant` are read as in the RGB modes of Mitsuba 3: numbers are used unchanged,
+//! and the wavelengths of `uniform` have no effect. `regular`, `irregular` and `blackbody`, which those modes do not
+//! evaluate, are integrated as Mitsuba integrates the wavelengths and values of a `<spectrum value="...">`.
 
 use glam::Vec3;
 
@@ -20,10 +20,10 @@ const IRREGULAR: &str = "irregular";
 pub(crate) const D65: &str = "d65";
 const PLUGINS: [&str; 7] = [UNIFORM, D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
 
-/// The range that black bodies are seen in where the file does not give one, in nm.
+/// The default range of wavelengths of black bodies, in nm.
 const VISIBLE_NM: [f32; 2] = [360.0, 830.0];
 
-/// Whether a plugin that stands for a colour is a spectrum of this module and not a texture.
+/// Whether a colour plugin is a spectrum of this module and not a texture.
 pub(crate) fn is_spectrum(plugin: &str) -> bool {
     PLUGINS.contains(&plugin)
 }
@@ -33,7 +33,7 @@ pub(crate) fn is_spectral_only(plugin: &str) -> bool {
     [BLACK_BODY, REGULAR, IRREGULAR].contains(&plugin)
 }
 
-/// The colour of a spectrum, or the texture inside of a `d65`. None has been reported.
+/// The colour of a spectrum, or the texture inside a `d65`. None has been reported.
 pub(crate) fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let color = match reader.object().plugin.as_str() {
         UNIFORM => Rgb::splat(uniform(reader)?),
@@ -45,13 +45,13 @@ pub(crate) fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut Pict
     Some(color.into())
 }
 
-/// The value of a `uniform`. Where it is None, the fault has been reported.
+/// The value of a `uniform`; None after a reported error.
 pub(crate) fn uniform(reader: &mut Reader) -> Option<f32> {
     reader.ignore(&["wavelength_min", "wavelength_max"]);
     needed(reader, "value", |reader| reader.float("value"))
 }
 
-/// The colour of a spectrum that is given by wavelengths. Where it is None, the fault has been reported.
+/// The colour of a spectrum given by wavelengths; None after a reported error.
 pub(crate) fn integrated(reader: &mut Reader, role: Role) -> Option<Rgb> {
     let (color, was_clamped) = match reader.object().plugin.as_str() {
         BLACK_BODY => black_body(reader, role)?.to_rgb(role),
@@ -96,7 +96,7 @@ fn black_body(reader: &mut Reader, role: Role) -> Option<BlackBody> {
     })
 }
 
-/// A parameter that a spectrum cannot do without.
+/// A required parameter of a spectrum.
 fn needed<'a, T>(
     reader: &mut Reader<'a, '_>,
     name: &str,
@@ -109,8 +109,8 @@ fn needed<'a, T>(
     read(reader)
 }
 
-/// Reads a `d65`: white times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture
-/// inside is taken without `scale`, as in Mitsuba.
+/// Reads a `d65`: white times `scale`, times a colour, or times a nested spectrum of wavelengths; any other nested
+/// texture is used without `scale`, as in Mitsuba.
 fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let scale = reader.float("scale");
     let color = reader.rgb("color");
@@ -134,7 +134,7 @@ fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<
     })
 }
 
-/// The role of a spectrum inside of a `d65` that has this role.
+/// The role of a spectrum nested in a `d65` with this role.
 pub(crate) fn inside_d65(role: Role) -> Role {
     match role {
         Role::Emission => Role::Daylight,

@@ -1,4 +1,4 @@
-//! Textures: `bitmap`, `checkerboard`, `mesh_attribute`.
+//! Reads textures: `bitmap`, `checkerboard`, `mesh_attribute`.
 
 use bevy::math::Affine2;
 use glam::Vec3;
@@ -9,7 +9,7 @@ use crate::color::Rgb;
 use crate::document::{Reader, TransformOp};
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 
-/// Reads a texture; None (reported) if it is not supported or makes no sense.
+/// Reads a texture; None (reported) if it is unsupported or invalid.
 pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {
     Some(match reader.object().plugin.as_str() {
         "bitmap" => Texture::Bitmap(Box::new(bitmap(reader, pictures)?)),
@@ -69,7 +69,7 @@ fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
     })
 }
 
-/// What lies outside of the picture, if it is given.
+/// The continuation outside of the picture, if it is given.
 fn wrap_mode(reader: &mut Reader, name: &str) -> Option<TextureWrap> {
     let mode = reader.string(name)?;
     let known = TextureWrap::of_name(mode);
@@ -96,8 +96,8 @@ fn attribute_name(reader: &mut Reader) -> Option<String> {
     }
 }
 
-/// The map of the plane that `to_uv`, a transform of space, contains. One whose numbers become too large is an error,
-/// and none takes its place.
+/// The affine map of uv in `to_uv`, a transform of space. If its numbers become too large, it is an error, and the
+/// identity is used.
 fn to_uv(reader: &mut Reader) -> Affine2 {
     let steps = reader.transform("to_uv").unwrap_or_default();
     let map = TransformOp::compose(&steps);

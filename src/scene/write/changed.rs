@@ -1,9 +1,9 @@
-//! Finds files of a scene that were changed by others since they were read here. Saving looks for them before it
-//! writes, so that two windows (or a window and a text editor) on one file do not overwrite each other's work.
+//! Finds files of a scene that others changed since they were read here. Saving checks for them before it writes, so
+//! that two windows (or a window and a text editor) on one file do not overwrite each other's work.
 //!
 //! Contents are compared, not times: a file that was written again with the same content has not changed. Among windows
-//! of this program the folder is locked from the comparison until the files are replaced; a text editor that writes in
-//! the very moment between the last comparison and the replacement cannot be noticed.
+//! of this program the folder is locked from the comparison until the files are replaced; a write by a text editor
+//! between the last comparison and the replacement cannot be detected.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,15 +28,15 @@ use crate::scene::{AuthoredScene, SceneAccess};
 /// The treatment of files that were changed by others since they were read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnChange {
-    /// Takes their changes in first. It is an error if a thing was edited both there and here.
+    /// Merges their changes first. An error if a thing was edited both there and here.
     Refuse,
-    /// Takes their changes in first. Where a thing was edited on both sides the file's edit counts, as in a reload.
+    /// Merges their changes first. If a thing was edited on both sides the file's edit counts, as in a reload.
     TakeIn,
-    /// Replaces the files by the scene as it is here. The changes of others are lost.
+    /// Overwrites the files with the scene as it is here. The changes of others are lost.
     Overwrite,
 }
 
-/// A file that saving may replace, with the contents it may have.
+/// A file that saving may replace, with its expected content.
 pub(super) struct Expected {
     path: PathBuf,
     /// The file as it was read; None if the scene was not read from it.
@@ -51,8 +51,8 @@ enum Found {
     Changed,
 }
 
-/// The files with their expected content that saving at `target` replaces: those that the scene was read from, if it
-/// stays where it was.
+/// The files that saving at `target` replaces, with their expected content: all files that the scene was read from, if
+/// it keeps its path.
 pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
     let known = world.get_resource::<KnownTexts>().cloned().unwrap_or_default();
     let known_of = |path: &Path| -> Vec<Option<String>> {
@@ -84,24 +84,24 @@ pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
 }
 
 impl Expected {
-    /// Whether it is the file at this path, which is settled.
+    /// Whether it is the file at this settled path.
     pub(super) fn is(&self, path: &Path) -> bool {
         self.path == path
     }
 
-    /// Whether it is the file at this path, and was read as this text.
+    /// Whether it is the file at this path, and had this text when it was read.
     pub(super) fn is_read_as(&self, path: &Path, source: &SourceFile) -> bool {
         let is_same = |read: &SourceFile| (&read.text, read.byte_order_mark) == (&source.text, source.byte_order_mark);
         self.is(path) && self.read.as_ref().is_some_and(is_same)
     }
 
-    /// Reads the present file. An error if something else than a file is there, which must not be replaced by one.
+    /// Reads the present file. An error if there is a folder or a device, which must not be replaced.
     fn look(&self) -> Result<Found, SaveError> {
         let text = match read_text(&self.path) {
             Ok(text) => text,
             Err(SourceError::Unreadable { source, .. }) if source.is_not_found() => return Ok(Found::Gone),
             Err(error) if is_no_file(&error) => return Err(SaveError::NoFile(error)),
-            // The file holds something else now.
+            // The file has other content now.
             Err(_) => return Ok(Found::Changed),
         };
         let is_as_read = self.read.as_ref().is_some_and(|source| is_text_of(source, &text));
@@ -120,18 +120,18 @@ fn is_no_file(error: &SourceError) -> bool {
     matches!(source, FileError::Folder | FileError::NotRegular { .. })
 }
 
-/// The permission of the scene once it is saved at `target`.
+/// The permission of the scene after it is saved at `target`.
 pub(super) fn access(world: &World, target: &Path) -> Access {
     let mut access = SceneAccess::of(world);
     if let Some(folder) = target.parent() {
         access.allow(folder);
-        // It may be a link, which the user has named.
+        // The target may be a link, which the user has named.
         access.allow(target);
     }
     access
 }
 
-/// Merges changes by others in the files of the scene that will be saved at `target`.
+/// Merges changes by others in the files of the scene before it is saved at `target`.
 pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnChange) -> Result<(), SaveError> {
     let expected = expected_files(world, target);
     let mut changed = Vec::new();
@@ -173,9 +173,8 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     Ok(())
 }
 
-/// Writes the files and those of the set unless one of the expected ones has changed; returns the texts that were
-/// written, or None. Expected files that are gone are written again, and with `overwrites` those that were changed are
-/// replaced.
+/// Writes the files and those of the set unless an expected one has changed; returns the written texts, or None.
+/// Missing expected files are written again, and with `overwrites` changed ones are replaced.
 pub(super) fn replace_files(
     expected: &[Expected],
     files: Vec<(PathBuf, String)>,

@@ -1,5 +1,5 @@
-//! The defaults of parameters, which need not be written of things that were made here. They are found by reading a
-//! plugin without parameters.
+//! The defaults of parameters, which are not written for things made here. They are found by reading a plugin without
+//! parameters.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -13,12 +13,12 @@ use crate::scene::read;
 /// Parameters whose defaults depend on others: they are always written.
 const DEPENDENT: [&str; 3] = ["beam_width", "fov", "fov_axis"];
 
-/// Remembers what plugins become without parameters; None for those that need some.
+/// Caches plugins read without parameters; None for plugins that need some.
 #[derive(Default)]
 pub(super) struct Defaults(RefCell<Vec<(Category, SmolStr, Option<Object>)>>);
 
 impl Defaults {
-    /// The object without those properties that have their default.
+    /// The object without the properties that equal their default.
     pub fn left_out(&self, mut object: Object) -> Object {
         let mut known = self.0.borrow_mut();
         let is_it = |(category, plugin, _): &(Category, SmolStr, _)| {
@@ -41,7 +41,7 @@ impl Defaults {
         object
     }
 
-    /// The object and those directly inside without the properties that have their default.
+    /// The object and its nested ones without the properties that equal their default.
     pub fn left_out_inside(&self, mut object: Object) -> Object {
         for child in &mut object.children {
             if let Child::Object(inner) = child {

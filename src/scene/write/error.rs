@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::document::{self, SourceError};
 use crate::files::WriteError;
 
-/// The reason why a scene is not saved. The file has not changed then.
+/// The reason why a scene is not saved. In all cases the file is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SaveError {
@@ -24,11 +24,11 @@ pub enum SaveError {
     /// The grid of a `.vdb` file cannot be written as a `.vol` file.
     #[error("volume {}: {reason}", path.display())]
     Volume { path: PathBuf, reason: String },
-    /// Something else than a file is there, which is not replaced.
+    /// There is a folder or a device, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),
-    /// The file was changed by others since it was read. `edited_twice` is the number of things that were edited both
-    /// there and here; None where that cannot be known.
+    /// The file was changed by others since it was read. `edited_twice` is the number of things edited both there and
+    /// here; None if unknown.
     #[error("{} was changed elsewhere{}", path.display(), also_edited(*edited_twice))]
     Changed { path: PathBuf, edited_twice: Option<usize> },
     #[error("{} was changed elsewhere and cannot be read as it is now: {reason}", path.display())]

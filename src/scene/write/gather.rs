@@ -1,4 +1,4 @@
-//! The description of the entities as they are now.
+//! Describes the present entities.
 
 use bevy::prelude::*;
 
@@ -11,7 +11,7 @@ pub fn describe(world: &mut World) -> SceneDescription {
     describe_entities(world).0
 }
 
-/// Describes the scene as [`describe`] does, and returns the entities that the descriptions are of.
+/// [`describe`] that also returns the described entities.
 pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
     Snapshot::of(world).describe()
 }

@@ -1,9 +1,8 @@
 //! Turns a [`SceneDescription`] back into a document; [`gather`] makes the description from the entities.
 //!
-//! Unedited parts are written as they were read, parameters that were not understood included. Materials stay where
-//! they were declared: in place, or at the top level and referred to. The document still knows where each part of it
-//! was read, so that it can be written over the old text ([`save()`]); without that it makes a new file
-//! ([`write_anew`]).
+//! Unedited parts are written as they were read, unknown parameters included. Materials stay where they were declared:
+//! in place, or at the top level with references. The document still has the span of each part that was read, so that
+//! it can be written over the old text ([`save()`]); without that it makes a new file ([`write_anew`]).
 
 mod changed;
 mod defaults;
@@ -49,7 +48,7 @@ use crate::scene::file::known::are_as_read;
 use crate::scene::read::mesh_search::MeshSearch;
 use crate::scene::read::settle;
 
-/// Writes a scene over the text that it was read from: see [`files()`]. All files are replaced together.
+/// Writes a scene over the text that it was read from: see [`files()`]. All files are replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
     let (files, moves) = plan(scene, path)?;
     let mut set = FileSet::new(&settle(path));
@@ -60,8 +59,8 @@ pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), Sav
     Ok(set.replace()?)
 }
 
-/// The texts to write when a scene is saved at `path`, of which that one is the last. Unedited parts are as they were
-/// written; edits in an included file are written there if the scene stays where it was.
+/// The texts to write when a scene is saved at `path`, which is the last of them. Unedited parts are as they were
+/// written; edits in an included file are written there if the scene keeps its path.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
     Ok(plan(scene, path)?.0)
 }
@@ -76,7 +75,7 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
         return Ok((vec![(target, text)], moves));
     };
     let mut document = in_place(scene, &target);
-    // Parts of glTF files that were opened in the meantime, and meshes that were made, are moved.
+    // Cached parts of opened glTF files and meshes made here are moved to the scene.
     let moves = parts::take_along(
         Arc::make_mut(&mut document.root),
         folder(&settle(&origin.path)),
@@ -88,15 +87,15 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
     Ok((files, moves))
 }
 
-/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that
-/// Mitsuba knows too where there are such: single triangles and building parts become meshes in files beside it, and
-/// for Mitsuba grids of `.vdb` files become `.vol` files.
+/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, with Mitsuba's plugins
+/// where these exist: single triangles and building parts become meshes in files beside it, and for Mitsuba grids of
+/// `.vdb` files become `.vol` files.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
     let (mut document, moves) = whole(scene, &target);
     if extensions == Extensions::Approximate {
-        // Mitsuba knows no keys: the moment that is shown remains.
+        // Mitsuba has no keys: the values at the shown time stay.
         stand_still(Arc::make_mut(&mut document.root));
     }
     let mut set = FileSet::new(path);
@@ -118,7 +117,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     Ok(set.replace()?)
 }
 
-/// Extensions of other kinds of files, into which a scene is not meant to be written.
+/// Extensions of other formats, to which a scene must not be written.
 const FOREIGN: [&str; 11] = [
     "png",
     "jpg",
@@ -164,21 +163,21 @@ fn copy_parts(moves: &Moves, set: &mut FileSet) -> Result<(), SaveError> {
     Ok(())
 }
 
-/// The document of a scene that will be written to `target` as one file; file names in it are relative to that.
+/// The document of a scene for writing to `target` as one file; file names are relative to that.
 pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
     whole(scene, &settle(target)).0
 }
 
-/// A document for the clipboard: files are named in full, and stay where they are.
+/// A document for the clipboard: file names are absolute, and no files are moved.
 pub(crate) fn to_fragment(scene: &SceneDescription) -> Document {
     in_place(scene, Path::new("/clipboard.xml"))
 }
 
-/// The document as [`to_document`] gives it, with the other files that are to be written.
+/// The document as from [`to_document`], with the other files to be written.
 fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     let mut document = in_place(scene, target);
     if let Some(origin) = &scene.remains.origin {
-        // A reader of a new file may look in fewer places than this program.
+        // Another reader may search in fewer folders than this program.
         with_destination(scene, target, MeshSearch::of_format, |destination| {
             move_files(Arc::make_mut(&mut document.root), origin, destination);
         });
@@ -187,8 +186,8 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     (document, moves)
 }
 
-/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read
-/// from, and others are relative to the scene's folder. `target`: where it will be written.
+/// The document of a scene as if it kept its path: file names are relative to the file that they were read from, and
+/// others to the scene's folder. `target`: where it will be written.
 fn in_place(scene: &SceneDescription, target: &Path) -> Document {
     let root = Writer::new(scene, folder(&home(scene, target))).root();
     Document {
@@ -198,12 +197,12 @@ fn in_place(scene: &SceneDescription, target: &Path) -> Document {
     }
 }
 
-/// The file the scene was read from.
+/// The file from which the scene was read.
 pub(in crate::scene) fn home(scene: &SceneDescription, otherwise: &Path) -> PathBuf {
     home_in(&scene.remains, otherwise)
 }
 
-/// The file that the scene of the world was read from.
+/// The file from which the world's scene was read.
 pub(in crate::scene) fn home_of(world: &World) -> PathBuf {
     let remains = world.get_resource::<AuthoredScene>();
     remains.map_or_else(PathBuf::new, |remains| home_in(remains, Path::new("")))
@@ -218,8 +217,8 @@ pub(in crate::scene) fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 
-/// Calls a function with the destination. `after` says where files are looked for when it is read again, by folder and
-/// `<path>`s.
+/// Calls a function with the destination. `after` makes the search for files when it is read again, given the folder
+/// and the `<path>`s.
 fn with_destination<T>(
     scene: &SceneDescription,
     target: &Path,
@@ -228,7 +227,7 @@ fn with_destination<T>(
 ) -> T {
     let search_folders = &scene.remains.search_folders;
     let origin = scene.remains.origin.as_ref();
-    // The new text must not tell whether there is a file that the scene may not read.
+    // The new text must not reveal whether a file exists that the scene may not read.
     let access = origin.map_or_else(Access::everywhere, |origin| origin.access.apart());
     let before = MeshSearch::new(folder(&home(scene, target)), search_folders).within(access.clone());
     let after = after(folder(target), search_folders).within(access);

@@ -1,5 +1,4 @@
-//! Moves the parts of opened glTF files, which are in a cache: a scene that is written gets the parts that it names, in
-//! a folder beside it.
+//! Moves the cached parts of opened glTF files: the parts named by a written scene go into a folder beside it.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -9,14 +8,14 @@ use crate::document::paths::{file_name, settle};
 use crate::document::{Child, Object, Value};
 use crate::scene::assets::parts_cache::is_part;
 
-/// The paths at which parts are, with those that they go to, absolute.
+/// The moves of parts, from and to absolute paths.
 pub type Moves = BTreeMap<PathBuf, PathBuf>;
 
-/// Renames the parts that are named in a document which will be written to `target` (absolute). Names are relative to
-/// `folder`, before and after.
+/// Renames the parts named in a document for writing to `target` (absolute). Names are relative to `folder`, before and
+/// after.
 pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
     let mut moves = Moves::new();
-    // What an earlier save has put beside the scene stays there.
+    // Files beside the scene from an earlier save stay there.
     let mut named = HashSet::new();
     for_each_name(root, &mut |name| {
         named.insert(settle(&folder.join(&*name)));
@@ -30,7 +29,7 @@ pub fn take_along(root: &mut Object, folder: &Path, target: &Path) -> Moves {
     moves
 }
 
-/// Calls a function with the name of each file.
+/// Calls `meet` with the name of each file.
 fn for_each_name(object: &mut Object, meet: &mut dyn FnMut(&mut String)) {
     for property in &mut object.properties {
         if property.name != "filename" {
@@ -51,8 +50,8 @@ fn for_each_name(object: &mut Object, meet: &mut dyn FnMut(&mut String)) {
     }
 }
 
-/// The path of a part in the folder of this scene. Parts of several files may have the same name. `named`: the files
-/// that the scene names.
+/// The new path of a part in the folder of this scene. Parts of several files may have the same name. `named`: the
+/// files that the scene names.
 fn place(part: PathBuf, target: &Path, named: &HashSet<PathBuf>, moves: &mut Moves) -> PathBuf {
     if let Some(place) = moves.get(&part) {
         return place.clone();

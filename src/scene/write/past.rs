@@ -1,8 +1,8 @@
 //! A scene file as it was before a save, kept for edits that are undone after it.
 //!
-//! A save changes a text where the scene differs from what was read of it. As a rule that is the text that the file
-//! has. Once edits are undone that were saved, the text from before them is nearer to the scene: what they changed or
-//! deleted is still there, in its old spelling and at its old place.
+//! A save edits a text where the scene differs from its reading. Usually that is the present text of the file. After
+//! saved edits are undone, the text from before them is closer to the scene: the parts that they changed or deleted are
+//! still there, in their old spelling and at their old place.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -20,15 +20,15 @@ use crate::scene::file::file_base::{FileBase, Thing};
 use crate::scene::read::read;
 use crate::scene::{Authored, AuthoredScene, ObjectState, SceneDescription, SceneId};
 
-/// What a file was, and which entities were the things in it.
+/// The former document of a file, and the entities of the things in it.
 #[derive(Clone, Debug)]
 pub(crate) struct PastFile {
     origin: Arc<Document>,
-    /// In the order in which the document is read.
+    /// In the order of the document's reading.
     entities: Entities,
 }
 
-/// An id that a thing was given when it was saved, because something refers to it.
+/// An id that a thing was given during a save, because something refers to it.
 #[derive(Clone, Debug)]
 pub(crate) struct GivenId {
     pub entity: Entity,
@@ -38,7 +38,7 @@ pub(crate) struct GivenId {
 }
 
 impl GivenId {
-    /// Takes the id from a thing that still has it, and returns it. A save gives it one again if it needs one.
+    /// Removes the id from a thing that still has it, and returns it. A later save gives it again if needed.
     pub(crate) fn take_back(&self, world: &mut World) -> Option<TakenId> {
         let has_it = world.get::<SceneId>(self.entity) == Some(&self.id);
         if !has_it || self.before.is_some() || !ObjectState::is_in_scene(world, self.entity) {
@@ -55,7 +55,7 @@ impl GivenId {
     }
 }
 
-/// An id that was taken from a thing for a save, and the name that it had.
+/// An id that was removed from a thing for a save, with its name.
 #[derive(Debug)]
 pub(crate) struct TakenId {
     entity: Entity,
@@ -64,8 +64,8 @@ pub(crate) struct TakenId {
 }
 
 impl TakenId {
-    /// Gives things their ids again because the save has failed: the file still has them. What has got another id
-    /// meanwhile keeps that, and an id that something else has stays there.
+    /// Restores the ids because the save has failed: the file still has them. A thing that has got another id meanwhile
+    /// keeps it, and an id that is taken meanwhile stays there.
     pub(crate) fn give_again(all: Vec<Self>, world: &mut World) {
         if all.is_empty() {
             return;
@@ -81,7 +81,7 @@ impl TakenId {
 }
 
 impl PastFile {
-    /// None for what was not read from a scene file.
+    /// None for a scene that was not read from a scene file.
     pub(in crate::scene) fn new(known: &AuthoredScene, base: &FileBase) -> Option<Self> {
         let origin = known.origin.clone().filter(|origin| !origin.imported)?;
         let entities = base.entities.clone();
@@ -99,15 +99,15 @@ impl PastFile {
         sources.map(|source| source.text.len()).sum()
     }
 
-    /// Makes it what a scene was read from that will be saved; its entities are given. False, and nothing is changed,
-    /// if it does not fit.
+    /// Makes it the source of a scene that will be saved, with these entities. False, without changes, if it does not
+    /// fit.
     pub(super) fn put_under(&self, scene: &mut SceneDescription, entities: &Entities, expected: &[Expected]) -> bool {
         let sources = &self.origin.diagnostics.sources;
         let are_known = sources
             .iter()
             .all(|source| expected.iter().any(|file| file.is(&settle(&source.path))));
         let past = read(&mut self.origin.at(scene.time));
-        // A name that was free in the newer file.
+        // The name was free in the newer file.
         let is_taken = |id: &Option<String>| {
             let id = id.as_deref().unwrap_or_default();
             past.remains.foreign_ids.contains(id) && !scene.remains.foreign_ids.contains(id)
@@ -139,8 +139,7 @@ impl PastFile {
         true
     }
 
-    /// The files to write in all: `files`, of which the main one is the last, and before it those that are to be as
-    /// they were.
+    /// All files to write: `files`, of which the main one is last, preceded by the files that have to be restored.
     pub(super) fn with_others(
         &self,
         mut files: Vec<(PathBuf, String)>,

@@ -1,4 +1,4 @@
-//! Writes an edited plugin over what the file said: only what was edited changes.
+//! Writes an edited plugin over its source: only edited parts change.
 
 use bevy::math::Affine3A;
 use smol_str::SmolStr;
@@ -12,14 +12,13 @@ use crate::scene::components::parameters::HEIGHT;
 use crate::scene::encode::poses::as_steps;
 use crate::scene::{Authored, EulerAngles};
 
-/// Factors, which are not written where they are 1.
+/// Factors, which are not written if they are 1.
 const FACTORS: [&str; 2] = ["emission_scale", "sampling_weight"];
 
-/// Parameters that depend on each other: writing one writes the other, if the file does not have it.
+/// Parameters that depend on each other: writing one adds the other, unless the file has it.
 const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
 
-/// The value that a parameter has where it is not written, if it has keys and can be left out. `value` is one that it
-/// had.
+/// The default of an animated parameter that may be left out of the file. `value` is one of its values.
 pub(in crate::scene) fn unwritten_value(name: &str, value: &Value) -> Option<Value> {
     match value {
         Value::Transform(_) => Some(Value::Transform(Vec::new())),
@@ -30,17 +29,17 @@ pub(in crate::scene) fn unwritten_value(name: &str, value: &Value) -> Option<Val
     }
 }
 
-/// The integrator that has layers, around the one that finds the light.
+/// The integrator with layers, around the one that traces light.
 const LAYERED: &str = "aov";
 
-/// A plugin on its way into the file. What each child is, references followed, is known.
+/// A plugin being patched. The category of each child is known, with references followed.
 pub struct Draft {
     pub object: Object,
     categories: Vec<Option<Category>>,
 }
 
 impl Draft {
-    /// Begins a patch. `current` is what the components say now, without nested bsdfs.
+    /// Begins a patch. `current` is the plugin made from the components, without nested bsdfs.
     pub fn new(authored: Option<&Authored>, current: Object) -> Self {
         let Some(authored) = authored else {
             let categories = current.objects().map(|child| Some(child.category)).collect();
@@ -57,7 +56,7 @@ impl Draft {
         if is_same(&current, &as_read) {
             return unchanged;
         }
-        // The plugin behind an edited stand-in is gone.
+        // The unknown plugin behind an edited stand-in is dropped.
         if authored.is_stand_in() {
             return Self::new(
                 None,
@@ -72,7 +71,7 @@ impl Draft {
         draft
     }
 
-    /// Begins a patch of the integrator. Layers come around it and are taken from it without a change of its other
+    /// Begins a patch of the integrator. Layers are wrapped around it or removed without a change of its other
     /// settings.
     pub fn of_integrator(authored: &Authored, current: Object) -> Self {
         let has_layers = |object: &Object| object.plugin == LAYERED;
@@ -89,7 +88,7 @@ impl Draft {
                     span: Span::default(),
                     ..Self::new(Some(authored), now).object
                 };
-                // What is around it takes its place in the text.
+                // The layers around it take its span in the text.
                 let around = Object {
                     id: authored.object.id.clone(),
                     name: authored.object.name.clone(),
@@ -157,7 +156,7 @@ impl Draft {
         }
     }
 
-    /// `is_turned`: the angles of a transform have been changed, and not only how the file says them.
+    /// `is_turned`: the angles of a transform have changed, not only their spelling.
     fn set(&mut self, property: &Property, is_turned: bool) {
         if let Some(property) = self.as_steps(property) {
             return self.set(&property, is_turned);
@@ -188,8 +187,8 @@ impl Draft {
         self.remove_superseded(&property.name);
     }
 
-    /// Gives a value with keys the default that it now has, which is not written out: its keys must not go with it.
-    /// False for other values.
+    /// Writes the default of an animated value explicitly if it now has it: otherwise its keys would be lost. False for
+    /// other values.
     fn reset_moving(&mut self, name: &str, now: &Object) -> bool {
         if now.objects().any(|child| child.name.as_deref() == Some(name)) {
             return false;
@@ -205,7 +204,7 @@ impl Draft {
         true
     }
 
-    /// A place or a direction as the transform by which the file gives it.
+    /// A position or a direction as the transform by which the file gives it.
     fn as_steps(&self, property: &Property) -> Option<Property> {
         let Some(Value::Transform(steps)) = value_of(&self.object, "to_world") else {
             return None;
@@ -254,12 +253,12 @@ impl Draft {
         }
     }
 
-    /// Sets a texture or a volume, over the one given for the same parameter, or instead of the reference to one:
-    /// others may refer to that as well.
+    /// Sets a texture or a volume, over the one given for the same parameter, or instead of a reference: others may use
+    /// the referenced one as well.
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
         let named = self.object.children.iter().position(|child| child.name() == name);
-        // The texture of a bump map may have any name or none.
+        // The texture of a bump map may have any parameter name or none.
         let only = || match name {
             Some(HEIGHT) => self
                 .categories
@@ -290,7 +289,7 @@ impl Draft {
         self.categories.remove(place);
     }
 
-    /// The nested plugins of a kind that have no names, in order.
+    /// Sets the nested plugins of a category without parameter names, in order.
     fn set_plugins(&mut self, category: Category, before: &[Object], now: Vec<Object>) {
         let is_of = |(_, known): &(usize, &Option<Category>)| **known == Some(category);
         let places = self.categories.iter().enumerate().filter(is_of).map(|(place, _)| place);
@@ -301,7 +300,7 @@ impl Draft {
         for (index, now) in now.into_iter().enumerate() {
             let before = before.get(index);
             match places.get(index) {
-                // One that was not edited stays as it is, which may be a reference.
+                // An unedited plugin stays as it is, possibly as a reference.
                 Some(_) if before == Some(&now) => {}
                 Some(&place) => {
                     let child = &mut self.object.children[place];
@@ -315,7 +314,7 @@ impl Draft {
         }
     }
 
-    /// The medium of this name, or the first one if it needs none, where the old one stood.
+    /// Sets the medium with this parameter name, or the first one if it needs none, at the place of the old one.
     pub fn set_medium(&mut self, name: Option<&'static str>, medium: Option<Child>) {
         let mut children = self.object.children.iter().zip(&self.categories);
         let is_it = |child: &Child| name.is_none() || child.name() == name;
@@ -328,7 +327,7 @@ impl Draft {
                 *child = in_place_of(child, medium);
             }
             (None, Some(mut medium)) => {
-                // One that could not be read is in its place.
+                // An unreadable one is at its place.
                 if let Some(name) = name {
                     self.remove_children_named(name);
                 }
@@ -339,7 +338,7 @@ impl Draft {
         }
     }
 
-    /// The nested plugins of a kind, in order, where the old ones stood.
+    /// Sets the nested plugins of a category, in order, at the places of the old ones.
     pub fn set_nested(mut self, category: Category, nested: Vec<Child>) -> Object {
         let mut rest = nested.into_iter();
         let mut place = 0;
@@ -359,8 +358,7 @@ impl Draft {
     }
 }
 
-/// Writes `now` over the plugin that is in the file and was read as `before`; a reference is replaced by the plugin
-/// itself.
+/// Writes `now` over the plugin in the file, which was read as `before`; a reference is replaced by the plugin itself.
 fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     let (Child::Object(authored), Some(before)) = (child, before) else {
         return now;
@@ -375,12 +373,12 @@ fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     Draft::new(Some(&authored), now).object
 }
 
-/// Whether it gives the value of a parameter, whose name it has.
+/// Whether it is the value of a parameter, which it names.
 fn is_value(object: &Object) -> bool {
     matches!(object.category, Category::Texture | Category::Volume)
 }
 
-/// Puts `child` in the place of `old`: for the same parameter, and as a reference if that was one.
+/// Puts `child` at the place of `old`: for the same parameter, and as a reference if that was one.
 fn in_place_of(old: &Child, mut child: Child) -> Child {
     if let (Child::Reference { span: old, .. }, Child::Reference { span, .. }) = (old, &mut child) {
         *span = *old;
@@ -389,7 +387,7 @@ fn in_place_of(old: &Child, mut child: Child) -> Child {
     child
 }
 
-/// Whether two plugins say the same, in whatever order.
+/// Whether two plugins are equal, in any order of their properties and children.
 fn is_same(a: &Object, b: &Object) -> bool {
     let has_same = |property: &Property| value_of(b, &property.name) == Some(&property.value);
     (a.category, &a.plugin, &a.id, &a.name, &a.children) == (b.category, &b.plugin, &b.id, &b.name, &b.children)

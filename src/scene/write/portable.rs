@@ -1,4 +1,4 @@
-//! Writes plugins that only this program knows in words of the format, where those have the same meaning.
+//! Translates plugins that only this program has to standard ones with the same meaning.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use crate::scene::components::wall_openings::parse_openings;
 use crate::scene::read::is_frame;
 use crate::scene::{Declared, Emitter, ParameterMut, Solid};
 
-/// The triangle that all others are made from.
+/// The triangle mesh of which all single triangles are instances.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// The treatment of plugins that only this program knows and that have no equal.
+/// The treatment of plugins that only this program has and that have no equivalent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extensions {
-    /// It stays: Mitsuba refuses the file.
+    /// They are kept: Mitsuba refuses the file.
     Keep,
-    /// The nearest that Mitsuba has takes its place.
+    /// The closest plugin of Mitsuba replaces them.
     Approximate,
 }
 
-/// Translates the scene that will be written to `target`; the further files it needs then.
+/// Translates the scene for writing to `target`; returns the further files it then needs.
 pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Vec<(PathBuf, String)> {
     let stem = target.file_stem().unwrap_or_default().to_string_lossy();
     let mut files = BesideFiles {
@@ -35,8 +35,7 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
         materials: Vec::new(),
     };
     if extensions == Extensions::Approximate {
-        // The members of a group have poses in the world, so that they stay where they are without the transform of the
-        // folder.
+        // The members of a group have poses in the world, so that they do not move without the transform of the folder.
         let is_frame = |child: &Child| matches!(child, Child::Object(inner) if is_frame(inner));
         root.children.retain(|child| !is_frame(child));
         keep_one_sky(root);
@@ -49,19 +48,17 @@ pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Ve
     files.map(|(name, text)| (target.with_file_name(name), text)).collect()
 }
 
-/// The mesh files that are written beside the scene, of which no two have the same content, and the materials that move
-/// to the top level.
+/// The mesh files written beside the scene, each with different content, and the materials that move to the top level.
 struct BesideFiles<'s> {
-    /// The name of the scene's file, with which the names of all meshes begin.
+    /// The name of the scene's file, the prefix of all mesh file names.
     stem: &'s str,
     list: Vec<(String, String)>,
-    /// The materials with ids inside of parts that are left out: others may refer to them.
+    /// The materials with ids in parts that are left out: others may refer to them.
     materials: Vec<Child>,
 }
 
 impl BesideFiles<'_> {
-    /// The name of the file with this text. If there is none yet, it is added, and `kind` gives a part of its name from
-    /// its number.
+    /// The name of the file with this text. A new file is added, and `kind` makes a part of its name from its number.
     fn name_of(&mut self, text: String, kind: impl FnOnce(usize) -> String) -> String {
         if let Some((name, _)) = self.list.iter().find(|(_, known)| *known == text) {
             return name.clone();
@@ -72,7 +69,7 @@ impl BesideFiles<'_> {
     }
 }
 
-/// Leaves out all lights around the scene but the first.
+/// Removes all lights around the scene but the first.
 fn keep_one_sky(root: &mut Object) {
     let is_sky = |child: &Child| {
         let Child::Object(object) = child else { return false };
@@ -89,7 +86,7 @@ fn has_media(object: &Object) -> bool {
     object.category == Category::Medium || object.children.iter().any(is_medium)
 }
 
-/// Gives integrators `auto` this plugin.
+/// Replaces integrators `auto` by this plugin.
 fn replace_auto(object: &mut Object, plugin: &str) {
     if object.category == Category::Integrator && object.plugin == "auto" {
         object.plugin = plugin.into();
@@ -103,7 +100,7 @@ fn replace_auto(object: &mut Object, plugin: &str) {
     }
 }
 
-/// Leaves out the layers that only this program has.
+/// Removes the layers that only this program has.
 fn keep_layers_of_mitsuba(integrator: &mut Object) {
     for property in &mut integrator.properties {
         if let ("aovs", Value::String(list)) = (property.name.as_str(), &mut property.value) {
@@ -186,8 +183,8 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
     });
 }
 
-/// The mesh that the numbers of a building part stand for. False if it has no triangles, as a wall that openings cover
-/// wholly: the part is to be left out then, because files without triangles are refused.
+/// Replaces a building part by its mesh. False if it has no triangles, such as a wall that openings cover entirely: the
+/// part has to be left out then, because files without triangles are refused.
 fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool {
     let mut names = Vec::new();
     part.visit_mut(&mut |info, given| {
@@ -218,9 +215,9 @@ fn solid(object: &mut Object, mut part: Solid, files: &mut BesideFiles) -> bool 
     true
 }
 
-/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of
-/// radius f moves the mirrored direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's
-/// distribution by twice its slope, whose deviation is alpha / sqrt(2); so alpha = f / sqrt(10).
+/// Without fuzz it is a tinted perfect mirror. With it the closest is a rough one: a random point of a ball of radius f
+/// moves the mirrored direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution
+/// by twice its slope, whose deviation is alpha / sqrt(2); so alpha = f / sqrt(10).
 fn metal(object: &mut Object, extensions: Extensions) {
     let fuzz = match value_of(object, "fuzz") {
         Some(Value::Float(fuzz)) => *fuzz,
@@ -246,7 +243,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
     }
     let mut whole = object.clone();
     if !has_color {
-        // This is the meaning of `metal` without a colour.
+        // This is the default colour of `metal`.
         whole = whole.with("specular_reflectance", Value::Rgb(Vec3::splat(0.5)));
     }
     whole = whole.with("material", Value::String("none".to_owned()));
@@ -258,7 +255,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
     *object = whole;
 }
 
-/// The unit triangle of a file with the transform that takes it to its corners.
+/// Replaces a triangle by the unit triangle of a file with a transform to its corners.
 fn triangle(object: &mut Object, file_name: &str) {
     let corner = |name: &str| match value_of(object, name) {
         Some(Value::Point(place) | Value::Vector(place)) => *place,

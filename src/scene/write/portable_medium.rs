@@ -1,5 +1,5 @@
-//! Writes media in words of the format: coefficients as extinction and albedo, and colours above 1 so that they are not
-//! taken for reflectances.
+//! Writes media with standard parameters: coefficients as extinction and albedo, and colours above 1 so that they are
+//! not taken for reflectances.
 
 use super::patch::value_of;
 use crate::color::Rgb;
@@ -7,7 +7,7 @@ use crate::document::{Category, Object, Value};
 use crate::scene::Coefficients;
 use crate::scene::components::medium::{ALBEDO, SIGMA_A, SIGMA_S, SIGMA_T};
 
-/// `is_approximate`: light that media emit is left out, which the format has no words for.
+/// `is_approximate`: emission of media is left out, since the format has no parameter for it.
 pub(super) fn medium(object: &mut Object, is_approximate: bool) {
     if is_approximate {
         let is_ours = |name: &str| matches!(name, "emission" | "emission_scale");
@@ -18,8 +18,8 @@ pub(super) fn medium(object: &mut Object, is_approximate: bool) {
     wrap_colors(object);
 }
 
-/// Turns scattering and absorption into extinction and albedo. Those with keys stay: the quotient of two tracks is
-/// none.
+/// Turns scattering and absorption into extinction and albedo. Animated ones stay, because the quotient of two tracks
+/// is not a track.
 fn join_coefficients(object: &mut Object) {
     let is_joined = |name: &str| [&SIGMA_S, &SIGMA_A].iter().any(|info| info.name == name);
     let mut properties = object.properties.iter();
@@ -43,8 +43,8 @@ fn join_coefficients(object: &mut Object) {
     *object = joined;
 }
 
-/// Puts the colours of coefficients above 1 into volumes: a colour that is given directly is taken for a reflectance,
-/// which has an end there.
+/// Puts coefficients above 1 into constant volumes: a colour without one is taken for a reflectance, which must not
+/// exceed 1.
 fn wrap_colors(object: &mut Object) {
     let is_large = |value: &Value| matches!(value, Value::Rgb(color) if color.max_element() > 1.0);
     while let Some(place) = object.properties.iter().position(|property| is_large(&property.value)) {

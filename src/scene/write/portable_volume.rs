@@ -15,7 +15,7 @@ use crate::scene::assets::volume_map::load_volume;
 use crate::scene::components::medium::GRID;
 use crate::scene::components::texture_parameters::FILENAME;
 
-/// The files that are written beside a scene.
+/// The volume files written beside a scene.
 pub(super) struct VolumeFiles<'f> {
     /// The scene's file, absolute.
     target: &'f Path,
@@ -24,9 +24,9 @@ pub(super) struct VolumeFiles<'f> {
     access: Access,
     /// The files that are being written.
     set: &'f mut FileSet,
-    /// The files that no grid may be written to: the scene names them, or has a grid there already.
+    /// The files to which no grid may be written: the scene names them, or a grid is written there already.
     taken: HashSet<PathBuf>,
-    /// The grids that have been written, by their assets: the names of their files, and their own transforms.
+    /// The written grids, by their assets: the names of their files, and their own transforms.
     written: Vec<(PathBuf, String, Affine3A)>,
 }
 
@@ -53,7 +53,7 @@ impl<'f> VolumeFiles<'f> {
         self.translate(root)
     }
 
-    /// Notes the files that the volumes inside name, so that none of them is replaced.
+    /// Notes the files named by nested volumes, so that none of them is replaced.
     fn note_files(&mut self, object: &Object) {
         for inner in object.objects() {
             self.note_files(inner);
@@ -65,12 +65,12 @@ impl<'f> VolumeFiles<'f> {
         }
     }
 
-    /// The file of this name in the scene.
+    /// The path of the file with this name in the scene.
     fn found(&self, name: &str) -> PathBuf {
         (self.find)(name).unwrap_or_else(|| self.target.with_file_name(name))
     }
 
-    /// Turns every `vdbvolume` inside into a `gridvolume` at the same place. An error names a file that cannot be read
+    /// Turns every nested `vdbvolume` into a `gridvolume` at the same place. An error names a file that cannot be read
     /// or written.
     fn translate(&mut self, object: &mut Object) -> Result<(), SaveError> {
         for child in &mut object.children {
@@ -98,7 +98,7 @@ impl<'f> VolumeFiles<'f> {
             Some(Value::Transform(steps)) => TransformOp::compose(steps),
             _ => Default::default(),
         };
-        // This is the same product as in the renderer, so that the picture is the same.
+        // The same product as in the renderer, so that the picture is the same.
         let to_world = Mat4::from(to_world * world_from_local);
         object.plugin = VolumeFormat::Vol.plugin().into();
         let replaced = [FILENAME.name, GRID, "to_world"];
@@ -112,8 +112,8 @@ impl<'f> VolumeFiles<'f> {
         Ok(())
     }
 
-    /// Writes a grid once; the name of its file, and the space of the `.vdb` file from that in which the grid fills the
-    /// unit cube.
+    /// Writes a grid once; returns the name of its file, and the transform to the space of the `.vdb` file from that in
+    /// which the grid fills the unit cube.
     fn write(&mut self, path: &Path, format: &VolumeFormat) -> Result<(String, Affine3A), SaveError> {
         let asset = format.asset_path(path);
         if let Some((_, name, world_from_local)) = self.written.iter().find(|(known, ..)| *known == asset) {

@@ -1,5 +1,5 @@
-//! Updates the known state of the file after saving: the entities are what is written there, whether they were read or
-//! made here.
+//! Updates the known state of the file after saving: the entities become the things of the file, whether they were read
+//! or made here.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::scene::load::spawn::{StandInSensor, give_way};
 use crate::scene::write::{GivenId, PastFile};
 use crate::scene::{Authored, AuthoredScene, Hidden, Locked, ObjectState, Placements, SceneId};
 
-/// The entities with marks that no file holds.
+/// The entities with marks that files do not hold.
 pub(in crate::scene) struct Marks {
     hidden: EntityHashSet,
     locked: EntityHashSet,
@@ -29,7 +29,7 @@ impl Marks {
     }
 }
 
-/// The things of a scene that was saved, for each of those that were read again of the file.
+/// Pairs the things of a saved scene with those read again from the file.
 pub(in crate::scene) struct Pairing {
     scene: SceneDescription,
     entities: Entities,
@@ -39,7 +39,7 @@ pub(in crate::scene) struct Pairing {
 }
 
 impl Pairing {
-    /// Finds what is the same. `written` was made of `scene`, of these entities.
+    /// Finds the pairs. `written` was written from `scene`, of these entities.
     pub fn new(scene: SceneDescription, entities: Entities, marks: Marks, written: SceneDescription) -> Self {
         let shapes = pairs(
             &scene.shapes,
@@ -75,7 +75,7 @@ impl Pairing {
         }
     }
 
-    /// What follows for the entities, if each thing of the file has one.
+    /// The update of the entities, if each thing of the file has one.
     pub fn rebase(self) -> Result<Rebase, Box<Self>> {
         let is_known = |thing| self.recognised.before(thing).is_some();
         if !Thing::all(&self.written).all(is_known) {
@@ -84,7 +84,7 @@ impl Pairing {
         Ok(self.rebase_with(|| Entity::PLACEHOLDER))
     }
 
-    /// What follows for the entities. `make` gives one for each thing that is only in the file.
+    /// The update of the entities. `make` makes one for each thing that is only in the file.
     pub fn rebase_with(self, mut make: impl FnMut() -> Entity) -> Rebase {
         let now = (self.recognised).entities(&self.entities, |known| known.unwrap_or_else(&mut make));
         let mut base = FileBase {
@@ -130,7 +130,7 @@ impl Pairing {
     }
 }
 
-/// What was known of a file before it was written, and the ids that things got then.
+/// The known state of a file before it was written, and the ids that things got then.
 pub(in crate::scene) struct Old {
     base: Option<FileBase>,
     remains: Option<AuthoredScene>,
@@ -138,7 +138,7 @@ pub(in crate::scene) struct Old {
 }
 
 impl Old {
-    /// The file as it was; None if there was none.
+    /// The former file; None if there was none.
     pub fn file(&self) -> Option<PastFile> {
         PastFile::new(self.remains.as_ref()?, self.base.as_ref()?)
     }
@@ -147,15 +147,15 @@ impl Old {
 /// The update of the entities after saving, step by step.
 pub(in crate::scene) struct Rebase {
     base: FileBase,
-    /// The things whose entities do not have their new place in the file yet.
+    /// The things whose entities do not have their new order and source yet.
     rest: Box<dyn Iterator<Item = Thing> + Send + Sync>,
-    /// The ids that things got when they were written.
+    /// The ids that things got during the save.
     given: Vec<GivenId>,
     claimed: EntityHashSet,
 }
 
 impl Rebase {
-    /// Tells the entities of this number of things where they are in the file; true once all of them know.
+    /// Updates the order and source of this number of entities; true once all are updated.
     pub fn step(&mut self, world: &mut World, things: usize) -> bool {
         let mut left = things;
         while left > 0 {
@@ -169,8 +169,8 @@ impl Rebase {
         false
     }
 
-    /// Completes what [`Self::step`] has begun, and returns the file's description. What was made in the editor belongs
-    /// to the file from now on. What was known of the old file is returned as well.
+    /// Completes the update, and returns the file's description. Things made in the editor belong to the file from now
+    /// on. The known state of the old file is returned as well.
     pub fn finish(self, world: &mut World) -> (Arc<SceneDescription>, Old) {
         let mut new_ids = HashMap::new();
         let mut given = self.given;
@@ -183,10 +183,10 @@ impl Rebase {
             new_ids.insert(id.clone(), *entity);
             world.entity_mut(*entity).insert((id.clone(), name));
         }
-        // Something else may have got such an id meanwhile.
+        // Another thing may have got such an id meanwhile.
         give_way(world, &new_ids);
         let written = self.base.scene.clone();
-        // The memory of their places is shared with the new document.
+        // The memory of their transforms is shared with the new document.
         for (shape, &entity) in written.shapes.iter().zip(&self.base.entities.shapes) {
             if let Some(placements) = &shape.placements
                 && world.get::<Placements>(entity).is_some()
@@ -217,8 +217,7 @@ impl Rebase {
     }
 }
 
-/// Finds for each written thing the known one that it is: the one with the same id, or else the next one without an id
-/// that is alike.
+/// For each written thing its known counterpart: the one with the same id, or else the next equal one without an id.
 fn pairs<T>(
     known: &[T],
     written: &[T],
@@ -246,8 +245,8 @@ fn pairs<T>(
     written.iter().map(partner).collect()
 }
 
-/// The known material that each written one is: it has the same users, outermost first, or else it is what [`pairs`]
-/// finds.
+/// For each written material its known counterpart: the one with the same users, outermost first, or else the result of
+/// [`pairs`].
 fn material_pairs(
     scene: &SceneDescription,
     written: &SceneDescription,
@@ -284,8 +283,8 @@ fn material_pairs(
     pairs
 }
 
-/// The known medium that each written one is: the same things are in it, or else it is what [`pairs`] finds. The pairs
-/// of shapes, emitters and sensors are given.
+/// For each written medium its known counterpart: the one with the same users, or else the result of [`pairs`]. The
+/// pairs of shapes, emitters and sensors are given.
 fn media_pairs(
     scene: &SceneDescription,
     written: &SceneDescription,
@@ -318,7 +317,7 @@ fn media_pairs(
     found
 }
 
-/// Adds other pairs where there is none yet, of things that are not taken.
+/// Fills gaps in pairs with others whose things are not paired yet.
 fn fill_in(pairs: &mut [Option<usize>], is_taken: &mut [bool], others: Vec<Option<usize>>) {
     for (pair, other) in pairs.iter_mut().zip(others) {
         if pair.is_none()

@@ -1,10 +1,9 @@
-//! Saves the entities as a file. From then on the scene is that of the file.
+//! Saves the entities as a file, which becomes the file of the scene.
 //!
 //! A save has three parts. The scene is copied from the world ([`Save::copy`]), all at once or step by step. The files
-//! are written and read again, which may be done on another thread ([`Save::write`]). Then the world follows the new
-//! files ([`Written::follow`]), step by step as well. The scene may be edited in between: what is edited before the
-//! copy is complete is in it, and later edits are edits of the new file. Nothing else may read or write files of the
-//! scene meanwhile.
+//! are written and read again, possibly on another thread ([`Save::write`]). Then the world follows the new files
+//! ([`Written::follow`]), step by step as well. The scene may be edited in between: edits before the copy is complete
+//! are in it, and later ones are edits of the new file. No other code may read or write files of the scene meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,22 +25,22 @@ use crate::scene::load::loading;
 use crate::scene::read::{self, settle};
 use crate::scene::{SceneDescription, SceneWatch};
 
-/// The number of times that files are read again which change between reading and replacing them.
+/// How often files are read again that change between reading and replacing them.
 pub(crate) const MOST_ATTEMPTS: usize = 5;
 
-/// Saves as [`save_with`] and [`OnChange::Refuse`].
+/// [`save_with`] using [`OnChange::Refuse`].
 pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {
     save_with(world, path, OnChange::Refuse)
 }
 
-/// Saves the entities: see [`super::save_description`]. From then on they are the scene of that file. What others
-/// changed in the files of the scene since they were read is treated as `on_change` says. A sentence if the file cannot
-/// be opened again: nothing is lost, but something in it needs mending.
+/// Saves the entities, see [`super::save_description`]; they become the scene of that file. Changes by others to the
+/// files of the scene since they were read are treated according to `on_change`. Returns a sentence if the file cannot
+/// be opened again: nothing is lost, but something in it needs repair.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
     save_over(world, path, on_change, |_| None).map(|saved| saved.trouble)
 }
 
-/// Saves as [`save_with`], over the text of the past file that `choose` returns.
+/// [`save_with`] over the text of the past file that `choose` returns.
 pub(crate) fn save_over(
     world: &mut World,
     path: &Path,
@@ -61,43 +60,43 @@ pub(crate) fn save_over(
     Err(SaveError::Restless { path: settle(path) })
 }
 
-/// How a save has ended.
+/// The result of a save.
 pub(crate) struct Saved {
     /// The reason why the file cannot be opened again as it is.
     pub trouble: Option<String>,
-    /// The file as it was before.
+    /// The former file.
     pub before: Option<PastFile>,
     /// The ids that things got.
     pub given: Vec<GivenId>,
 }
 
-/// A save that has begun.
+/// A save in progress.
 pub(crate) struct Save {
     target: PathBuf,
     overwrites: bool,
     scene: Snapshot,
-    /// What else is needed of the world, once the scene is copied.
+    /// Further data of the world, once the scene is copied.
     rest: Option<Rest>,
-    /// The file as it was at some time, whose text is nearer to the scene than that of the file as it is.
+    /// A former state of the file, whose text is closer to the scene than the present one.
     pub past: Option<Arc<PastFile>>,
-    /// The folders stay locked until the world follows.
+    /// The locked folders, until the world follows.
     locks: Vec<FolderLock>,
 }
 
 struct Rest {
     marks: Marks,
     expected: Vec<Expected>,
-    /// The values of the `$name`s of the scene where it was.
+    /// The values of the scene's `$name`s at its former path.
     defines: Option<Vec<(String, String)>>,
     access: Access,
 }
 
 impl Save {
-    /// Begins to copy the scene. What others changed in its files since they were read is treated first, as `on_change`
-    /// says.
+    /// Begins to copy the scene. Changes by others to its files since they were read are treated first, according to
+    /// `on_change`.
     pub fn begin(world: &mut World, path: &Path, on_change: OnChange) -> Result<Self, SaveError> {
         let target = settle(path);
-        // What an include or a mesh has in it would be lost, and the new file would include itself.
+        // The content of an include or a mesh would be lost, and the new file would include itself.
         let watch = world.get_resource::<SceneWatch>();
         if watch.is_some_and(|watch| watch.has_part(&target)) {
             return Err(SaveError::InUse { path: target });
@@ -117,7 +116,7 @@ impl Save {
         })
     }
 
-    /// Copies this number of things. True once the scene is copied as it is now; the save is to be written then.
+    /// Copies this number of things. True once the copy is complete; then the save has to be written.
     pub fn copy(&mut self, world: &mut World, things: usize) -> bool {
         if self.rest.is_none() && self.scene.step(world, things) {
             let defines = world.get_resource::<SceneDefines>();
@@ -131,8 +130,8 @@ impl Save {
         self.rest.is_some()
     }
 
-    /// Writes the files, and reads them again. None if the scene is not copied, or if others have changed the files
-    /// since the save began: nothing is written then.
+    /// Writes the files, and reads them again. None, without writing, if the scene is not copied, or if others have
+    /// changed the files since the save began.
     pub fn write(self) -> Result<Option<Written>, SaveError> {
         let Self { target, rest, past, .. } = self;
         let Some(rest) = rest else {
@@ -167,7 +166,7 @@ impl Save {
     }
 }
 
-/// Reads what was written, at the moment that is shown. The error is that it cannot be read.
+/// Reads the written file at the shown time. An error if it cannot be read.
 fn read_again(
     target: &Path,
     defines: &[(String, String)],
@@ -185,7 +184,7 @@ fn read_again(
     }
 }
 
-/// Files that were written, and what they say.
+/// The written files, with their content read again.
 pub(crate) struct Written {
     target: PathBuf,
     files: Vec<(PathBuf, String)>,
@@ -195,7 +194,7 @@ pub(crate) struct Written {
 }
 
 impl Written {
-    /// Begins to make the entities the scene of the file.
+    /// Begins to update the entities to the file.
     pub fn follow(self, world: &mut World) -> Following {
         world.get_resource_or_init::<KnownTexts>().note_written(self.files);
         if let Some((all, defines)) = world.get_resource::<SceneDefines>().zip(self.defines) {
@@ -219,19 +218,19 @@ impl Written {
     }
 }
 
-/// The part of a save in which the entities become the scene of the file.
+/// The last part of a save, which updates the entities to the file.
 pub(crate) struct Following {
     target: PathBuf,
-    /// None once that is done, or if the file could not be read.
+    /// None after that, or if the file could not be read.
     rest: Option<(Rebase, Arc<Diagnostics>)>,
     trouble: Option<String>,
-    /// What was known of the file before.
+    /// The known state of the former file.
     old: Option<Old>,
     _locks: Vec<FolderLock>,
 }
 
 impl Following {
-    /// Goes on with this number of things; true once all is done.
+    /// Updates this number of things; true once all are done.
     pub fn step(&mut self, world: &mut World, things: usize) -> bool {
         let Some((rebase, _)) = &mut self.rest else {
             return true;
@@ -248,7 +247,7 @@ impl Following {
         true
     }
 
-    /// How the save has ended; and what is no longer needed, which takes time to drop if it was of a large scene.
+    /// The result of the save, and unused data, which takes time to drop after saving a large scene.
     pub fn finish(self) -> (Saved, impl Send + use<>) {
         let mut old = self.old;
         let saved = Saved {

@@ -1,5 +1,6 @@
-//! Copies the scene piece by piece, so that no frame has to copy all of a large one. The copy is of one moment, its
-//! end: what has changed since it was copied is copied again, until what is left is little enough to be copied at once.
+//! Copies the scene in steps, so that no frame has to copy a whole large scene. The copy is consistent with its last
+//! moment: things that have changed since they were copied are copied again, until few enough are left to copy them at
+//! once.
 
 use bevy::ecs::archetype::{Archetype, ArchetypeId};
 use bevy::ecs::change_detection::Tick;
@@ -20,16 +21,16 @@ use crate::scene::{
     MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
-/// So many things are copied at once at the end.
+/// The number of things that are copied at once at the end.
 const FEW: usize = 512;
-/// After so many rounds all that is left is copied at once: somebody changes everything all the time.
+/// The number of rounds after which the rest is copied at once, in case everything changes all the time.
 const MOST_ROUNDS: usize = 8;
 
-/// What a copy has of an entity: a component was added or removed if its archetype is another one.
+/// The copied state of an entity: another archetype shows that a component was added or removed.
 struct Copied {
     archetype: ArchetypeId,
     kind: Kind,
-    /// The place in the list of the kind.
+    /// The index in the list of the kind.
     index: usize,
 }
 
@@ -43,22 +44,22 @@ enum Kind {
     Emitter,
 }
 
-/// The most things that one refers to: those of a shape.
+/// The most references of a thing, those of a shape.
 const MOST_REFERENCES: usize = 5;
 
 /// The description of an entity.
 struct Described<T> {
-    /// None: it is no longer up to date.
+    /// None if it is outdated.
     entity: Option<Entity>,
     thing: T,
-    /// What the thing refers to, by entity. The description itself does not say it yet.
+    /// The referenced entities, which the description itself does not have yet.
     refers_to: [Option<Entity>; MOST_REFERENCES],
 }
 
-/// A copy of the scene that is being made, or is complete.
+/// A copy of the scene, in progress or complete.
 #[derive(Default)]
 pub(crate) struct Snapshot {
-    /// The part of the scene that is not of entities.
+    /// The part of the scene outside of entities.
     scene: SceneDescription,
     sensors: Vec<Described<SensorDescription>>,
     media: Vec<Described<MediumDescription>>,
@@ -129,15 +130,15 @@ impl Snapshot {
         }
     }
 
-    /// The whole scene at once.
+    /// A copy of the whole scene at once.
     pub fn of(world: &mut World) -> Self {
         let mut snapshot = Self::begin(world);
         while !snapshot.step(world, usize::MAX) {}
         snapshot
     }
 
-    /// These things alone, without their materials and media, but with the groups and materials that they cannot be
-    /// read without.
+    /// A copy of these things only, without their materials and media, but with the groups and materials needed to read
+    /// them.
     pub fn of_things(world: &World, things: &[Entity]) -> Self {
         let mut wanted: Vec<Entity> = Vec::new();
         let mut known = EntityHashSet::default();
@@ -160,8 +161,8 @@ impl Snapshot {
         snapshot
     }
 
-    /// Copies this number of things. True once the copy is complete: it is of the present moment then, and must not go
-    /// on.
+    /// Copies this number of things. True once the copy is complete: then it shows the present scene, and must not be
+    /// continued.
     pub fn step(&mut self, world: &mut World, things: usize) -> bool {
         for entity in self.rest.by_ref().take(things).collect::<Vec<_>>() {
             self.copy(world, entity);
@@ -185,7 +186,7 @@ impl Snapshot {
         true
     }
 
-    /// The entities that are not as they were copied.
+    /// The entities that have changed since they were copied.
     fn outdated(&self, world: &mut World) -> Vec<Entity> {
         let mut there = world.query_filtered::<(Entity, &Archetype), With<DocumentOrder>>();
         let mut outdated = Vec::new();
@@ -215,7 +216,7 @@ impl Snapshot {
         outdated
     }
 
-    /// Copies an entity, in place of what was copied of it before.
+    /// Copies an entity, replacing its former copy.
     fn copy(&mut self, world: &World, entity: Entity) {
         if let Some(Copied { kind, index, .. }) = self.copied.remove(&entity) {
             match kind {
@@ -322,13 +323,12 @@ impl Snapshot {
         }
     }
 
-    /// The part of the copied scene that is not of entities.
+    /// The copied part of the scene outside of entities.
     pub fn settings(&self) -> &SceneDescription {
         &self.scene
     }
 
-    /// The description of the copied scene, each kind in the order of the file, and the entities that the descriptions
-    /// are of.
+    /// The description of the copied scene, each kind in the order of the file, and the described entities.
     pub fn describe(self) -> (SceneDescription, Entities) {
         let Self {
             mut scene,
@@ -407,7 +407,7 @@ impl Snapshot {
     }
 }
 
-/// The identity of a thing; None for an entity that is none.
+/// The identity of a thing; None for other entities.
 fn identity_of(thing: EntityRef) -> Option<Identity> {
     let authored = thing.get::<Authored>();
     let name = thing.get::<Name>().map(|name| name.as_str().to_owned().into());
@@ -422,12 +422,12 @@ fn identity_of(thing: EntityRef) -> Option<Identity> {
     })
 }
 
-/// The entity that a thing refers to.
+/// The entity to which a thing refers.
 fn referred<R: Relationship>(thing: EntityRef) -> Option<Entity> {
     thing.get::<R>().map(Relationship::get)
 }
 
-/// Adds the description of an entity to those of its kind, and returns its place there.
+/// Adds the description of an entity to those of its kind, and returns its index.
 fn add<T>(
     list: &mut Vec<Described<T>>,
     entity: Entity,
@@ -442,12 +442,12 @@ fn add<T>(
     list.len() - 1
 }
 
-/// The references of what refers to one thing at most.
+/// The list for at most one reference.
 fn only(entity: Option<Entity>) -> [Option<Entity>; MOST_REFERENCES] {
     [entity, None, None, None, None]
 }
 
-/// The things that are up to date, in the order of the file.
+/// The things that are not outdated, in the order of the file.
 fn in_order<T>(mut list: Vec<Described<T>>, identity: fn(&T) -> &Identity) -> Vec<Described<T>> {
     list.retain(|it| it.entity.is_some());
     list.sort_by_key(|it| (identity(&it.thing).order, it.entity));

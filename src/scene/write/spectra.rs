@@ -1,4 +1,4 @@
-//! Writes spectra that the RGB modes of Mitsuba refuse as the colours that they are read as.
+//! Replaces spectra that the RGB modes of Mitsuba refuse by their colours.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub fn as_colors(root: &mut Object) {
     let mut named = HashMap::new();
     collect(root, &mut named);
     replace(root, &named, Role::Emission);
-    // Everything that referred to them has a colour of its own now.
+    // All references to them are replaced by now.
     root.children.retain(|child| spectrum(child, &HashMap::new()).is_none());
 }
 
@@ -22,7 +22,7 @@ fn is_refused(object: &Object) -> bool {
     object.category == Category::Texture && is_spectral_only(&object.plugin)
 }
 
-/// The spectra that have ids.
+/// Collects the spectra with ids.
 fn collect(object: &Object, named: &mut HashMap<SmolStr, Object>) {
     for child in object.objects() {
         if let Some(id) = child.id.as_ref().filter(|_| is_refused(child)) {
@@ -39,7 +39,7 @@ fn spectrum<'s>(child: &'s Child, named: &'s HashMap<SmolStr, Object>) -> Option
     }
 }
 
-/// Replaces spectra by colours. `own_role` is that of the object, if it is a spectrum.
+/// Replaces spectra by colours. `own_role` is the role of the object, if it is a spectrum.
 fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>, own_role: Role) {
     let owner = object.category;
     // The parameter of a `d65` is its colour, whatever its name.
@@ -51,7 +51,7 @@ fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>, own_role: Role
         let Some((spectrum, (name, role))) = spectrum(child, named).zip(inside.or(given)) else {
             return true;
         };
-        // Faults were reported when the scene was read.
+        // Errors were reported when the scene was read.
         let (index, mut diagnostics) = (Index::new(spectrum), Diagnostics::default());
         let mut reader = Reader::new(&index, spectrum, &mut diagnostics);
         let color = integrated(&mut reader, role);

@@ -1,4 +1,4 @@
-//! Expresses a changed transform in the steps that the file has, so that as few numbers as possible change.
+//! Expresses a changed transform in the steps of the file, changing as few numbers as possible.
 
 use bevy::math::{Affine3A, Vec3};
 
@@ -6,11 +6,11 @@ use crate::document::{TransformOp, Value};
 use crate::scene::EulerAngles;
 use crate::scene::components::shape::short_together;
 
-/// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the
-/// same.
+/// The largest difference between a map and its steps, relative to its largest element; numbers closer than that are
+/// equal.
 const SAME: f32 = 1e-5;
 
-/// The most that two angles of the same rotation differ, in degrees.
+/// The largest difference between angles of the same rotation, in degrees.
 const SAME_ANGLE: f32 = 1e-3;
 
 /// Whether the angles of a transform differ.
@@ -22,8 +22,8 @@ pub fn is_turned(before: Option<&Value>, now: Option<&Value>) -> bool {
     before != now
 }
 
-/// The steps of `now`, with as many steps of `old` as possible. `is_turned`: the angles of `now` are those that are
-/// wanted; others that give the same map will not do.
+/// The steps of `now`, with as many steps of `old` as possible. `is_turned`: the angles of `now` are kept exactly, even
+/// if others give the same map.
 pub fn revised(old: &[TransformOp], now: &[TransformOp], is_turned: bool) -> Vec<TransformOp> {
     let map = TransformOp::compose(now);
     let exact = looking(old, &map);
@@ -51,7 +51,7 @@ pub fn revised(old: &[TransformOp], now: &[TransformOp], is_turned: bool) -> Vec
         .unwrap_or_else(|| now.to_vec())
 }
 
-/// The old steps with another translation at the end.
+/// The old steps with another final translation.
 fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     let mut steps = old.to_vec();
     let last = match steps.last().copied() {
@@ -59,7 +59,7 @@ fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
             steps.pop();
             Some(by)
         }
-        // The numbers of the step itself change.
+        // A single look-at changes its own numbers.
         Some(TransformOp::LookAt { .. }) if steps.len() == 1 => return None,
         _ => None,
     };
@@ -72,7 +72,7 @@ fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     Some(steps)
 }
 
-/// A camera that keeps its `up` and how far its target is.
+/// A look-at that keeps `up` and the distance of the target.
 fn looking(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     let &[TransformOp::LookAt { origin, target, up }] = old else {
         return None;
@@ -96,7 +96,7 @@ fn shortened(looking: &[TransformOp]) -> Option<Vec<TransformOp>> {
     Some(vec![TransformOp::LookAt { origin, target, up }])
 }
 
-/// Steps of the same kinds, with the old numbers where they are as good.
+/// Steps of the same kinds, with the old numbers where these are accurate enough.
 fn snapped(old: &[TransformOp], now: &[TransformOp]) -> Option<Vec<TransformOp>> {
     let same_kinds = old.len() == now.len()
         && old
@@ -122,7 +122,7 @@ fn snapped(old: &[TransformOp], now: &[TransformOp]) -> Option<Vec<TransformOp>>
                 return *now;
             }
             let degrees = degrees * along.signum();
-            // The same angle, as near to the old number as can be.
+            // The same angle, plus the full turns that bring it nearest to the old number.
             let degrees = degrees + 360.0 * ((old_degrees - degrees) / 360.0).round();
             TransformOp::Rotate {
                 axis: old_axis,
@@ -140,7 +140,7 @@ fn snap(old: Vec3, now: Vec3, size: f32) -> Vec3 {
 }
 
 fn snap_number(old: f32, now: f32, size: f32) -> f32 {
-    // A tenth, so that several together are still the same map.
+    // A tenth of the tolerance, so that several differences together stay below it.
     if (old - now).abs() <= 0.1 * SAME * size {
         old
     } else {

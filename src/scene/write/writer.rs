@@ -15,8 +15,7 @@ use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::{lights, objects};
 use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
 
-/// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level
-/// instead.
+/// The deepest nesting of materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
 
 pub(in crate::scene) struct Writer<'s> {
@@ -24,13 +23,13 @@ pub(in crate::scene) struct Writer<'s> {
     folder: &'s Path,
     /// The id of each material in the file, if it has one or is referred to.
     ids: Vec<Option<String>>,
-    /// The place where each material is written; None for those that are no longer needed.
+    /// The place of each material's declaration; None for unused ones.
     places: Vec<Option<DeclarationPlace>>,
-    /// The id of each medium, and below the place where it is written, as of materials.
+    /// The id of each medium, and below the place of its declaration, as for materials.
     medium_ids: Vec<Option<String>>,
     medium_places: Vec<Option<DeclarationPlace>>,
     defaults: Defaults,
-    /// Whether things are written with their keys, and have the values of these.
+    /// Whether animated values are written with their keys.
     keys: bool,
 }
 
@@ -90,7 +89,7 @@ impl<'s> Writer<'s> {
         writer
     }
 
-    /// Finds where each medium is written. Returns their uses in the order in which they are written.
+    /// Decides on the declaration of each medium. Returns the uses in the order in which they are written.
     fn place_media(&mut self) -> Vec<(DeclarationPlace, usize)> {
         let scene = self.scene;
         let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
@@ -119,12 +118,12 @@ impl<'s> Writer<'s> {
         uses
     }
 
-    /// Writes the values as the components have them, and no keys.
+    /// Writes the present values of the components, and no keys.
     pub(in crate::scene) fn without_keys(self) -> Self {
         Self { keys: false, ..self }
     }
 
-    /// The number of materials that this one is declared inside of.
+    /// The number of materials around this one.
     fn depth(&self, mut material: usize) -> usize {
         let mut depth = 0;
         while let DeclarationPlace::Material(owner) = self.scene.materials[material].declared_in
@@ -208,7 +207,7 @@ impl<'s> Writer<'s> {
             parts.push(finish(&emitter.identity, draft));
         }
         parts.extend(scene.remains.rest.iter().cloned());
-        // The sort is stable: things without a place of their own stay behind their predecessors.
+        // The sort is stable: things without an order stay after their predecessors.
         parts.sort_by_key(|(order, _)| *order);
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);
@@ -222,8 +221,7 @@ impl<'s> Writer<'s> {
         root
     }
 
-    /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still
-    /// `unwritten` is this one.
+    /// The instances of a crowd as in the file, or new elements if it is no `unwritten` crowd of the file.
     fn crowd(&self, shape: &ShapeDescription, places: &[Affine3], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
         let Some(group) = shape.instance_of else {
             return Vec::new();
@@ -296,7 +294,7 @@ impl<'s> Writer<'s> {
         Some((order, self.with_keys(draft, keys).object))
     }
 
-    /// The object to write. Of new things, parameters that equal the default are left out.
+    /// The object to write. For new things, parameters that equal the default are left out.
     fn draft(&self, identity: &Identity, current: Object) -> Draft {
         let authored = identity.authored.as_ref();
         let draft = match authored {
@@ -318,7 +316,7 @@ impl<'s> Writer<'s> {
         let material = &self.scene.materials[index];
         let authored: Option<&Authored> = material.identity.authored.as_ref();
         let draft = self.draft(&material.identity, objects::material(&material.material, self.folder));
-        // The plugin that a stand-in replaces may have bsdfs inside that were never read; they stay.
+        // The plugin behind a stand-in may have nested bsdfs that were never read; they stay.
         let is_stand_in = authored.is_some_and(|authored| authored.is_stand_in());
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
         let mut object = if is_stand_in && nested.is_empty() {
@@ -339,8 +337,8 @@ impl<'s> Writer<'s> {
         }
     }
 
-    /// The medium inside of `owner`: in place where it is declared there, or else as a reference. `declared` is the one
-    /// that was declared there already.
+    /// The medium of `owner`: in place if it is declared there, otherwise as a reference. `declared` is the one already
+    /// declared there.
     fn medium_in(&self, owner: DeclarationPlace, medium: Option<usize>, declared: &mut Option<usize>) -> Option<Child> {
         let medium = medium?;
         if self.medium_places[medium] == Some(owner) && *declared != Some(medium) {
@@ -350,7 +348,7 @@ impl<'s> Writer<'s> {
         self.medium_ids[medium].as_deref().map(reference)
     }
 
-    /// The materials inside of `owner`: in place where they are declared there, or else as references.
+    /// The materials of `owner`: in place if they are declared there, otherwise as references.
     fn nested(&self, owner: DeclarationPlace, materials: &[Option<usize>]) -> Vec<Child> {
         let mut declared = Vec::new();
         let mut children = Vec::new();
@@ -366,8 +364,8 @@ impl<'s> Writer<'s> {
     }
 }
 
-/// Gives ids to what is referred to. The first use by the owner becomes the declaration, and every other use refers to
-/// it and needs its id. `kind` is how new ids begin.
+/// Gives ids to referenced objects. The first use becomes the declaration, and every other use refers to it and needs
+/// its id. `kind` is the prefix of new ids.
 fn name_what_is_referred_to(
     uses: &[(DeclarationPlace, usize)],
     places: &[Option<DeclarationPlace>],
@@ -391,8 +389,8 @@ fn name_what_is_referred_to(
     }
 }
 
-/// Has the scene's properties say its unit. One that they said already keeps its place in the file. If the file uses
-/// the name otherwise (`uses_name`), it cannot be added or removed.
+/// Writes the unit to the scene's properties. An existing one keeps its place in the file. If the file uses the name
+/// for something else (`uses_name`), the unit cannot be added or removed.
 fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>) {
     let known = properties.iter().position(|property| property.name == UNIT);
     let value = Value::String(unit.name().to_owned());
@@ -426,7 +424,7 @@ fn id_of(identity: &Identity) -> Option<SmolStr> {
     identity.id.as_deref().map(SmolStr::from)
 }
 
-/// The identities of all things that are described.
+/// The identities of all described things.
 pub(in crate::scene) fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
     let sensors = scene.sensors.iter().map(|sensor| &sensor.identity);
     let media = scene.media.iter().map(|medium| &medium.identity);
