@@ -31,8 +31,8 @@ pub struct TrustArgs {
 }
 
 impl TrustArgs {
-    /// The permission to read that the scene in this file has. An error if the file itself is a link that leads out of
-    /// its folder: messages quote the lines of a scene, which would be those of a file that it may not read.
+    /// The permission of the scene in this file. An error if the file itself is a link out of its folder: messages
+    /// quote the lines of a scene, which would be those of a file that it may not read.
     pub fn trust(&self, scene: &Path) -> Result<Trust, String> {
         if !self.untrusted {
             return Ok(Trust::Everything);
@@ -54,7 +54,7 @@ pub struct MissingArgs {
 }
 
 impl MissingArgs {
-    /// The severity of a missing file for a command that loads no app.
+    /// The severity of a missing file for a command without an app.
     pub fn severity(&self) -> Severity {
         match self.allow_missing {
             true => Severity::Warning,

@@ -1,4 +1,4 @@
-//! `sunroom bake`: from a scene file to a level with lightmaps.
+//! `sunroom bake`: bakes a scene file to a level with lightmaps.
 
 mod args;
 mod keeping;
@@ -41,10 +41,10 @@ use super::outputs::{check_scene_stays, check_text};
 use super::report::{self, Failure, check_denoiser, counted};
 use super::share::{Settings, check_cut};
 
-/// How a bake does without a denoiser.
+/// How to bake without a denoiser.
 pub const BAKES_WITHOUT: &str = "--no-denoise bakes without it";
 
-/// The end of the last share at most: a point of a volume has eight times as many samples.
+/// The limit of the end of the last share: a point of a volume has eight times as many samples.
 const MOST_SAMPLES_OF_SHARES: u32 = u32::MAX / 8;
 
 pub fn run(args: &BakeArgs) -> Result<ExitCode, Failure> {
@@ -80,7 +80,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode, Failure> {
     bake(args, [samples.start, samples.end], &limits)
 }
 
-/// Whether a bake into the folder may replace this file, be it there or not.
+/// Whether a bake into the folder may write or replace this file.
 pub fn is_file_of_level(folder: &Path, path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default();
     files::is_name_of_bake(&name.to_string_lossy()) && is_same_file(&folder.join(name), path)
@@ -102,7 +102,7 @@ pub fn check_samples(samples: &Range<u32>, spp: Option<u32>) -> Result<(), Failu
     }
 }
 
-/// Makes the folder and has it filled. Nothing is left of a bake that has failed.
+/// Makes the folder and calls `fill`. A failed bake leaves nothing behind.
 pub fn within_folder(folder: &Path, fill: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
     let _folder = files::OutputFolder::prepare(folder)?;
     fill()
@@ -172,8 +172,8 @@ fn bake(args: &BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<ExitC
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prepares the bake of so many samples of each texel, and lets it go on with a checkpoint; None if the scene is
-/// refused, which has been reported.
+/// Prepares a bake of `samples` samples of each texel, and resumes a checkpoint; None if the scene is refused, which
+/// has been reported.
 fn begin<'a>(
     args: &'a BakeArgs,
     samples: [u32; 2],
@@ -255,7 +255,7 @@ fn why_unfinished(job: &BakeJob, folder: &Path, kept: Option<&PathBuf>) -> Optio
     ))
 }
 
-/// A line about the lightmaps.
+/// A line about the size and number of lightmaps.
 fn summary(blueprint: &Blueprint) -> String {
     let size = blueprint.places.size;
     format!(
@@ -275,7 +275,7 @@ pub fn report_invalid(samples: u64) {
     }
 }
 
-/// What samples depend on beside the scene and the view.
+/// The settings on which samples depend, apart from the scene and the view.
 fn settings_by_name(args: &BakeArgs) -> Settings {
     let or_default = |number: Option<f32>| number.map_or_else(|| "not given".to_owned(), |number| number.to_string());
     let probes = match args.no_probes {
@@ -331,8 +331,8 @@ fn packed(args: &BakeArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Fail
     Ok(is_good.then_some(app))
 }
 
-/// The level and the probes as they are in the file of the scene; None if it is refused, which has been reported.
-/// Messages about the scene itself have been printed when it was loaded.
+/// The level and the probes as in the scene file; None if it is refused, which has been reported. Messages about the
+/// scene itself have been printed when it was loaded.
 fn level(args: &BakeArgs) -> Result<Option<BakedLevel>, Failure> {
     let path = settle(&args.scene.scene);
     let access = args.trust.trust(&args.scene.scene)?.access(&path);

@@ -1,4 +1,4 @@
-//! `sunroom check`: reads scenes and the files they name, and reports.
+//! `sunroom check`: reads scenes and the files they name, and reports problems.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -33,7 +33,7 @@ pub struct CheckArgs {
 
 pub fn run(args: &CheckArgs) -> ExitCode {
     args.memory.apply();
-    // One with errors does not keep those after it from being looked at.
+    // A scene with errors does not end the check of the others.
     let faulty = args.scenes.iter().filter(|scene| !check(scene, args)).count();
     match faulty {
         0 => ExitCode::SUCCESS,
@@ -65,7 +65,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     }
     let engine = app.world().resource::<RenderStatus>();
     let is_shown = report_left_out(engine, scene, args.strict);
-    // Pictures do not depend on them, but the scene cannot be baked.
+    // Pictures do not depend on probes, but the scene cannot be baked.
     for fault in &faults {
         report::error(format_args!("{shown}: {fault}"));
     }
@@ -88,8 +88,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     true
 }
 
-/// The numbers of errors and warnings, those of the engine and the faults of probes among them, such as "2 errors, 1
-/// warning".
+/// The numbers of errors and warnings, including those of the engine and of probes, such as "2 errors, 1 warning".
 fn summary(status: &SceneStatus, engine: &RenderStatus, faults: usize) -> String {
     let all = status.all_diagnostics();
     let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));
@@ -115,7 +114,7 @@ fn content(world: &mut World) -> String {
     }
 }
 
-/// Lists what `--camera` accepts, if there is a choice.
+/// Lists the values for `--camera`, if there is a choice.
 fn list_cameras(world: &mut World) {
     let cameras = cameras(world);
     if cameras.len() > 1 {
@@ -156,7 +155,7 @@ pub fn load(app: &mut App, limits: &Limits, scene: &Path, strict: bool) -> Resul
     }
 }
 
-/// Whether so much of a loaded scene can be shown that it is rendered. What cannot be is reported.
+/// Whether a loaded scene is complete enough to be rendered. Missing parts are reported.
 pub fn is_shown(app: &App, scene: &Path, strict: bool) -> bool {
     let engine = app.world().resource::<RenderStatus>();
     let is_shown = engine.state == RenderState::Failed || report_left_out(engine, scene, strict);
@@ -166,14 +165,14 @@ pub fn is_shown(app: &App, scene: &Path, strict: bool) -> bool {
     is_shown
 }
 
-/// Prints all messages about a loaded scene; false if it has too many problems to continue.
+/// Prints all messages about a loaded scene; false if its problems are too severe to continue.
 pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     let all = status.all_diagnostics();
     report::diagnostics(&all);
     report::acceptable(&all, strict) && !status.has_errors()
 }
 
-/// Prints what was read but cannot be shown; false if that is too much to continue.
+/// Prints the parts that were read but cannot be shown; false if they are too many to continue.
 fn report_left_out(status: &RenderStatus, scene: &Path, strict: bool) -> bool {
     let shown = scene.display();
     for message in &status.errors {

@@ -1,4 +1,4 @@
-//! `sunroom convert`: loads a scene of any kind and writes it as the program understands it.
+//! `sunroom convert`: loads a scene of any format and writes it in the native one or as glTF.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,7 +42,7 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: &ConvertArgs) -> Result<ExitCode, Failure> {
-    // Relative paths in the scene count from the folder of the file.
+    // Relative paths in the scene start from the folder of the file.
     if args.output == Path::new("-") {
         return Err("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml".into());
     }
@@ -69,7 +69,7 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, Failure> {
         }
         return Ok(ExitCode::FAILURE);
     }
-    // It would lose what only the old file has: comments, includes, `$name`s.
+    // The comments, includes and `$name`s of the old file would be lost.
     if is_same_file(&args.scene.scene, &args.output) {
         return Err("this would replace the scene it is made from; give another name".into());
     }
@@ -88,13 +88,13 @@ pub fn run(args: &ConvertArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whether the errors are those of meshes that are not there.
+/// Whether all errors are missing meshes.
 fn lacks_only_meshes(scene: &SceneDescription, diagnostics: &Diagnostics) -> bool {
     let missing = scene.missing.values().filter(|file| file.kind == FileKind::Mesh);
     diagnostics.error_count() == missing.count()
 }
 
-/// Says which lights around the scene are left out for Mitsuba, which takes one.
+/// Reports the lights around the scene that are left out for Mitsuba, which takes one.
 fn report_one_sky(scene: &SceneDescription) {
     let mut skies = scene.skies();
     if let Some(kept) = skies.next() {
@@ -108,7 +108,7 @@ fn report_one_sky(scene: &SceneDescription) {
     }
 }
 
-/// Writes the scene as glTF. What is lost is told, and refused with `--strict`.
+/// Writes the scene as glTF. Losses are reported, and refused with `--strict`.
 fn export_to(scene: &SceneDescription, access: &Access, args: &ConvertArgs) -> Result<ExitCode, Failure> {
     let export = export(scene, &Hidden::default(), &args.output, access)?;
     for message in &export.messages {

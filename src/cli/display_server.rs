@@ -1,10 +1,10 @@
-//! Sends the picture to a viewer while it is rendered. A viewer that is not there, or goes away, is reported once and
-//! never holds the render up.
+//! Sends the picture to a viewer while it is rendered. A missing or lost viewer is reported once and never delays the
+//! render.
 //!
-//! Messages to the viewer tev: how a picture is made, and how rectangles of it are filled (T. Müller, tev, "Over the
-//! Network" and `Ipc.h`; pbrt and Mitsuba's users know it).
+//! Messages to the viewer tev create a picture, and fill rectangles of it (T. Müller, tev, "Over the Network" and
+//! `Ipc.h`; pbrt and Mitsuba use the same protocol).
 //!
-//! A message is its length in bytes with these four, an operation, and the operation's arguments. Integers are
+//! A message is its length in bytes including these four, an operation, and the operation's arguments. Integers are
 //! little-endian, texts end in a zero.
 
 use std::io::{self, Write};
@@ -20,14 +20,14 @@ use sunroom::render::tile::Tile;
 
 use super::report;
 
-/// The time between two looks at what has changed.
+/// The time between two searches for changed tiles.
 const INTERVAL: Duration = Duration::from_millis(250);
-/// The time that a viewer may take to answer, or to take a part of what is sent.
+/// The time in which a viewer must answer, or accept a part of a message.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// The time that a viewer may take in all for the finished picture, and for what was sent before it.
+/// The total time in which a viewer must accept the finished picture, and the messages before it.
 const LAST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// Connects the app to the viewer at `HOST:PORT`. A warning says if there is none.
+/// Connects the app to the viewer at `HOST:PORT`. If there is none, it prints a warning.
 pub fn show(app: &mut App, address: &str, scene: &Path) {
     let stream = match connect(address) {
         Ok(stream) => stream,
@@ -56,7 +56,7 @@ pub fn show(app: &mut App, address: &str, scene: &Path) {
     app.add_systems(PostUpdate, send_changes.after(EngineSystems::Collect));
 }
 
-/// Sends the finished picture, row by row as the film's, and waits until the viewer has it, but not for ever.
+/// Sends the finished picture, row by row as in the film, and waits for a limited time until the viewer has it.
 pub fn finish(world: &mut World, pixels: &[Vec3]) {
     let Some(mut server) = world.remove_resource::<DisplayServer>() else {
         return;
@@ -71,7 +71,7 @@ pub fn finish(world: &mut World, pixels: &[Vec3]) {
     messages.push(update_image(&server.name, [0, 0], size, &numbers));
     let deadline = Instant::now() + LAST_PATIENCE;
     if let Some(sender) = server.sender.take() {
-        // An error means that the viewer has gone, which was reported, or hangs.
+        // An error means that the viewer is lost, which was reported, or hangs.
         let _ = sender.send_deadline(messages, deadline);
     }
     if !has_ended(&server.ended, deadline) {
@@ -82,7 +82,7 @@ pub fn finish(world: &mut World, pixels: &[Vec3]) {
     }
 }
 
-/// Waits for the end of the thread that sends; false if that does not come in time.
+/// Waits for the sending thread; false if it does not end in time.
 fn has_ended(ended: &Receiver<()>, deadline: Instant) -> bool {
     ended.recv_deadline(deadline) != Err(RecvTimeoutError::Timeout)
 }
@@ -102,13 +102,13 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Sends messages until there are no more, or one fails.
+/// Sends messages until the channel is closed, or sending fails.
 fn send_all(mut stream: TcpStream, receiver: Receiver<Vec<Vec<u8>>>, address: &str) {
     for messages in receiver {
         for message in messages {
             if let Err(error) = stream.write_all(&message) {
                 let why = match error.kind() {
-                    // The time limit of the socket, by the system that says it.
+                    // Systems report the time limit of a socket by one of these errors.
                     io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
                         format!("it took nothing for {} seconds", PATIENCE.as_secs())
                     }
@@ -128,9 +128,9 @@ struct DisplayServer {
     address: String,
     /// The name of the picture in the viewer.
     name: String,
-    /// None once the viewer has gone.
+    /// None once the viewer is lost.
     sender: Option<Sender<Vec<Vec<u8>>>>,
-    /// Is closed at the end of the thread that sends.
+    /// Closed at the end of the sending thread.
     ended: Receiver<()>,
     /// The job of the picture that the viewer shows.
     shown_job: Option<u64>,
@@ -145,7 +145,7 @@ fn send_changes(mut server: ResMut<DisplayServer>, mut film: ResMut<RenderFilm>)
     let Some(sender) = server.sender.clone() else {
         return;
     };
-    // What the film's other readers see is not changed.
+    // Other systems must not see the film as changed.
     let film = film.bypass_change_detection();
     let mut tiles = film.take_dirty();
     if tiles.is_empty() {
@@ -159,7 +159,7 @@ fn send_changes(mut server: ResMut<DisplayServer>, mut film: ResMut<RenderFilm>)
     messages.extend(tiles.iter().map(|tile| tile_message(&server.name, &film.film, *tile)));
     match sender.try_send(messages) {
         Ok(()) => server.shown_job = Some(film.job),
-        // What is lost now is in the next message about its tile.
+        // A message that is dropped now is replaced by the next one about its tile.
         Err(TrySendError::Full(_)) => tiles.into_iter().for_each(|tile| film.mark(tile)),
         Err(TrySendError::Disconnected(_)) => server.sender = None,
     }
@@ -180,7 +180,7 @@ const UPDATE_IMAGE: u8 = 6;
 
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
-/// Makes a black picture of this size in pixels, in place of one of the same name, and selects it.
+/// Creates a black picture of this size in pixels, in place of one with the same name, and selects it.
 pub fn create_image(name: &str, width: u32, height: u32) -> Vec<u8> {
     let mut message = Message::new(CREATE_IMAGE, true, name);
     message.integers(&[width, height]);

@@ -36,7 +36,7 @@ pub fn run(args: EditArgs) -> Result<ExitCode, Failure> {
         return Ok(run_windowless(monkey, args.threads.threads));
     }
     let options = WindowOptions {
-        // The monkey opens copies.
+        // The monkey opens copies instead.
         scene: scene.filter(|_| monkey.is_none()),
         begins,
         defines: args.defines.defines,
@@ -57,7 +57,7 @@ pub fn run(args: EditArgs) -> Result<ExitCode, Failure> {
     Ok(windowed::run(options)?)
 }
 
-/// The options of the measurement, if it is asked for; makes the folder for its pictures.
+/// The options of the measurement, if requested; makes the folder for its pictures.
 fn settling(args: SettlingArgs) -> Result<Option<SettlingOptions>, String> {
     let Some(samples) = args.measure_settling else {
         return Ok(None);

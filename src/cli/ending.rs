@@ -1,4 +1,4 @@
-//! The end of a render: words for the user, and an exit code.
+//! The end of a render: its messages, and its exit code.
 
 use std::fmt;
 use std::path::Path;
@@ -11,13 +11,12 @@ use super::{outputs, report};
 /// The exit code after an interrupt by the user; shells use 128 + SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
-/// The exit code after SIGTERM if a checkpoint has what was rendered: 128 + SIGTERM.
+/// The exit code after SIGTERM if a checkpoint was written: 128 + SIGTERM.
 pub const TERMINATED: u8 = 143;
 
 /// The end of a render whose film has at least some samples.
 pub struct Ending {
-    /// The reason why the render was broken off. None if the picture is complete, or if the time that the user gave it
-    /// is over.
+    /// The reason why the render was broken off. None if the picture is complete, or if the user's time limit is over.
     broken_off_by: Option<Reason>,
     pixels: usize,
     pixels_without_samples: usize,
@@ -25,15 +24,15 @@ pub struct Ending {
 
 enum Reason {
     Interrupt,
-    /// The time was up before every pixel had a sample.
+    /// The time limit was reached before every pixel had a sample.
     Time,
     /// A fault of the program.
     Fault(RenderError),
 }
 
 impl Ending {
-    /// The end of a picture of so many pixels, of which so many have no sample. An error if there is nothing to write:
-    /// without any sample the picture would be black, and replace an earlier one.
+    /// The end of a picture with this number of pixels, and of pixels without a sample. An error if there is nothing to
+    /// write: without any sample the picture would be black, and replace an earlier one.
     pub fn new(rendered: Result<Outcome, RenderError>, [pixels, missing]: [usize; 2]) -> Result<Self, String> {
         let mut ending = Self {
             broken_off_by: None,
@@ -66,8 +65,8 @@ impl Ending {
         self.broken_off_by.is_some()
     }
 
-    /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`:
-    /// the user asked for a picture without noise; `written`: the outputs that have the picture.
+    /// Prints where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`:
+    /// whether the user asked for denoising; `written`: the outputs with the picture.
     pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {
         let Some(reason) = &self.broken_off_by else {
             if !quiet {
@@ -119,7 +118,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// A noise that is above its limit, with as many digits as show that: four behind the point at least.
+/// A noise above its limit, with as many digits as are needed to show that, at least four decimals.
 pub fn above(noise: f32, limit: f32) -> String {
     let is_above = |text: &String| text.parse::<f32>().is_ok_and(|shown| shown > limit);
     // No f32 has more digits.

@@ -1,4 +1,4 @@
-//! `sunroom completions` and `sunroom man`: what shells and readers of manuals need, generated from the definitions of
+//! `sunroom completions` and `sunroom man`: completions for shells and manual pages, generated from the definitions of
 //! the command line.
 
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub fn man(program: Command, args: &ManArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the pages of a command and of those below it, all or none.
+/// Writes the pages of a command and its subcommands, all or none.
 fn write_pages(program: &Command, folder: &Path) -> Result<(), WriteError> {
     let failed = |source| WriteError {
         path: folder.to_owned(),

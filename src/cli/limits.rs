@@ -1,15 +1,15 @@
-//! Limits of the system (`ulimit`) below which the program could only break off without a word.
+//! System limits (`ulimit`) below which the program would be killed without a message.
 
 use rustix::process::{Resource, getrlimit};
 
 /// The smallest stack in bytes. The deepest scenes that are read fit into it.
 const LEAST_STACK: u64 = 1 << 20;
 
-/// The smallest address space in bytes, and what each thread has of it for its stack and its heap.
+/// The smallest address space in bytes, and the bytes of it for each thread's stack and heap.
 const LEAST_SPACE: u64 = 1 << 30;
 const SPACE_OF_THREAD: u64 = 16 << 20;
 
-/// The error if the process may use too little to begin with.
+/// An error if the limits of the process are too low to begin.
 pub fn check() -> Result<(), String> {
     let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u64);
     let limits = [

@@ -1,5 +1,5 @@
-//! `sunroom merge`: from parts of a picture to the picture, bit by bit as if it had been rendered at once, and from
-//! shares of a bake to its level.
+//! `sunroom merge`: merges parts of a picture, bit by bit as if it had been rendered at once, and shares of a bake to
+//! its level.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -81,7 +81,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, Failure> {
         parts.push((name, file));
     }
     check(&parts, args.force)?;
-    // The samples of each pixel are added in their order.
+    // The samples of each pixel are added in order.
     parts.sort_by_key(|(_, file)| file.header().samples);
     let Some((_, first)) = parts.first() else {
         return Err(Failure::Usage("there are no parts".to_owned()));
@@ -103,7 +103,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode, Failure> {
     write(args, &film, header)
 }
 
-/// Puts the shares of a bake together.
+/// Merges the shares of a bake.
 fn merge_bake(args: &MergeArgs) -> Result<ExitCode, Failure> {
     check_denoiser(!args.no_denoise, BAKES_WITHOUT)?;
     let [folder] = &args.output[..] else {
@@ -116,7 +116,7 @@ fn merge_bake(args: &MergeArgs) -> Result<ExitCode, Failure> {
     outputs::check_inputs_stay(&outputs, &args.parts, PART).map_err(Failure::Usage)?;
     within_folder(folder, || {
         let mut merged = merge(&args.parts, args.force)?;
-        // A file that would be replaced in the folder, and that has the content of a file of the scene.
+        // A file in the folder that would be replaced, and that has the content of a file of the scene.
         let is_of_scene =
             |path: &PathBuf| digest(path).is_ok_and(|found| merged.files.iter().any(|file| file.digest == found));
         if let Some(path) = files::replaceable(folder).into_iter().find(is_of_scene) {
@@ -136,7 +136,7 @@ fn merge_bake(args: &MergeArgs) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Refuses parts that are not finished, that are of different pictures, or that do not make up a whole one.
+/// Refuses parts that are unfinished, of different pictures, or that do not make up a whole picture.
 fn check(parts: &[(String, PartFile)], force: bool) -> Result<(), Failure> {
     let Some((first_name, first)) = parts.first() else {
         return Ok(());
@@ -212,7 +212,7 @@ fn write(args: &MergeArgs, film: &Film, header: &PartHeader) -> Result<ExitCode,
     Ok(if is_done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The attributes that the picture would have if it had been rendered at once.
+/// Sets the attributes as if the picture had been rendered at once.
 fn describe(picture: &mut LayeredImage, header: &PartHeader, samples: u32) {
     let texts = header.about.texts.iter();
     picture.set_attributes(texts.map(|(name, value)| (name.clone(), Attribute::Text(value.clone()))));

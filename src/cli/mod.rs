@@ -1,7 +1,7 @@
-//! The command line: what it accepts, and which part of the program answers.
+//! The command line: its arguments, and the commands.
 //!
-//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene
-//! or a file was at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an
+//! Results for machines go to standard output, all other messages to standard error. Exit codes: 0 done; 1 the scene or
+//! a file was at fault, or the picture has pixels without a sample; 2 wrong usage (clap's), for `diff` also an
 //! unreadable file; 130 interrupted, and the picture with the samples so far is written; 143 terminated, and a
 //! checkpoint is written.
 
@@ -78,13 +78,13 @@ enum Command {
     Man(generate::ManArgs),
 }
 
-/// Does what the arguments of the process ask for.
+/// Runs the command given by the arguments of the process.
 pub fn run() -> ExitCode {
     #[cfg(target_os = "linux")]
     if let Err(message) = limits::check() {
         return report::error(message);
     }
-    // Said first: the other arguments mean nothing then.
+    // This comes first, since the other arguments make no sense then.
     if let Some(message) = no_command() {
         return report::wrong_usage(message);
     }
@@ -117,8 +117,8 @@ pub fn run() -> ExitCode {
     code
 }
 
-/// Says so if the first argument is a plain word, but neither a command nor the name of a file, which would be a scene
-/// to edit.
+/// The message if the first argument is a plain word, but neither a command nor the name of a file, which would be a
+/// scene to edit.
 fn no_command() -> Option<String> {
     let first = PathBuf::from(std::env::args_os().nth(1)?);
     let word = first.to_str()?;

@@ -9,14 +9,14 @@ use super::parse;
 #[cfg(feature = "window")]
 use sunroom::app::editor::session::options::{Length, MonkeyOptions};
 
-/// Time or number of acts.
+/// A time or a number of actions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MonkeyLength {
     Time(Duration),
     Steps(usize),
 }
 
-/// `1h`, `2m`, or a number of acts without a unit.
+/// `1h`, `2m`, or a number of actions without a unit.
 fn length(text: &str) -> Result<MonkeyLength, String> {
     match text.parse() {
         Ok(0) => Err("expected a time or a number of acts above zero".to_owned()),
@@ -63,7 +63,7 @@ pub struct MonkeyArgs {
 
 #[cfg(feature = "window")]
 impl MonkeyArgs {
-    /// The options of the monkey; None if the command line does not ask for one.
+    /// The options of the monkey; None if it is not requested.
     pub fn options(&self, scene: Option<&PathBuf>) -> Option<MonkeyOptions> {
         let length = match self.monkey? {
             MonkeyLength::Time(time) => Length::Time(time),

@@ -1,5 +1,4 @@
-//! The places that results go to: image files, standard output, and a temporary file for a picture that can be written
-//! nowhere else.
+//! The outputs of commands: image files, standard output, and a temporary file for a picture that no output could take.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -16,22 +15,22 @@ use sunroom::scene::export::ExportError;
 
 use super::report::{self, Failure};
 
-/// What an input of `sunroom merge` is, for [`check_inputs_stay`].
+/// The input of `sunroom merge` in words, for [`check_inputs_stay`].
 pub const PART: &str = "one of the parts";
 
-/// `-` among the outputs.
+/// Whether this is `-`, standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Whether the outputs have this file among them.
+/// Whether this file is among the outputs.
 pub fn has_file(outputs: &[PathBuf], path: &Path) -> bool {
     outputs
         .iter()
         .any(|output| !is_stdout(output) && is_same_file(output, path))
 }
 
-/// Refuses two outputs that are one file.
+/// Refuses two outputs with the same file.
 pub fn check_distinct(outputs: &[PathBuf]) -> Result<(), String> {
     for (number, path) in outputs.iter().enumerate() {
         if outputs[..number].iter().any(|before| is_same_file(before, path)) {
@@ -41,8 +40,8 @@ pub fn check_distinct(outputs: &[PathBuf]) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses an output that is one of the files that the command reads, which would be lost. `what` says what those are,
-/// such as `one of the parts`.
+/// Refuses an output that is an input file, which would be lost. `what` describes the inputs, such as `one of the
+/// parts`.
 pub fn check_inputs_stay(outputs: &[PathBuf], inputs: &[PathBuf], what: &str) -> Result<(), String> {
     match outputs.iter().find(|output| has_file(inputs, output)) {
         Some(output) => {
@@ -55,7 +54,7 @@ pub fn check_inputs_stay(outputs: &[PathBuf], inputs: &[PathBuf], what: &str) ->
     }
 }
 
-/// Refuses an output that is a file of the scene. To be called once the scene is loaded.
+/// Refuses an output that is a file of the scene. Call it once the scene is loaded.
 pub fn check_scene_stays(outputs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<(), ExportError> {
     let files = SameFiles::of(recorded_reads());
     let is_lost = |path: &Path| !is_stdout(path) && files.has(path);
@@ -68,8 +67,8 @@ pub fn check_scene_stays(outputs: impl IntoIterator<Item = impl AsRef<Path>>) ->
     }
 }
 
-/// Tries the outputs of a picture before it is rendered, and refuses two that are one. A disk that becomes full cannot
-/// be foreseen.
+/// Tests the outputs of a picture before it is rendered, and refuses two with the same file. A disk that becomes full
+/// cannot be foreseen.
 pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
     check_distinct(outputs).map_err(Failure::Usage)?;
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
@@ -90,7 +89,7 @@ pub fn check_compression(world: &World, compression: ExrCompression, outputs: &[
     }
     let is_damaged = |layer: &Layer| match layer {
         Layer::CryptoObject | Layer::CryptoMaterial => !compression.keeps_floats(),
-        // Whole numbers are kept.
+        // Integers are stored without loss.
         Layer::ObjectId | Layer::MaterialId => false,
         _ => compression.takes_y_for_luminance() && layer.channels_in_pictures().contains(&"Y"),
     };
@@ -103,13 +102,13 @@ pub fn check_compression(world: &World, compression: ExrCompression, outputs: &[
     )))
 }
 
-/// Tries the file that a text will be written to.
+/// Tests whether a text can be written to this file.
 pub fn check_text(path: &Path) -> Result<(), String> {
     check_writable(path).map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
-/// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes
-/// to a temporary file, which is reported too. Returns the outputs that have the picture.
+/// Writes the picture to all outputs and reports those that fail. If all fail, the picture is written to a temporary
+/// file, which is reported too. Returns the outputs that were written.
 pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &LayeredImage, options: &FileOptions) -> Vec<&'o Path> {
     let written = write_each(outputs, |path| write_picture(path, image, options));
     if written.is_empty() {
@@ -130,12 +129,12 @@ pub fn write_each(outputs: &[PathBuf], write: impl Fn(&Path) -> Result<(), Image
     written
 }
 
-/// Whether the name of the file is that of an EXR file.
+/// Whether the file has the extension of EXR.
 pub fn is_exr(path: &Path) -> bool {
     FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Exr)
 }
 
-/// Writes a picture that no output has to a temporary file, and says where it is.
+/// Writes a picture to a temporary file, and reports its path.
 pub fn keep_elsewhere(image: &LayeredImage) {
     match write_to_temporary_folder(image) {
         Ok(place) => report::line(format_args!("the picture is kept in {}", place.display())),
@@ -152,7 +151,7 @@ pub fn names_of_files(outputs: &[&Path]) -> String {
         .join(", ")
 }
 
-/// Says which files have the picture.
+/// Reports the files with the picture.
 pub fn report_written(written: &[&Path]) {
     let files = names_of_files(written);
     if !files.is_empty() {
@@ -160,7 +159,7 @@ pub fn report_written(written: &[&Path]) {
     }
 }
 
-/// Says which of the outputs have no layers.
+/// Reports the outputs whose format has no layers.
 pub fn report_without_layers(outputs: &[PathBuf]) {
     let without: Vec<String> = outputs
         .iter()
@@ -179,7 +178,7 @@ pub fn write_picture(path: &Path, image: &LayeredImage, options: &FileOptions) -
         return write_layered(path, image, options);
     }
     let bytes = encode_layered(image, FileFormat::Png, options)?;
-    // A reader that went away does not have the picture.
+    // If the reader of a pipe is gone, it does not get the picture.
     let mut output = io::stdout().lock();
     let written = output.write_all(&bytes).and_then(|()| output.flush());
     written.map_err(|source| ImageIoError::Write {

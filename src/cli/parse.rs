@@ -1,4 +1,4 @@
-//! Values of command-line arguments; errors are sentences for the user.
+//! Parses the values of command-line arguments; errors are sentences for the user.
 
 use std::ffi::OsString;
 use std::ops::{Range, RangeInclusive};
@@ -12,8 +12,8 @@ use sunroom::render::tonemap::Display;
 use sunroom::render::white_balance::WhiteBalance;
 use sunroom::scene::IntegratorSettings;
 
-/// The arguments, in which a word such as `-1` or `-5s` is the value of the option before it. No option begins with a
-/// digit, so that the word can be nothing else, and the option itself says which values it takes.
+/// The arguments, in which a word such as `-1` or `-5s` is joined to the option before it as its value. No option
+/// begins with a digit, so that this is unambiguous, and the option itself checks the value.
 pub fn with_negative_values(arguments: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let is_negative = |word: &str| {
         let number = word.strip_prefix('-').map(|word| word.trim_start_matches('.'));
@@ -120,7 +120,7 @@ pub fn white(text: &str) -> Result<WhiteBalance, String> {
         })
 }
 
-/// A number in a range; `expected` says which are.
+/// A number in a range; `expected` describes the range.
 pub fn within<T: FromStr + PartialOrd>(text: &str, range: RangeInclusive<T>, expected: &str) -> Result<T, String> {
     let number = text.trim().parse().ok();
     number

@@ -1,4 +1,4 @@
-//! Options for how pictures are shown and stored.
+//! Options for the display and the storage of pictures.
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -62,7 +62,7 @@ pub struct FileArgs {
 }
 
 impl FileArgs {
-    /// The options for a film that asks to be stored in its own way. Arguments count before the film.
+    /// The file options for a film with its own settings. Arguments have precedence over the film.
     pub fn options(&self, display: Display, storage: FilmStorage) -> FileOptions {
         let of_film = file_options(storage, display);
         FileOptions {
@@ -86,7 +86,7 @@ impl FileArgs {
     }
 }
 
-/// Accepts these names for their values.
+/// A parser that accepts the names of these values.
 pub fn one_of<T: Copy + Send + Sync + 'static>(
     values: &'static [(&'static str, T)],
 ) -> impl TypedValueParser<Value = T> {
@@ -100,7 +100,7 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// Accepts the names of these values.
+/// A parser that accepts the names of these values.
 pub fn named<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,

@@ -1,5 +1,5 @@
-//! Shows the progress of a render. On a terminal it is a bar. Elsewhere it is a line when every pixel has a sample, one
-//! for each tenth, one after some seconds without a line, and one at the end. If the render is quiet, nothing is shown.
+//! Shows the progress of a render. On a terminal it is a bar. Otherwise it is a line when every pixel has a sample, one
+//! for each tenth, one after some seconds without a line, and one at the end. A quiet render shows nothing.
 
 use std::io::IsTerminal;
 use std::ops::RangeInclusive;
@@ -17,12 +17,12 @@ pub struct Progress {
     sequence: Option<InSequence>,
 }
 
-/// How far some work is.
+/// The progress of some work.
 #[derive(Default)]
 pub struct Shown {
-    /// The part that is done, from 0 to 1.
+    /// The finished share, from 0 to 1.
     pub done: f64,
-    /// The samples so far, or whatever else grows.
+    /// The number of samples so far, or another growing count.
     pub samples: u32,
     /// The time so far.
     pub seconds: f64,
@@ -61,7 +61,7 @@ impl InSequence {
         self.done < self.count
     }
 
-    /// The frame, and the time left for all of them once a share of this one is done.
+    /// The frame, and the time left for all frames once a share of this one is done.
     fn message(&self, done: f64) -> String {
         let (frame, number, count) = (self.frame, self.done + 1, self.count);
         let share = (f64::from(self.done) + done) / f64::from(count);
@@ -89,10 +89,10 @@ struct Said {
     seconds: f64,
 }
 
-/// Seconds after which another line comes, however little was done.
+/// The number of seconds after which another line is printed, with any progress.
 const LONGEST_SILENCE: f64 = 5.0;
 
-/// Steps of the bar.
+/// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
 impl Progress {
@@ -115,7 +115,7 @@ impl Progress {
         }
     }
 
-    /// The progress of a frame, with that of the whole sequence.
+    /// The progress of a frame, together with that of the sequence.
     pub fn within(self, sequence: InSequence) -> Self {
         Self {
             sequence: Some(sequence),
@@ -128,13 +128,13 @@ impl Progress {
         self.show(&shown);
     }
 
-    /// Shows the end of the render. `status` is that of the picture that is written.
+    /// Shows the end of the render. `status` belongs to the written picture.
     pub fn finish(&mut self, status: &RenderStatus) {
         let shown = self.shown(status);
         self.end(&shown);
     }
 
-    /// Shows how far any work is.
+    /// Shows the progress of any work.
     pub fn show(&mut self, shown: &Shown) {
         match &mut self.form {
             Form::Quiet => {}
@@ -181,7 +181,7 @@ impl Progress {
         }
     }
 
-    /// The part of the render that is done, from 0 to 1.
+    /// The finished share of the render, from 0 to 1.
     fn done(&self, status: &RenderStatus) -> f64 {
         let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());
         status.done().max(by_time).min(1.0)
@@ -189,7 +189,7 @@ impl Progress {
 }
 
 fn message(status: &RenderStatus, time: Option<Duration>) -> String {
-    // A share counts the samples of the whole picture, and its own are of interest.
+    // A share of a picture counts samples of the whole picture; its own number is shown.
     let [samples, target] = [status.samples, status.target].map(|samples| samples.saturating_sub(status.first));
     let samples = match time.is_some() || status.target == u32::MAX {
         true => format!("{samples} spp"),
@@ -217,14 +217,14 @@ impl Shown {
 }
 
 impl Lines {
-    /// Whether a line is to be printed before the end; it counts as printed then.
+    /// Whether a line is due before the end; it is then counted as printed.
     fn is_due(&mut self, shown: &Shown) -> bool {
         if shown.done >= 1.0 {
             return false;
         }
         let tenths = (10.0 * shown.done) as u32;
         let is_due = match &self.0 {
-            // The line about the first samples also tells when an interrupt leaves a whole picture.
+            // The line about the first samples also shows when an interrupt leaves a whole picture.
             None => shown.samples > 0 || tenths > 0,
             Some(said) => tenths > said.tenths || shown.seconds >= said.seconds + LONGEST_SILENCE,
         };
@@ -238,7 +238,7 @@ impl Lines {
         is_due
     }
 
-    /// Whether the picture has got samples since the last line.
+    /// Whether there are new samples since the last line.
     fn lack_the_end(&self, shown: &Shown) -> bool {
         self.0.as_ref().map_or(0, |said| said.samples) != shown.samples
     }

@@ -1,4 +1,4 @@
-//! `sunroom render`: from a scene file to image files.
+//! `sunroom render`: renders a scene file to image files.
 
 mod args;
 mod overrides;
@@ -44,12 +44,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, Failure> {
     keep_reads();
     let begin = Instant::now();
     let mut app = open(scene, &args.scene.defines, trust, &args.missing, args.threads.threads);
-    // Other moments are read of the same text.
+    // Other frames are read from the same text.
     app.world().resource::<KeepSource>().set(args.sequence.frames.is_some());
     app.insert_resource(args.accel);
     let samples = args.shares.samples.as_ref().map(|samples| samples.end).or(args.spp);
     let limits = Limits {
-        // If only a limit of time or noise is given, the file's number of samples does not count.
+        // If only a limit of time or noise is given, the file's number of samples is ignored.
         samples: samples.or((args.time.is_some() || args.noise.is_some()).then_some(u32::MAX)),
         time: args.time,
         cancel,
@@ -60,7 +60,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, Failure> {
     }
     let load_ms = milliseconds(begin.elapsed());
     apply_overrides(app.world_mut(), args)?;
-    // Packs the scene as it is seen by the camera that was chosen. An interrupt is noticed by the render.
+    // Prepares the scene for the chosen camera. The render handles an interrupt.
     load_to_completion(&mut app, &limits)?;
     if !is_shown(&app, scene, args.strict) {
         return Ok(ExitCode::FAILURE);
@@ -93,11 +93,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode, Failure> {
     picture.render(&mut app, Progress::new(args.quiet, args.time))
 }
 
-/// Refuses what cannot be done, before the scene is loaded.
+/// Refuses impossible requests, before the scene is loaded.
 fn check(args: &RenderArgs) -> Result<(), Failure> {
     let first_outputs = args.sequence.first_outputs(&args.output)?;
     outputs::check_pictures(&first_outputs)?;
-    // Its names are the longest.
+    // The last frame has the longest file names.
     outputs::check_pictures(&args.sequence.last_outputs(&args.output))?;
     args.shares.check(&args.output)?;
     check_together(args)?;
@@ -107,22 +107,21 @@ fn check(args: &RenderArgs) -> Result<(), Failure> {
         share::is_checkpoint_of_picture,
     )?;
     if !args.shares.is_given() {
-        // A part that is not finished may be finished in its file, which has the exact sums then as before. A picture
-        // has none.
+        // An unfinished part may be overwritten by its finished one, which keeps its exact sums. A picture has none.
         let resumed = args.checkpoints.resume.as_slice();
         outputs::check_inputs_stay(&first_outputs, resumed, "what the picture goes on with").map_err(Failure::Usage)?;
     }
     check_denoiser(args.denoise, RENDERS_WITHOUT)
 }
 
-/// Renders the frames of an animation one after the other.
+/// Renders the frames of an animation in turn.
 fn frames(app: &mut App, args: &RenderArgs, named: &[PathBuf], limits: &Limits) -> Result<ExitCode, Failure> {
     let Some(frames) = args.sequence.frames.clone() else {
         return Ok(ExitCode::SUCCESS);
     };
     let mut sequence = InSequence::begin(&frames);
     let seed = app.world().resource::<SamplerSettings>().seed;
-    // The frames are of the file as it is now.
+    // Later changes of the file do not affect the frames.
     app.world_mut().resource_mut::<SceneFile>().hold(true);
     let turning = args.sequence.turntable.and_then(|_| TurningCamera::of(app.world()));
     let mut code = ExitCode::SUCCESS;
@@ -134,7 +133,7 @@ fn frames(app: &mut App, args: &RenderArgs, named: &[PathBuf], limits: &Limits) 
         let layers = app.world().resource::<IntegratorSettings>().layers;
         let of_frame = args.sequence.settings(frame, &moments, layers.contains(Layer::Motion));
         let show = |world: &mut World, frame| args.sequence.show(world, frame, turning.as_ref());
-        // Every frame has noise of its own.
+        // The noise of every frame is independent.
         app.world_mut().resource_mut::<SamplerSettings>().seed = seed.wrapping_add(frame);
         if !open_shutter(app, moments, limits, show)? {
             break;
@@ -163,7 +162,7 @@ fn frames(app: &mut App, args: &RenderArgs, named: &[PathBuf], limits: &Limits) 
     Ok(code)
 }
 
-/// Refuses options that do not go together.
+/// Refuses conflicting options.
 fn check_together(args: &RenderArgs) -> Result<(), Failure> {
     let frames = args.sequence.frames.as_ref().map_or(1, |frames| frames.clone().count());
     let message = if args.checkpoints.are_given() && frames > 1 {
@@ -184,7 +183,7 @@ fn check_together(args: &RenderArgs) -> Result<(), Failure> {
     Err(Failure::Usage(message.to_owned()))
 }
 
-/// What samples depend on beside the scene and the view.
+/// The settings on which samples depend, apart from the scene and the view.
 fn settings(args: &RenderArgs, of_frame: Settings) -> Settings {
     let accel = args.accel.name();
     let mut settings = vec![("the acceleration structure".to_owned(), accel.to_owned())];

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use sunroom::document::Diagnostics;
 use sunroom::render::denoise::DenoiseError;
 
-/// Exit code for a command line that is wrong; clap uses it as well.
+/// The exit code for a wrong command line, as in clap.
 pub const WRONG_USAGE: u8 = 2;
 
 /// The number with its noun: `1 shape`, `2 shapes`.
@@ -18,9 +18,9 @@ pub fn counted(number: impl Display, what: &str) -> String {
     format!("{number} {what}{ending}")
 }
 
-/// Says why a command cannot be done.
+/// The reason why a command fails.
 pub enum Failure {
-    /// The command line asks for something that is wrong.
+    /// The command line is wrong.
     Usage(String),
     /// A scene, a file or the machine is at fault.
     Fault(Box<dyn std::error::Error>),
@@ -33,7 +33,7 @@ impl<E: Into<Box<dyn std::error::Error>>> From<E> for Failure {
 }
 
 impl Failure {
-    /// Prints `error: ...` and gives the exit code.
+    /// Prints `error: ...` and returns the exit code.
     pub fn report(self) -> ExitCode {
         match self {
             Self::Usage(message) => wrong_usage(message),
@@ -42,10 +42,10 @@ impl Failure {
     }
 }
 
-/// How pictures do without a denoiser.
+/// How to render without a denoiser.
 pub const RENDERS_WITHOUT: &str = "leave --denoise out";
 
-/// Refuses to remove noise where the program has no denoiser. `otherwise` says how the command does without it.
+/// Refuses denoising if the program has no denoiser. `otherwise` says how the command works without it.
 pub fn check_denoiser(denoise: bool, otherwise: &str) -> Result<(), Failure> {
     match denoise && !cfg!(feature = "denoise") {
         true => Err(Failure::Usage(format!("{}; {otherwise}", DenoiseError::NotBuilt))),
@@ -53,13 +53,13 @@ pub fn check_denoiser(denoise: bool, otherwise: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints `error: ...` and gives the exit code for a command line that is wrong.
+/// Prints `error: ...` and returns the exit code for a wrong command line.
 pub fn wrong_usage(message: impl Display) -> ExitCode {
     error(message);
     ExitCode::from(WRONG_USAGE)
 }
 
-/// Prints `error: ...` and gives the exit code for a fault of a scene or a file.
+/// Prints `error: ...` and returns the exit code for a fault of a scene or a file.
 pub fn error(message: impl Display) -> ExitCode {
     line(format_args!("error: {message}"));
     ExitCode::FAILURE
@@ -67,7 +67,7 @@ pub fn error(message: impl Display) -> ExitCode {
 
 pub use sunroom::app::terminal::line;
 
-/// Prints the messages about a scene with the lines they speak of.
+/// Prints the messages about a scene with the lines that they are about.
 pub fn diagnostics(diagnostics: &Diagnostics) {
     if !diagnostics.list.is_empty() {
         let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
@@ -75,12 +75,12 @@ pub fn diagnostics(diagnostics: &Diagnostics) {
     }
 }
 
-/// Prints the last line about a scene that has no errors, but warnings where `--strict` counts them as errors.
+/// Prints the last line about a scene without errors, but with warnings that `--strict` counts as errors.
 pub fn refused_for_warnings(scene: &Path) {
     line(format_args!("{}: refused for its warnings", scene.display()));
 }
 
-/// Prints the last line about a scene of which only files are missing.
+/// Prints the last line about a scene whose only errors are missing files.
 pub fn refused_for_missing(scene: &Path) {
     line(format_args!(
         "{}: refused because files are missing; --allow-missing does without them",
@@ -88,7 +88,7 @@ pub fn refused_for_missing(scene: &Path) {
     ));
 }
 
-/// Whether the scene is good enough to go on: no errors, and if `strict` no warnings.
+/// Whether the scene is accepted: no errors, and if `strict` no warnings.
 pub fn acceptable(diagnostics: &Diagnostics, strict: bool) -> bool {
     !diagnostics.has_errors() && (!strict || diagnostics.warning_count() == 0)
 }

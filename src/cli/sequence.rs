@@ -18,7 +18,7 @@ use super::share::Settings;
 /// The most frames of a sequence: a day at 24 frames a second has fewer.
 const MOST_FRAMES: u32 = 10_000_000;
 
-/// The digits of a frame's number where the name of the file does not say how many.
+/// The digits of a frame's number if the file name does not set them.
 const DIGITS: usize = 4;
 
 #[derive(Args)]
@@ -69,8 +69,8 @@ fn turn_frames(text: &str) -> Result<u32, String> {
     )
 }
 
-/// The file of a frame: its number in place of the last run of `#`, with at least as many digits, or before the
-/// extension.
+/// The file of a frame: its number replaces the last run of `#`, with at least as many digits, or is inserted before
+/// the extension.
 pub fn frame_path(path: &Path, frame: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let numbered = match name.rfind('#') {
@@ -89,7 +89,7 @@ pub fn frame_path(path: &Path, frame: u32) -> PathBuf {
 }
 
 impl SequenceArgs {
-    /// The files of the first picture. An error if the frames cannot all have a place.
+    /// The files of the first picture. An error if frames would share a file.
     pub fn first_outputs(&self, outputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let Some(frames) = &self.frames else {
             return Ok(outputs.to_vec());
@@ -104,8 +104,8 @@ impl SequenceArgs {
         Ok(outputs.iter().map(|path| frame_path(path, *frames.start())).collect())
     }
 
-    /// The picture's file where none is named: beside the scene, with the ending that the film asks for. It never
-    /// replaces a file, which may be a picture that the scene shows.
+    /// The default file of the picture: beside the scene, with the extension of the film's format. It never replaces a
+    /// file, which may be a picture of the scene.
     pub fn default_output(&self, world: &World, scene: &Path) -> Result<PathBuf, Failure> {
         let format = active_film(world).and_then(|film| film.storage.file);
         let path = scene.with_extension(format.unwrap_or(PictureFormat::OpenExr).extension());
@@ -139,7 +139,7 @@ impl SequenceArgs {
         Box::new(frames.map(of_frame))
     }
 
-    /// What the samples of a frame depend on beside the scene, by name. `moments` are in frames.
+    /// The settings on which the samples of a frame depend, apart from the scene, by name. `moments` are in frames.
     pub fn settings(&self, frame: u32, moments: &[f64], has_motion: bool) -> Settings {
         let seconds = |moments: &mut dyn Iterator<Item = f64>| {
             let times: Vec<String> = moments.map(|moment| (moment / self.fps).to_string()).collect();
@@ -162,7 +162,7 @@ impl SequenceArgs {
         settings
     }
 
-    /// The first frame of the turn of the camera, and the number of its frames.
+    /// The first frame of the turntable, and its number of frames.
     fn turn(&self) -> Option<(u32, u32)> {
         let frames = self.frames.as_ref()?;
         Some(match self.turntable? {
@@ -171,7 +171,7 @@ impl SequenceArgs {
         })
     }
 
-    /// Brings the scene to the time of a frame, or to one between two frames.
+    /// Sets the scene to the time of a frame, or between two frames.
     pub fn show(&self, world: &mut World, frame: f64, camera: Option<&TurningCamera>) {
         show_moment(world, frame / self.fps);
         if let (Some(camera), Some((start, count))) = (camera, self.turn()) {
@@ -179,7 +179,7 @@ impl SequenceArgs {
         }
     }
 
-    /// The moments that `samples` per pixel of a frame see, in frames.
+    /// The times, in frames, that `samples` per pixel of a frame sample.
     pub fn moments(&self, world: &World, frame: u32, samples: u32) -> Vec<f64> {
         let frame = f64::from(frame);
         let sensor = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
@@ -195,14 +195,14 @@ impl SequenceArgs {
     }
 }
 
-/// The camera in use while it goes around the scene.
+/// The active camera on its turntable.
 pub struct TurningCamera {
     camera: Entity,
     turntable: Turntable,
 }
 
 impl TurningCamera {
-    /// Around the point that the file lets the active camera look at, or else the middle of all shapes. None without a
+    /// A turntable around the target of the active camera in the file, or else the centre of all shapes. None without a
     /// camera.
     pub fn of(world: &World) -> Option<Self> {
         let camera = world.get_resource::<ActiveSensor>()?.0?;
@@ -225,7 +225,7 @@ impl TurningCamera {
         Some(Self { camera, turntable })
     }
 
-    /// Places the camera after this share of a whole turn.
+    /// Places the camera after this fraction of a full rotation.
     fn turn(&self, world: &mut World, share: f64) {
         if let Some(mut to_world) = world.get_mut::<ToWorld>(self.camera) {
             to_world.0 = self.turntable.at(share);

@@ -1,4 +1,4 @@
-//! Shares of a picture, checkpoints, and taking up what a checkpoint has.
+//! Shares of a picture, checkpoints, and resuming.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -54,13 +54,13 @@ pub struct CheckpointArgs {
 }
 
 impl CheckpointArgs {
-    /// Whether a checkpoint is written or taken up.
+    /// Whether checkpoints are written or resumed.
     pub fn are_given(&self) -> bool {
         self.checkpoint.is_some() || self.resume.is_some()
     }
 
-    /// The flag that asks work for an orderly end. The first interrupt sets it, as does SIGTERM where there is a file
-    /// of checkpoints; a second interrupt ends the process.
+    /// The flag that ends work in an orderly fashion. The first interrupt sets it, as does SIGTERM if checkpoints are
+    /// written; a second interrupt ends the process.
     pub fn cancel(&self) -> Result<Arc<AtomicBool>, Failure> {
         let cancel = Arc::new(AtomicBool::new(false));
         let flag = cancel.clone();
@@ -76,17 +76,17 @@ impl CheckpointArgs {
         Ok(cancel)
     }
 
-    /// The exit code of work that was terminated and whose checkpoint has what was `done` (rendered, gathered), which
-    /// is said; None otherwise.
+    /// The exit code of terminated work whose checkpoint was saved, with a message about the work `done` (rendered,
+    /// gathered); None otherwise.
     pub fn terminated(&self, is_saved: bool, done: &str) -> Option<ExitCode> {
         let path = self.checkpoint.as_ref().filter(|_| is_saved && is_terminated())?;
         report::line(format_args!("terminated; {} has what was {done}", path.display()));
         Some(ExitCode::from(TERMINATED))
     }
 
-    /// Refuses a file of checkpoints that is an output as well, that cannot be written, or that has something else than
-    /// a checkpoint, which would be lost. `is_checkpoint` tells whether a file is a checkpoint of such a `work` (a
-    /// picture, a bake), be it of another scene.
+    /// Refuses a checkpoint file that is an output as well, that cannot be written, or that has other content, which
+    /// would be lost. `is_checkpoint` says whether a file is a checkpoint of such a `work` (a picture, a bake),
+    /// possibly of another scene.
     pub fn check(
         &self,
         work: &str,
@@ -115,11 +115,11 @@ impl CheckpointArgs {
     }
 }
 
-/// Writes checkpoints of work from time to time.
+/// Writes checkpoints of work at intervals.
 pub struct Checkpoints<'a> {
     args: &'a CheckpointArgs,
     last: Instant,
-    /// The rays of the work at the last checkpoint, and at the last attempt at one.
+    /// The number of rays traced at the last checkpoint, and at the last attempt.
     saved: Option<u64>,
     tried: Option<u64>,
 }
@@ -135,18 +135,18 @@ impl<'a> Checkpoints<'a> {
         }
     }
 
-    /// Whether the time for the next one has come.
+    /// Whether the next checkpoint is due.
     pub fn are_due(&self) -> bool {
         self.args.checkpoint.is_some() && self.last.elapsed() >= self.args.every
     }
 
-    /// Whether one was tried to be written of the work as it is, which has traced so many rays.
+    /// Whether a checkpoint was already attempted at this number of rays.
     pub fn were_tried(&self, rays: u64) -> bool {
         self.tried == Some(rays)
     }
 
-    /// Writes one, if there is anything new. One that fails is reported, and an earlier one stays. Returns whether
-    /// there is one of the work as it is.
+    /// Writes a checkpoint, if there is new work. A failure is reported, and the earlier one stays. Returns whether the
+    /// checkpoint has the present work.
     pub fn save<E: Display>(&mut self, rays: u64, write: impl FnOnce(&Path) -> Result<(), E>) -> bool {
         let Some(path) = &self.args.checkpoint else {
             return false;
@@ -180,8 +180,7 @@ fn open_checkpoint(path: &Path) -> Result<PartFile, String> {
     })
 }
 
-/// Whether a file is a checkpoint or a part of a picture, also of another version, or a damaged one that still has its
-/// end.
+/// Whether a file is a checkpoint or a part of a picture, possibly of another version, or damaged except for its end.
 pub fn is_checkpoint_of_picture(path: &Path) -> bool {
     matches!(
         PartFile::open(path),
@@ -189,10 +188,10 @@ pub fn is_checkpoint_of_picture(path: &Path) -> bool {
     )
 }
 
-/// What the samples of a picture depend on beside the scene and the view, by name.
+/// The settings on which the samples of a picture depend, apart from the scene and the view, by name.
 pub type Settings = Vec<(String, String)>;
 
-/// The share of the picture that is rendered, which is all of it for an ordinary picture.
+/// The rendered share of the picture, which is all of it for an ordinary picture.
 pub struct Share {
     pub piece: Piece,
     /// Whether the outputs are parts.
@@ -200,12 +199,12 @@ pub struct Share {
 }
 
 impl ShareArgs {
-    /// Whether a part of the picture is rendered.
+    /// Whether only a part of the picture is rendered.
     pub fn is_given(&self) -> bool {
         self.samples.is_some() || self.crop.is_some()
     }
 
-    /// Refuses outputs that are not named or cannot be parts, and ranges that cannot be merged.
+    /// Refuses missing outputs, outputs that cannot be parts, and ranges that cannot be merged.
     pub fn check(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
         if !self.is_given() {
             return Ok(());
@@ -225,7 +224,7 @@ impl ShareArgs {
     }
 }
 
-/// Refuses samples that cannot be merged with those before them.
+/// Refuses a range of samples that cannot be merged with earlier ones.
 pub fn check_cut(samples: &Range<u32>) -> Result<(), Failure> {
     let (start, around) = (samples.start, chunk_of(samples.start));
     match is_cut(start) {
@@ -237,7 +236,7 @@ pub fn check_cut(samples: &Range<u32>) -> Result<(), Failure> {
     }
 }
 
-/// Lets `auto` stand for what it has stood for in the checkpoint that the picture goes on with. False if there is none.
+/// Resolves `auto` to its choice in the checkpoint that is resumed. False if there is no such checkpoint.
 pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bool, Failure> {
     let Some(path) = checkpoints.resume.as_ref().filter(|path| path.exists()) else {
         return Ok(false);
@@ -246,9 +245,9 @@ pub fn take_choice(world: &mut World, checkpoints: &CheckpointArgs) -> Result<bo
     Ok(origin::take_choice(world, &file.header().origin))
 }
 
-/// Prepares a picture that is a share, that has checkpoints or that is resumed; None for an ordinary one. The scene is
-/// packed. `samples`: the number of samples that are asked for; `samples_of_whole`: those of the whole picture,
-/// `u32::MAX` where they are not known; `settings`: other things that samples depend on.
+/// Prepares a picture that is a share, has checkpoints or is resumed; None for an ordinary one. The scene is packed.
+/// `samples`: the number of samples asked for; `samples_of_whole`: that of the whole picture, `u32::MAX` if unknown;
+/// `settings`: other settings on which samples depend.
 pub fn begin(
     world: &mut World,
     scene: &Path,
@@ -301,7 +300,7 @@ pub fn begin(
     if share.is_part {
         let [width, height] = size.map(|side| side as f32);
         let (x, y) = (crop.x as f32 + 0.5, crop.y as f32 + 0.5);
-        // The middles of the outer pixels: edges might be rounded into the next tile.
+        // The centres of the outer pixels: edges might be rounded into the next tile.
         let [right, bottom] = [(x, crop.width), (y, crop.height)].map(|(start, length)| start + (length - 1) as f32);
         control.region = Some(Rect::new(x / width, y / height, right / width, bottom / height));
         control.share = Some(range.start);
@@ -316,7 +315,7 @@ pub fn begin(
 }
 
 impl Share {
-    /// Lets the picture go on with what a checkpoint has.
+    /// Resumes the picture from a checkpoint.
     fn take_up(&self, world: &mut World, path: &Path, force: bool) -> Result<(), Failure> {
         let name = path.display();
         let file = open_checkpoint(path)?;
@@ -337,8 +336,8 @@ fn earlier_stays(path: &Path) -> &'static str {
     }
 }
 
-/// Whether a file to resume is not there yet and will be written as the checkpoint, so that the `work` (a picture, a
-/// bake) begins. That is said.
+/// Whether the file to resume does not exist and is the checkpoint to be written, so that the `work` (a picture, a
+/// bake) begins anew. This is reported.
 pub fn is_begun(checkpoints: &CheckpointArgs, path: &Path, work: &str) -> bool {
     let is_begun = checkpoints.checkpoint.as_deref() == Some(path) && !path.exists();
     if is_begun {
@@ -350,7 +349,7 @@ pub fn is_begun(checkpoints: &CheckpointArgs, path: &Path, work: &str) -> bool {
     is_begun
 }
 
-/// Refuses a checkpoint whose `work` differs, or warns of it with `force`.
+/// Refuses a checkpoint whose `work` differs; with `force` it only warns.
 pub fn accept_origin(path: &Path, work: &str, now: &Origin, then: &Origin, force: bool) -> Result<(), Failure> {
     let differences = now.differences(then);
     if differences.is_empty() {
@@ -368,7 +367,7 @@ pub fn accept_origin(path: &Path, work: &str, now: &Origin, then: &Origin, force
     Ok(())
 }
 
-/// Warns of a checkpoint with more samples than are asked for. They are those of each `place` of the `work`.
+/// Warns of a checkpoint with more samples of each `place` of the `work` than are asked for.
 pub fn warn_of_more(path: &Path, [place, work]: [&str; 2], samples: u32, asked: u32) {
     if samples > asked {
         let name = path.display();
@@ -378,8 +377,7 @@ pub fn warn_of_more(path: &Path, [place, work]: [&str; 2], samples: u32, asked: 
     }
 }
 
-/// Warns where parts end before the number of samples that was asked for, if that is known. They are samples of each
-/// `place`.
+/// Warns if parts end before the number of samples asked for, if that is known. The samples are of each `place`.
 pub fn warn_of_missing(place: &str, samples: u32, of_whole: Option<u32>) {
     if let Some(all) = of_whole.filter(|&all| samples < all) {
         report::line(format_args!(

@@ -23,9 +23,9 @@ pub struct Stats {
     pub height: u32,
     /// Samples per pixel that every pixel has.
     pub spp: u32,
-    /// The estimated relative noise; None where all is black or pixels have a single sample.
+    /// The estimated relative noise; None if all is black or pixels have a single sample.
     pub noise: Option<f32>,
-    /// What the integrator `auto` stands for; None where another one is asked for.
+    /// The choice of the integrator `auto`; None for another integrator.
     pub auto: Option<AutoStatus>,
     pub seed: u32,
     pub threads: usize,
@@ -36,7 +36,7 @@ pub struct Stats {
     pub render_ms: f64,
     pub denoise_ms: f64,
     pub rays: u64,
-    /// The guide of paths; None without one.
+    /// The state of path guiding; None without it.
     pub guide: Option<GuideStatus>,
     pub mrays_per_s: f64,
     pub msamples_per_s: f64,
@@ -44,20 +44,20 @@ pub struct Stats {
     pub invalid_samples: u64,
     /// The share of the light that a clamp removes, as estimated; None without a clamp.
     pub clamped_light: Option<f32>,
-    /// The most memory the process has held; None where the system does not tell.
+    /// The peak memory of the process; None if the system does not give it.
     pub peak_memory_bytes: Option<u64>,
     pub outputs: Vec<PathBuf>,
 }
 
 impl Stats {
-    /// The figures of the picture that is rendered, without those that the engine does not know.
+    /// The figures of the rendered picture, without those that the engine does not know.
     pub fn of(world: &World) -> Self {
         let (status, film) = (world.resource::<RenderStatus>(), &world.resource::<RenderFilm>().film);
         Self {
             scene: PathBuf::new(),
             width: film.width(),
             height: film.height(),
-            // A share counts the samples of the whole picture.
+            // A share of a picture counts samples of the whole picture.
             spp: status.samples.saturating_sub(status.first),
             noise: status.noise,
             auto: status.auto,

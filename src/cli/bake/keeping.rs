@@ -1,4 +1,4 @@
-//! Checkpoints and shares of a bake, and taking up what a checkpoint has.
+//! Writes checkpoints and shares of a bake, and resumes from checkpoints.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use super::args::BakeArgs;
 use crate::cli::report::Failure;
 use crate::cli::share::{Checkpoints, accept_origin, is_begun, warn_of_more};
 
-/// Keeps the light of a job in files.
+/// Writes the light of a job to files.
 pub struct Keeper<'a> {
-    /// What the files are of.
+    /// The header of the files.
     header: PartHeader,
     checkpoints: Checkpoints<'a>,
 }
@@ -32,7 +32,7 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Lets the job go on with what the checkpoint has that is to be resumed.
+    /// Resumes the job from the checkpoint given by `--resume`, if there is one.
     pub fn take_up(&self, job: &mut BakeJob, args: &BakeArgs) -> Result<(), Failure> {
         let Some(path) = &args.checkpoints.resume else {
             return Ok(());
@@ -60,16 +60,16 @@ impl<'a> Keeper<'a> {
         Ok(())
     }
 
-    /// Looks at the job between two pieces of work.
+    /// Writes a checkpoint if one is due, between two pieces of work.
     pub fn look(&mut self, job: &BakeJob, now: &Progress) {
         let gathers = matches!(now.stage, Stage::Lightmaps | Stage::Probe(_));
-        // What finishes light takes its time, and adds nothing that could be lost.
+        // Finishing pictures takes time, but adds no light that could be lost.
         if self.checkpoints.are_due() || !gathers && !self.checkpoints.were_tried(job.rays()) {
             self.save(job);
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. Returns whether there is one.
+    /// Writes a checkpoint, if there is new light. Returns whether a checkpoint exists.
     pub fn save(&mut self, job: &BakeJob) -> bool {
         let Self { header, checkpoints } = self;
         job.rays() > 0 && checkpoints.save(job.rays(), |path| write(job, path, header))

@@ -1,4 +1,4 @@
-//! Shows how far a bake is: a progress for each stage.
+//! Shows the progress of each stage of a bake.
 
 use std::time::Duration;
 
@@ -10,14 +10,14 @@ use sunroom::bake::progress::{Gathered, Progress as Now, Stage};
 use crate::cli::progress::{Progress, Shown};
 use crate::cli::report;
 
-/// Work that gathers no light is shown when it has taken so long.
+/// The time after which a stage that gathers no light is shown.
 const WORTH_SAYING: Duration = Duration::from_secs(1);
 
 pub struct BakeProgress {
     quiet: bool,
     time: Option<Duration>,
     noise: Option<f32>,
-    /// The stage that is shown, and what of it was told last.
+    /// The present stage, with the progress shown last.
     stage: Option<(Stage, Progress, Shown)>,
 }
 
@@ -31,12 +31,12 @@ impl BakeProgress {
         }
     }
 
-    /// Shows how far the preparation of a job is.
+    /// Shows the progress of a job's preparation.
     pub fn prepare(&mut self, now: &Now, words: &str) {
         self.step(now, words.to_owned());
     }
 
-    /// Shows how far the job is now.
+    /// Shows the progress of the job.
     pub fn show(&mut self, job: &BakeJob, now: &Now) {
         if let Stage::Probe(number) = now.stage
             && self.is_new(now.stage)
@@ -71,7 +71,7 @@ impl BakeProgress {
             seconds: now.spent.as_secs_f64(),
             message,
         };
-        // What takes a moment is not worth a line.
+        // Short stages are not shown.
         if now.gathered.is_some() || now.spent >= WORTH_SAYING {
             progress.show(last);
         }
@@ -86,7 +86,7 @@ impl BakeProgress {
 
     fn message(&self, stage: Stage, gathered: &Gathered) -> String {
         let is_of_lightmaps = stage == Stage::Lightmaps;
-        // A share may be a single round, of which no texel has all samples until near its end.
+        // In a share of a single round, no texel has all samples until near its end.
         let samples = gathered.mean_samples as u32;
         let samples = match gathered.target == u32::MAX || is_of_lightmaps && self.time.is_some() {
             true => format!("{samples} spp"),

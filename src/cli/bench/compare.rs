@@ -1,11 +1,11 @@
-//! Two runs side by side, pair by pair: ratios above 1 are for the new one.
+//! Compares two runs pair by pair: in ratios above 1 the new one is better.
 
 use std::fmt::{self, Display, Formatter, Write};
 use std::path::{Path, PathBuf};
 
 use super::results::{Rate, RayResult, RenderResult, Results};
 
-/// A subject of measurement: everything that has to be the same in two runs.
+/// The subject of a measurement: all properties that must be equal in two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
     Render { scene: PathBuf, size: (u32, u32), spp: u32 },
@@ -13,8 +13,7 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Speeds of other sizes and other numbers of samples say nothing about each other. Scenes may have been called
-    /// from other folders.
+    /// Speeds of other sizes and other numbers of samples are not comparable. The folders of scenes may differ.
     fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (
@@ -61,8 +60,7 @@ impl From<&RayResult> for Subject {
     }
 }
 
-/// Finds the subject of an earlier run that is comparable: the one with the same whole name, or else the only one with
-/// the same rest.
+/// The comparable subject of an earlier run: the one with the same path, or else the only one that differs only in it.
 fn counterpart<'o, T>(of: &Subject, old: &'o [T]) -> Option<&'o T>
 where
     Subject: From<&'o T>,
@@ -76,7 +74,7 @@ fn has_counterpart(of: &Subject, old: &Results) -> bool {
     counterpart(of, &old.renders).is_some() || counterpart(of, &old.rays).is_some()
 }
 
-/// An error if nothing of what is `planned` is in the file at `path`.
+/// An error if no `planned` subject is in the file at `path`.
 pub fn check(planned: &[Subject], old: &Results, path: &Path) -> Result<(), String> {
     if planned.iter().any(|subject| has_counterpart(subject, old)) {
         return Ok(());
@@ -99,7 +97,7 @@ fn list(subjects: &[Subject]) -> String {
     }
 }
 
-/// One line for each subject that both have, and what is not compared.
+/// One line for each common subject, and the subjects that are not compared.
 pub fn table(new: &Results, old: &Results) -> String {
     let how = |results: &Results| {
         let rounds = results

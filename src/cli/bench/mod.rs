@@ -1,8 +1,8 @@
-//! `sunroom bench`: how fast this machine and this version are, as tables and as JSON that a later run can be compared
-//! with.
+//! `sunroom bench`: the speed of this machine and this version, as tables and as JSON with which a later run can be
+//! compared.
 //!
-//! Machines are shared and noisy: figures are medians over rounds, and a comparison means something only between runs
-//! on a machine that had nothing else to do.
+//! Machines are shared and noisy: figures are medians over rounds, and only runs on an otherwise idle machine can be
+//! compared.
 
 mod args;
 mod compare;
@@ -60,8 +60,8 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before. `measured`:
-/// the files that are measured.
+/// Measures, prints and writes; returns the number of wrong answers. Errors are found before the measurement if
+/// possible. `measured`: the measured files.
 fn compared(
     common: &CommonArgs,
     measured: &[PathBuf],

@@ -1,6 +1,6 @@
 //! Measures rays against one mesh: the rates with one and with all threads, the build, the memory, and whether every
-//! answer is right. Rays go one at a time, and sixteen together as those of renders go after the first bounce, in lanes
-//! beforehand.
+//! answer is right. Rays are traced singly, and in packets of sixteen as in renders after the first bounce, converted
+//! to lanes beforehand.
 //!
 //! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of
 //! each ray its origin and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none)
@@ -23,7 +23,7 @@ use super::args::RayBenchArgs;
 use super::compare;
 use super::results::{Error, Rate, RayResult, Results, median};
 
-/// Distances closer than this, relative to their size, are the same: another program rounds in another order.
+/// The largest relative difference of equal distances: another program rounds in another order.
 const SAME_DISTANCE: f32 = 1e-4;
 /// Shorter measurements are repeated.
 const SHORTEST: Duration = Duration::from_millis(300);
@@ -39,7 +39,7 @@ struct Answered {
     triangle: u32,
 }
 
-/// The mesh's hierarchy, and the scene that holds nothing else.
+/// The mesh's BVH, and the scene with only this mesh.
 struct Target {
     blas: Arc<Blas>,
     scene: Tlas,
@@ -53,7 +53,7 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// An error if a file is not there or broken.
+    /// An error if a file is missing or broken.
     pub fn new(args: &'a RayBenchArgs) -> Result<Self, Error> {
         let mesh = Arc::new(load_mesh(&args.mesh)?);
         let sets = args.rays.iter().map(|path| Ok((name_of(path), read(path)?)));
@@ -143,7 +143,7 @@ fn load_mesh(path: &Path) -> Result<MeshData, Error> {
     let bytes = files::read(path, LARGEST_DATA).map_err(|error| format!("{place}: {error}"))?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let loaded = match extension.to_str() {
-        // Materials do not matter here.
+        // Materials are not used here.
         Some("obj") => load_obj(&bytes, &mut |_| Err(std::io::ErrorKind::NotFound.into())),
         Some("ply") => load_ply(&bytes),
         _ => return Err(format!("{place}: expected an .obj or a .ply file").into()),
@@ -194,7 +194,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
     Ok(answered.collect())
 }
 
-/// Counts the answers that are wrong, alone or together, and those that name a neighbour at the same distance.
+/// The number of wrong answers, of single rays or packets, and of answers with a neighbour at the same distance.
 fn check(target: &Target, set: &[Answered]) -> (usize, usize) {
     let (mut wrong, mut ties) = (0, 0);
     for chunk in set.chunks(LANES) {
@@ -227,7 +227,7 @@ enum Verdict {
 }
 
 impl Answered {
-    /// Judges the distance and triangle that were found, and whether the ray was said to hit anything.
+    /// Compares a found distance and triangle, and the result of the occlusion test, with the file.
     fn verdict(&self, found: Option<(f32, u32)>, occluded: bool) -> Verdict {
         let (t, triangle) = found.unwrap_or((f32::INFINITY, u32::MAX));
         let apart = (t - self.t).abs();
@@ -242,7 +242,7 @@ impl Answered {
     }
 }
 
-/// The number of rounds and of threads that measure a query, and the number of its rays.
+/// The rounds and threads of a measurement, and the number of its rays.
 struct Clock {
     rounds: u32,
     threads: usize,
@@ -250,7 +250,7 @@ struct Clock {
 }
 
 impl Clock {
-    /// Measures a query over all `items`, which hold the rays between them.
+    /// Measures a query over all `items`, which are rays or packets of rays.
     fn rate<T: Sync>(&self, items: &[T], query: impl Fn(&T) -> usize + Sync) -> Rate {
         let rays_per_item = self.rays as f64 / items.len() as f64;
         let rate =
@@ -262,7 +262,7 @@ impl Clock {
     }
 }
 
-/// The rate in 10^6 items a second. Items are dealt out evenly, and each thread repeats its own until enough time has
+/// The rate in 10^6 items a second. Items are divided evenly, and each thread repeats its own until enough time has
 /// passed.
 fn items_rate<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
     let share = items.len().div_ceil(threads);

@@ -1,4 +1,4 @@
-//! Pictures of scenes: how long they take and how noisy they are.
+//! Renders scenes, and measures their time and noise.
 //!
 //! Every round renders two seeds. With a and b their pictures and r the mean of all pictures of the scene, the noise is
 //! mean((a - b)^2 / 2 / (r^2 + 0.01)) over pixels and channels: the relative variance, free of a reference's own error.
@@ -18,7 +18,7 @@ use crate::cli::check::report_scene;
 use crate::cli::outputs::check_scene_stays;
 use crate::cli::report;
 
-/// Keeps the noise of what is nearly black from counting as endless.
+/// Limits the relative noise of nearly black pixels.
 const DARK: f64 = 0.01;
 const SCENES: &str = "scenes";
 
@@ -29,7 +29,7 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// An error if a scene is not there.
+    /// An error if a scene is missing.
     pub fn new(args: &'a RenderBenchArgs) -> Result<Self, Error> {
         let scenes = match args.scenes.is_empty() {
             true => all_scenes(Path::new(SCENES))?,
@@ -64,7 +64,7 @@ impl<'a> Plan<'a> {
             report::line(format_args!("{} ...", scene.display()));
             match measure_scene(scene, self.args) {
                 Ok(result) => results.renders.push(result),
-                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there, and
+                // In a folder, scenes that cannot be rendered are skipped. A scene named by the user must exist, and
                 // none is overwritten.
                 Err(error) if self.args.scenes.is_empty() && !error.is::<ExportError>() => {
                     report::line(format_args!("  left out: {error}"))
@@ -87,7 +87,7 @@ fn all_scenes(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(scenes)
 }
 
-/// One picture and its figures.
+/// One picture with its measurements.
 struct Render {
     pixels: Vec<Rgb>,
     seconds: f64,
@@ -179,7 +179,7 @@ fn relative_variance(a: &[Rgb], b: &[Rgb], reference: &[Rgb]) -> f64 {
 fn cpu_seconds() -> Option<f64> {
     const TICKS_PER_SECOND: f64 = 100.0;
     let status = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // Before the bracket is the program's name, which may have blanks in it.
+    // The program's name, which may contain blanks, comes before the bracket.
     let fields: Vec<&str> = status.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
     Some((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)

@@ -6,10 +6,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sunroom::files::{self, LARGEST_NOTE};
 
-/// Why a measurement cannot be made or compared.
+/// The reason why a measurement cannot be made or compared.
 pub type Error = Box<dyn std::error::Error>;
 
-/// The version of the JSON; a later one may have other fields.
+/// The version of the JSON format.
 const VERSION: u32 = 1;
 
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Results {
     /// The version of the program that measured.
     pub program: String,
     pub threads: usize,
-    /// None in files of before that was written.
+    /// None in older files without it.
     pub rounds: Option<u32>,
     #[serde(default)]
     pub renders: Vec<RenderResult>,
@@ -35,14 +35,14 @@ pub struct RenderResult {
     pub spp: u32,
     /// The time of rendering, without loading and building.
     pub seconds: f64,
-    /// The processor time of all threads, with loading and building. None where the system does not tell.
+    /// The processor time of all threads, with loading and building. None if the system does not give it.
     pub cpu_seconds: Option<f64>,
     pub msamples_per_s: f64,
     pub mrays_per_s: f64,
     /// The relative error: the mean over the pixels of the squared error divided by the squared picture plus 0.01, see
     /// [`super::renders`].
     pub rel_mse: f64,
-    /// `rel_mse` times `seconds`: what a user pays for a given noise.
+    /// `rel_mse` times `seconds`: the time for a given noise.
     pub cost: f64,
 }
 
@@ -54,17 +54,18 @@ pub struct RayResult {
     pub triangles: usize,
     pub count: usize,
     pub build_seconds: f64,
-    /// The memory of nodes and leaves, without the mesh itself.
+    /// The memory of BVH nodes and leaves, without the mesh itself.
     pub bytes_per_triangle: f64,
-    /// The rates of rays one at a time.
+    /// The rate of single rays.
     pub closest: Rate,
     pub any: Rate,
-    /// The rate of sixteen rays at a time. None in files from before it was measured.
+    /// The rate in packets of sixteen rays. None in files from before it was measured.
     pub closest_together: Option<Rate>,
     pub any_together: Option<Rate>,
-    /// The number of rays whose answers differ from those of the file, alone or together.
+    /// The number of rays with wrong answers, singly or in packets.
     pub wrong: usize,
-    /// Others that name another triangle at the same distance, alone or together: rays through a common edge.
+    /// The number of further rays with another triangle at the same distance, singly or in packets: rays through a
+    /// common edge.
     pub ties: usize,
 }
 
@@ -173,7 +174,7 @@ impl Results {
     }
 }
 
-/// The median: of an even number of values the mean of the two in the middle, and NaN of none.
+/// The median: the mean of the two middle ones of an even number of values, and NaN for none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);

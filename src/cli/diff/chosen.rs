@@ -1,4 +1,4 @@
-//! What is compared of a picture: the picture itself, a layer, or a channel.
+//! The compared part of a picture: the picture itself, a layer, or a channel.
 
 use std::path::Path;
 
@@ -9,18 +9,18 @@ use sunroom::render::image_io::ImageRgb;
 use sunroom::render::layered_image::{Channel, LayeredImage, is_cryptomatte, split_name};
 
 pub struct Chosen {
-    /// The numbers as colours: one is grey, and the blue of two is 0.
+    /// The numbers as colours: a single one is grey, and with two the blue is 0.
     pub image: ImageRgb,
-    /// How many numbers a pixel has, 1 to 3.
+    /// The number of components of a pixel, 1 to 3.
     pub components: usize,
     /// Whether the numbers are colours or luminances, which can be shown, and not data such as depths and normals.
     pub is_light: bool,
-    /// Whether the file has CIE XYZ, of which the colours are made.
+    /// Whether the file has CIE XYZ, from which the colours are converted.
     pub is_xyz: bool,
 }
 
 impl Chosen {
-    /// What it is, in words.
+    /// The kind of the numbers, in words.
     pub fn what(&self) -> String {
         let kind = match self.is_light {
             true => "a layer of light",
@@ -30,8 +30,8 @@ impl Chosen {
     }
 }
 
-/// What `name` means in a picture: a layer as the file calls it (`Depth`) or as `--aov` does (`depth`), a channel
-/// (`Depth.Z`), or with an empty name the picture itself. The error names the layers.
+/// The part of a picture with this name: a layer as in the file (`Depth`) or as for `--aov` (`depth`), a channel
+/// (`Depth.Z`), or with an empty name the picture itself. The error lists the layers.
 pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, String> {
     let in_file = match Layer::of_name(name) {
         Some(layer) => layer.name_in_pictures(),
@@ -50,7 +50,7 @@ pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, S
     let channels = channels.or_else(|| Some(vec![image.channel(in_file)?]));
     let channels = channels.ok_or_else(|| no_layer(image, name, path))?;
     let mut colors = image.as_colors(&channels);
-    // As the film's `pixel_format` has it.
+    // The order of the film's `pixel_format`.
     let is_xyz = name.is_empty() && channels.len() == 3 && channels[0].name.eq_ignore_ascii_case("X");
     if is_xyz {
         colors.pixels.iter_mut().for_each(|pixel| *pixel = rgb_from_xyz(*pixel));
@@ -63,7 +63,7 @@ pub fn choose(image: &LayeredImage, name: &str, path: &Path) -> Result<Chosen, S
     })
 }
 
-/// Whether the channels are light. `are_picture`: they are what the picture itself is.
+/// Whether the channels are light. `are_picture`: they are the picture itself.
 fn are_light(channels: &[&Channel], are_picture: bool) -> bool {
     are_picture
         || channels.iter().all(|channel| {

@@ -15,17 +15,17 @@ pub struct Figures {
     pub height: u32,
     /// Mean squared difference of the numbers.
     pub mse: f32,
-    /// The figures of colours; None of data.
+    /// The figures of colours; None for data.
     #[serde(flatten)]
     pub light: Option<Light>,
-    /// The figures of data; None of colours.
+    /// The figures of data; None for colours.
     #[serde(flatten)]
     pub data: Option<Data>,
-    /// Pixels of each with values that are no numbers or infinite, which count as black.
+    /// The number of pixels in each picture with NaN or infinite values, which count as black.
     pub not_finite: [usize; 2],
 }
 
-/// How two pictures of light differ.
+/// The differences of two pictures of light.
 #[derive(Serialize)]
 pub struct Light {
     /// Mean luminances of the picture and of the reference.
@@ -33,20 +33,20 @@ pub struct Light {
     /// The first divided by the second; None if the reference is black.
     pub mean_ratio: Option<f32>,
     pub relmse: f32,
-    /// Decibels; None for pictures that are equal on a display.
+    /// Decibels; None for pictures that look equal on a display.
     pub psnr: Option<f32>,
     /// None for pictures of less than 11 pixels along a side.
     pub ssim: Option<f32>,
     /// The mean over the pixels, and the greatest.
     pub flip: f32,
     pub flip_greatest: f32,
-    /// First and last exposure in stops; None if pictures of a display were compared.
+    /// First and last exposure in stops; None for display-referred pictures.
     pub flip_exposures: Option<[f32; 2]>,
-    /// None if neither picture knows its variance.
+    /// None if neither picture has variances.
     pub z: Option<ZScores>,
 }
 
-/// How two layers of numbers differ that are no colours.
+/// The differences of two layers of data.
 #[derive(Serialize)]
 pub struct Data {
     /// The means of each component of the picture and of the reference.
@@ -58,7 +58,7 @@ pub struct Data {
 impl Figures {
     pub fn of(pair: &Pair) -> Self {
         let errors = errors(&pair.picture.pixels, &pair.reference.pixels).expect("the pair is finite and of one size");
-        // The blue of two components is 0 in both.
+        // With two components the blue is 0 in both.
         let mse = match pair.components {
             2 => errors.mse * 1.5,
             _ => errors.mse,
@@ -73,7 +73,7 @@ impl Figures {
         }
     }
 
-    /// Names and values of all figures.
+    /// The names and values of all figures.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let mut rows = Vec::new();
         let mse = ("MSE", format!("{:.6e}", self.mse));
@@ -180,7 +180,7 @@ impl Data {
     }
 }
 
-/// The variances of both must be of the same thing: luminance if one of them is.
+/// The variances of both must be of the same quantity: luminance if one of them is.
 fn scores(pair: &Pair) -> Option<ZScores> {
     let known = || pair.variances.iter().flatten();
     let is_of_luminance = known().any(|variance| variance.is_of_luminance);
@@ -195,7 +195,7 @@ fn scores(pair: &Pair) -> Option<ZScores> {
     let in_red = |value: f32| Rgb::new(value, 0.0, 0.0);
     let luminances = |pixels: &[Rgb]| pixels.iter().map(|&rgb| in_red(luminance(rgb))).collect::<Vec<Rgb>>();
     let variances = pair.variances.each_ref().map(|variance| {
-        // Variances of components do not tell the variance of the luminance.
+        // The variance of the luminance does not follow from the variances of components.
         let variance = variance.as_ref().filter(|variance| variance.is_of_luminance)?;
         Some(
             variance

@@ -1,4 +1,4 @@
-//! Figures by which a script decides.
+//! The figures and thresholds for scripts.
 
 use clap::ValueEnum;
 
@@ -23,12 +23,12 @@ impl Metric {
         value.map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Whether greater values mean pictures that are more alike.
+    /// Whether greater values mean more similar pictures.
     fn is_likeness(self) -> bool {
         matches!(self, Self::Psnr | Self::Ssim)
     }
 
-    /// None if the pictures do not tell.
+    /// The value of the figure; None if the pictures do not have it.
     fn value(self, figures: &Figures) -> Option<f32> {
         let light = figures.light.as_ref();
         match self {
@@ -94,8 +94,8 @@ impl Threshold {
         Ok(Self { metric, limit })
     }
 
-    /// A sentence if the pictures differ too much. A figure that is not known, or a picture with pixels that are no
-    /// numbers, is as bad as one beyond the limit.
+    /// A sentence if the pictures differ too much. An unknown figure, or a picture with NaN or infinite pixels, counts
+    /// as beyond the limit.
     pub fn broken_by(&self, figures: &Figures) -> Option<String> {
         let Self { metric, limit } = *self;
         let name = metric.name();

@@ -1,6 +1,6 @@
-//! `sunroom diff`: how much a picture differs from another, in figures, as pictures, and as a page.
+//! `sunroom diff`: the difference of a picture from another, in figures, as pictures, and as a page.
 //!
-//! Exit codes are those of `diff` and `cmp`: 0 alike enough, 1 too different, 2 wrong usage or a file that cannot be
+//! Exit codes are those of `diff` and `cmp`: 0 similar enough, 1 too different, 2 wrong usage or a file that cannot be
 //! read or written.
 
 mod chosen;
@@ -70,7 +70,7 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode, Failure> {
 
 type Error = Box<dyn std::error::Error>;
 
-/// Whether the pictures are alike enough.
+/// Whether the pictures are similar enough.
 fn diff(args: &DiffArgs) -> Result<bool, Error> {
     let results = [&args.output, &args.flip_map, &args.html];
     let results: Vec<PathBuf> = results.into_iter().flatten().cloned().collect();
@@ -117,7 +117,7 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
         outputs::write_picture(path, &difference(&pair, path), &options)?;
     }
     if let (Some(path), Some(errors)) = (&args.flip_map, pair.flip_picture()) {
-        // The colours are those of a display already.
+        // The colours are already display-referred.
         outputs::write_picture(path, &LayeredImage::from(&errors), &FileOptions::default())?;
     }
     if let Some(path) = &args.html {
@@ -134,7 +134,7 @@ fn diff(args: &DiffArgs) -> Result<bool, Error> {
     Ok(alike)
 }
 
-/// The difference as its file holds it.
+/// The difference as the file is to store it.
 fn difference(pair: &Pair, path: &Path) -> LayeredImage {
     let is_exr = path
         .extension()

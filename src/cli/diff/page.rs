@@ -1,4 +1,4 @@
-//! A page that shows a comparison: one file with its pictures in it.
+//! Makes an HTML page of a comparison: one file with its pictures inside.
 
 use sunroom::render::image_io::{FileFormat, FileOptions, ImageIoError, ImageRgb, encode_layered};
 use sunroom::render::layered_image::LayeredImage;
@@ -6,7 +6,7 @@ use sunroom::render::layered_image::LayeredImage;
 use super::figures::Figures;
 use super::pair::Pair;
 
-/// The page as HTML. `options` say how the pictures are shown.
+/// The page as HTML. `options` say how the pictures are displayed.
 pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<String, ImageIoError> {
     let shown = FileOptions {
         png_16_bits: false,
@@ -29,7 +29,7 @@ pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<Str
         "" => String::new(),
         layer => format!(", layer {}", escaped(layer)),
     };
-    // The values are put in together: a value that looks like a place for another is left alone.
+    // All values are inserted in one pass: a value that looks like a placeholder is not replaced.
     let values = [
         ("name", name),
         ("against", against),

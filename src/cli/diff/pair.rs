@@ -1,4 +1,4 @@
-//! Two pictures that are compared.
+//! Two pictures to be compared.
 
 use std::path::{Path, PathBuf};
 
@@ -13,26 +13,26 @@ use sunroom::render::layered_image::LayeredImage;
 
 pub struct Pair {
     pub paths: [PathBuf; 2],
-    /// The layer that is compared; empty for the picture itself.
+    /// The compared layer; empty for the picture itself.
     pub layer: String,
-    /// The picture and the reference, of one size. Values that are no numbers or infinite are black.
+    /// The picture and the reference, of one size. NaN and infinite values are black.
     pub picture: ImageRgb,
     pub reference: ImageRgb,
-    /// The pixels of each that had such values.
+    /// The number of pixels in each with such values.
     pub not_finite: [usize; 2],
     /// The variances of picture and reference.
     pub variances: [Option<Variance>; 2],
-    /// How many numbers a pixel has, 1 to 3.
+    /// The number of components of a pixel, 1 to 3.
     pub components: usize,
-    /// What is compared in another way than it is stored, a sentence each.
+    /// Sentences about values that are compared in another form than they are stored.
     pub notes: Vec<String>,
-    /// How the pictures differ for a viewer; None of data.
+    /// The perceived difference; None for data.
     pub seen: Option<Seen>,
 }
 
-/// How two pictures of light differ for a viewer.
+/// The perceived difference of two pictures of light.
 pub struct Seen {
-    /// The exposures of FLIP; None for pictures of a display.
+    /// The exposures of FLIP; None for display-referred pictures.
     pub exposures: Option<Exposures>,
     /// The errors of FLIP, row by row.
     pub flip: Vec<f32>,
@@ -41,7 +41,7 @@ pub struct Seen {
 /// The variance of each pixel's value.
 pub struct Variance {
     pub pixels: Vec<Rgb>,
-    /// It is of the luminance, and all three components are the same.
+    /// Whether it is the variance of the luminance, with all three components equal.
     pub is_of_luminance: bool,
 }
 
@@ -61,7 +61,7 @@ impl Pair {
         }
         let chosen = choose(&loaded.image, layer, paths[0])?;
         let other = choose(&against.image, layer, paths[1])?;
-        // A picture may be grey and the other one coloured.
+        // One picture may be grey and the other coloured.
         if !layer.is_empty() && (chosen.components, chosen.is_light) != (other.components, other.is_light) {
             return Err(format!(
                 "{} has {} of the name `{layer}`, and {} has {}: they are not the same",
@@ -95,7 +95,7 @@ impl Pair {
         })
     }
 
-    /// The errors of FLIP in the colours of a display; None of data.
+    /// The errors of FLIP as display colours; None for data.
     pub fn flip_picture(&self) -> Option<ImageRgb> {
         let color = |error: &f32| magma(*error).map(linear_from_srgb);
         let seen = self.seen.as_ref()?;
@@ -115,7 +115,7 @@ impl Pair {
     }
 }
 
-/// How unlike pictures are compared, as [`Pair::notes`].
+/// The sentences for [`Pair::notes`].
 fn notes(paths: [&Path; 2], [chosen, other]: [&Chosen; 2], is_displayed: [bool; 2]) -> Vec<String> {
     let mut notes = Vec::new();
     let names = paths.map(Path::display);
@@ -170,7 +170,7 @@ fn load(path: &Path) -> Result<LoadedPicture, String> {
     load_picture(&bytes).map_err(|error| named(&error))
 }
 
-/// Makes pixels black that have values that are no numbers or infinite; returns how many.
+/// Makes pixels with NaN or infinite values black; returns their number.
 fn blacken(image: &mut ImageRgb) -> usize {
     let broken = image.pixels.iter_mut().filter(|pixel| !pixel.is_finite());
     broken.map(|pixel| *pixel = Rgb::ZERO).count()

@@ -1,4 +1,4 @@
-//! The options of the command line that override the file.
+//! The command-line options that override the file.
 
 use bevy::prelude::*;
 use sunroom::engine::{RenderControl, active_film};
@@ -9,7 +9,7 @@ use sunroom::scene::{
 use super::args::RenderArgs;
 use crate::cli::report::{self, Failure};
 
-/// Applies the options of the command line, which override the file.
+/// Applies the command-line options that override the file.
 pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
     let has_media = world.query::<&Medium>().iter(world).next().is_some();
     let mut integrator = world.resource_mut::<IntegratorSettings>();
@@ -44,7 +44,7 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     if args.noise.is_some() {
         world.resource_mut::<RenderControl>().noise_target = args.noise;
     } else if args.spp.is_some() || args.time.is_some() || args.shares.is_given() {
-        // What is asked for takes the place of both limits of the file.
+        // The given limit replaces both limits of the file.
         world.resource_mut::<RenderControl>().noise_target = Some(0.0);
     }
     if let Some(camera) = &args.camera {
@@ -82,8 +82,8 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
     Ok(())
 }
 
-/// Where the paths of these settings are not guided, as the end of a sentence; None if they are, or if only `auto` can
-/// say.
+/// The reason why paths with these settings are not guided, as the end of a sentence; None if they are, or if `auto` is
+/// still to decide.
 fn why_unguided(integrator: &IntegratorSettings, has_media: bool) -> Option<String> {
     let name = integrator.plugin.name();
     match (integrator.max_depth, integrator.strategy) {

@@ -1,4 +1,4 @@
-//! A picture that is to be rendered: what it depends on, and how it is written.
+//! A picture to be rendered: its settings and its outputs.
 
 use std::path::{Path, PathBuf};
 
@@ -12,18 +12,18 @@ use crate::cli::outputs;
 use crate::cli::share::{Settings, Share};
 use crate::cli::stats::StatsFormat;
 
-/// A picture of the scene as it is.
+/// A picture of the scene at its present time.
 pub struct Picture<'a> {
     pub args: &'a RenderArgs,
     pub outputs: &'a [PathBuf],
     pub limits: &'a Limits,
     pub load_ms: f64,
-    /// What samples depend on beside the scene and the view.
+    /// The settings on which samples depend, apart from the scene and the view.
     pub settings: Settings,
 }
 
 impl Picture<'_> {
-    /// Writes the picture, or the part of it that is rendered, to files. Returns those that have it.
+    /// Writes the picture, or its rendered part, to files. Returns those that were written.
     pub fn write<'o>(
         &self,
         share: Option<&Share>,
@@ -46,14 +46,14 @@ impl Picture<'_> {
         self.args.stats == Some(StatsFormat::JsonLines)
     }
 
-    /// Says in the picture where it comes from.
+    /// Sets the attributes about the origin of the picture.
     pub fn describe(&self, picture: &mut LayeredImage, world: &World) {
         let seconds = self.args.time.map(|_| world.resource::<RenderStatus>().seconds);
         describe_picture(picture, world, Some(&self.args.scene.scene), seconds);
     }
 }
 
-/// How the outputs are stored.
+/// The file options of the outputs.
 pub fn file_options(world: &World, args: &RenderArgs) -> FileOptions {
     let storage = active_film(world).map(|film| film.storage).unwrap_or_default();
     args.file.options(args.display.display(), storage)

@@ -1,4 +1,4 @@
-//! One picture is rendered, watched, finished, written and reported.
+//! Renders, watches, finishes, writes and reports one picture.
 
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
@@ -57,7 +57,7 @@ impl Picture<'_> {
         } else {
             0.0
         };
-        // The noisy picture is better than none.
+        // If denoising fails, the noisy picture is written.
         let (pixels, denoise_failure) = match denoised {
             Some(Ok(pixels)) => (pixels, None),
             Some(Err(error)) => (film.radiance(), Some(error)),
@@ -89,7 +89,7 @@ impl Picture<'_> {
             outputs::keep_elsewhere(&picture);
         }
         let status = world.resource::<RenderStatus>();
-        // A share counts the samples of the whole picture.
+        // A share of a picture counts samples of the whole picture.
         let samples = status.samples.saturating_sub(status.first);
         ending.report(samples, args.quiet, args.denoise, &written);
         if let Some(error) = &denoise_failure {
@@ -119,8 +119,8 @@ impl Picture<'_> {
         })
     }
 
-    /// Chooses the integrator, and takes up a checkpoint. Returns the share of the picture that is rendered; None for
-    /// an ordinary picture.
+    /// Chooses the integrator, and resumes a checkpoint. Returns the share of the picture that is rendered; None for an
+    /// ordinary picture.
     fn begin(&self, app: &mut App) -> Result<Option<Share>, Failure> {
         let (args, limits) = (self.args, self.limits);
         let samples = limits.samples.unwrap_or_else(|| samples_of_film(app.world()));
@@ -128,7 +128,7 @@ impl Picture<'_> {
         if !share::take_choice(app.world_mut(), &args.checkpoints)? {
             choose_integrator(app, Some(of_whole), limits)?;
         }
-        // The status tells of the choice.
+        // The choice is in the status.
         load_to_completion(app, limits)?;
         if !args.quiet {
             let view = app.world().resource::<PackedScene>().view.as_ref();
@@ -147,7 +147,7 @@ impl Picture<'_> {
         )
     }
 
-    /// Tells of samples that are not finite, of noise above its limit, and of clamped light.
+    /// Reports samples that are not finite, noise above its limit, and clamped light.
     fn report_limits(&self, status: &RenderStatus, samples: u32, pixels: &[Rgb], is_broken_off: bool) {
         if status.invalid_samples > 0 {
             let count = status.invalid_samples;
@@ -177,7 +177,7 @@ impl Picture<'_> {
     }
 }
 
-/// The samples per pixel that the active camera asks for.
+/// The samples per pixel set by the active camera.
 pub fn samples_of_film(world: &World) -> u32 {
     active_film(world).map_or(1, |film| film.sample_count)
 }
@@ -186,13 +186,13 @@ pub fn samples_of_film(world: &World) -> u32 {
 fn samples_of_whole(args: &RenderArgs, limits: &Limits, world: &World) -> u32 {
     let of_film = samples_of_film(world);
     match &args.shares.samples {
-        // How far other shares go beyond the film's number is not known.
+        // The number of samples in other shares beyond the film's is unknown.
         Some(share) => args.spp.unwrap_or(if share.end > of_film { u32::MAX } else { of_film }),
         None => limits.samples.unwrap_or(of_film),
     }
 }
 
-/// Says what `auto` has chosen.
+/// Reports the choice of `auto`.
 fn report_choice(status: &RenderStatus, samples: u64) {
     let Some(auto) = status.auto else {
         return;
@@ -220,7 +220,7 @@ fn report_choice(status: &RenderStatus, samples: u64) {
     report::line(format_args!("auto takes `{name}`: {why}"));
 }
 
-/// Warns where layers keep light from the picture.
+/// Warns if layers keep light from the picture.
 fn report_missing_light(view: Option<&View>) {
     if view.is_some_and(|view| {
         view.shown == Shown::Radiance && view.integrator.splats() && view.film_layers().parts_light()

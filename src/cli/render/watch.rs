@@ -1,4 +1,4 @@
-//! What happens while a picture is rendered: progress, events for machines, checkpoints, and pictures so far.
+//! The output while a picture is rendered: progress, events for machines, checkpoints, and unfinished pictures.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use crate::cli::progress::Progress;
 use crate::cli::share::{Checkpoints, Share};
 use crate::cli::stats::{memory_bytes, peak_memory_bytes};
 
-/// The time between two events of progress.
+/// The time between two progress events.
 const EVENT_TIME: Duration = Duration::from_secs(1);
 
 /// Watches a render.
@@ -26,14 +26,14 @@ pub struct Watch<'a> {
     pub progress: Progress,
     pub share: Option<&'a Share>,
     pub checkpoints: Checkpoints<'a>,
-    /// When the last event was printed; None before the first.
+    /// The time of the last event; None before the first.
     pub last_event: Option<Instant>,
-    /// When the picture so far was written last; at first, when the render began.
+    /// The time when the unfinished picture was last written; initially the start of the render.
     pub last_picture: Instant,
 }
 
 impl Watch<'_> {
-    /// Looks at the world between two updates of the app.
+    /// Writes the output that is due, between two updates of the app.
     pub fn look(&mut self, world: &World) {
         let status = world.resource::<RenderStatus>();
         self.progress.update(status);
@@ -59,7 +59,7 @@ impl Watch<'_> {
         }
     }
 
-    /// Writes a checkpoint, if there is anything new. Returns whether there is one.
+    /// Writes a checkpoint, if there are new samples. Returns whether a checkpoint exists.
     pub fn save(&mut self, world: &World) -> bool {
         let (status, film) = (world.resource::<RenderStatus>(), &world.resource::<RenderFilm>().film);
         let Some(share) = self.share.filter(|_| film.width() > 0) else {
@@ -76,7 +76,7 @@ impl Watch<'_> {
         })
     }
 
-    /// Writes the picture so far, if every pixel has a sample.
+    /// Writes the unfinished picture, if every pixel has a sample.
     fn show(&mut self, world: &World) {
         let film = &world.resource::<RenderFilm>().film;
         self.last_picture = Instant::now();
@@ -94,7 +94,7 @@ impl Watch<'_> {
         };
         let mut picture = layered_picture(world, &image, None);
         self.picture.describe(&mut picture, world);
-        // Standard output has place for one picture, the finished one.
+        // Standard output takes one picture only, the finished one.
         let files = self.picture.outputs.iter().filter(|path| !outputs::is_stdout(path));
         let files: Vec<PathBuf> = files.cloned().collect();
         let written = self.picture.write(self.share, world, &picture, &files);
@@ -124,7 +124,7 @@ fn progress(status: &RenderStatus) -> Value {
     })
 }
 
-/// Prints an event as a line of its own. A reader that went away misses it.
+/// Prints an event as one line. If the reader is gone, the event is lost.
 pub fn event(event: Value) {
     let _ = outputs::print(format!("{event}\n").as_bytes());
 }

@@ -1,26 +1,26 @@
-//! The files of a scene in one folder, under names by which the scene finds them.
+//! Collects the files of a scene in one folder, under paths at which the scene finds them.
 
 use std::path::{Path, PathBuf};
 
 use sunroom::files::{self, LARGEST_DATA};
 
-/// A file of a scene, and its place in the bundle.
+/// A file of a scene, and its path in the bundle.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Member {
     pub file: PathBuf,
     pub place: PathBuf,
 }
 
-/// Gives every file a place such that files that lie beside each other do so in the bundle. `scene` and `files` are
-/// absolute and without links; files in a folder of `assets`, where scenes look for meshes, go to the folder `assets`
-/// beside the scene's, where they look as well. Returns the place of the scene too.
+/// Gives every file a path in the bundle that keeps relative positions of files. `scene` and `files` are absolute and
+/// without links; files in a folder of `assets`, where scenes search for meshes, go to the folder `assets` beside the
+/// scene's, which is searched as well. Also returns the path of the scene.
 pub fn arrange(scene: &Path, files: &[PathBuf], assets: &[PathBuf]) -> (PathBuf, Vec<Member>) {
     let scene_folder = scene.parent().unwrap_or(Path::new("/"));
     let in_assets = |file: &Path| -> Option<PathBuf> {
         let found = assets.iter().find_map(|folder| file.strip_prefix(folder).ok());
         (!file.starts_with(scene_folder)).then_some(found)?.map(Path::to_owned)
     };
-    // The folder that has the scene and everything that is named by its way from it.
+    // The deepest folder that contains the scene and all files named relative to it.
     let mut common = scene_folder;
     for file in files.iter().filter(|file| in_assets(file).is_none()) {
         while !file.starts_with(common) {
@@ -29,7 +29,7 @@ pub fn arrange(scene: &Path, files: &[PathBuf], assets: &[PathBuf]) -> (PathBuf,
     }
     let place = |file: &Path| file.strip_prefix(common).unwrap_or(file).to_owned();
     let beside = place(scene_folder).parent().map_or_else(PathBuf::new, Path::to_owned);
-    // A scene at the top of the bundle has no folder beside its own: it gets one.
+    // A scene at the top of the bundle has no place beside its folder: it gets a folder of its own.
     let (top, beside) = match scene_folder == common {
         true => (PathBuf::from("scene"), PathBuf::new()),
         false => (PathBuf::new(), beside),

@@ -1,7 +1,7 @@
 //! `sunroom submit`: a folder with a scene, its files, and a job that renders or bakes it on many machines.
 //!
-//! Two scripts do the work, one for a task and one for a merge. What starts them is a template for each system: Open
-//! Job Description, Slurm, GNU parallel.
+//! Two scripts do the work, one for a task and one for a merge. Each system starts them by a template: Open Job
+//! Description, Slurm, GNU parallel.
 
 mod args;
 mod bundle;
@@ -119,7 +119,7 @@ pub fn run(args: &SubmitArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A line about the tasks.
+/// A line about the number of tasks.
 fn summary(args: &SubmitArgs, plan: &Plan, job: &Job) -> String {
     let tasks = counted(plan.tasks(), "task");
     let ranges = format!(
@@ -140,10 +140,10 @@ fn summary(args: &SubmitArgs, plan: &Plan, job: &Job) -> String {
     )
 }
 
-/// What a job consists of.
+/// The content of a job.
 struct Job {
     members: Vec<bundle::Member>,
-    /// The place of the scene among the members.
+    /// The path of the scene in the bundle.
     scene: PathBuf,
     /// Samples per pixel of a frame, or per texel of a bake.
     spp: u32,
@@ -151,7 +151,7 @@ struct Job {
     size: [u32; 2],
 }
 
-/// Loads the scene to see which files it reads. None if it has errors, which have been reported.
+/// Loads the scene to find the files it reads. None if it has errors, which have been reported.
 fn gather(args: &SubmitArgs, work: &Work) -> Result<Option<Job>, Failure> {
     let path = settle(&args.scene.scene);
     record_reads();
@@ -160,7 +160,7 @@ fn gather(args: &SubmitArgs, work: &Work) -> Result<Option<Job>, Failure> {
         return Ok(None);
     }
     let document = load_document(&path, &args.scene.defines.defines, Trust::Everything.access(&path))?;
-    // The document of a glTF file names its parts in the user's cache. Every machine makes these for itself.
+    // The document of a glTF file names its parts in the user's cache. Every machine recreates these.
     let is_own_part = |file: &Path| document.imported && is_part(file);
     if let Some(name) = absolute_name(&document, &is_own_part) {
         let message = format!(
@@ -184,7 +184,7 @@ fn gather(args: &SubmitArgs, work: &Work) -> Result<Option<Job>, Failure> {
     }))
 }
 
-/// A name of a file in the document that is absolute and not excepted, if there is one.
+/// An absolute file name in the document for which `is_excepted` is false, if there is one.
 fn absolute_name(document: &Document, is_excepted: &dyn Fn(&Path) -> bool) -> Option<String> {
     let mut waiting = vec![&*document.root];
     while let Some(object) = waiting.pop() {
@@ -277,12 +277,12 @@ fn scripts(args: &SubmitArgs, work: &Work, plan: &Plan, job: &Job) -> [(&'static
     ]
 }
 
-/// A word for a shell.
+/// A word quoted for a shell.
 fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// Writes a file that can be run.
+/// Writes an executable file.
 fn write_script(path: &Path, content: &str) -> Result<(), Failure> {
     files::write_atomically(path, content).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     #[cfg(unix)]
@@ -293,7 +293,7 @@ fn write_script(path: &Path, content: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether the scene in the job finds its files there. What is missing is reported by the check.
+/// Whether the scene in the job finds its files there. The check reports missing files.
 fn is_complete(args: &SubmitArgs, scene: &Path) -> Result<bool, Failure> {
     let mut check = Command::new(std::env::current_exe()?);
     check

@@ -6,27 +6,27 @@ use sunroom::render::part::Crop;
 use sunroom::render::passes::chunk_of;
 use sunroom::render::tile::TILE;
 
-/// The least side in pixels of a crop that the user has not asked for. A smaller crop costs more to start than to
+/// The least side, in pixels, of a crop that the user has not asked for. A smaller crop costs more to start than to
 /// render.
 const LEAST_CROP: u32 = 256;
-/// The factor by which a task may exceed the time that is asked for, before crops divide it further.
+/// The factor by which a task may exceed the requested time, before crops divide it further.
 const TOLERANCE: f64 = 1.25;
 
 /// The tasks of a job. Task `n` renders range `n % ranges` of crop `n / ranges % crops` of the frames of group `n /
 /// ranges / crops`.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// The numbers of the frames; 0 is the one picture of a still.
+    /// The numbers of the frames; 0 for the single picture of a still.
     pub frames: RangeInclusive<u32>,
-    /// The frames that a task renders one after the other, at least 1.
+    /// The number of frames that a task renders in turn, at least 1.
     pub frames_a_task: u32,
     /// The ends of the ranges of samples, from 0 to the number of samples per pixel.
     pub cuts: Vec<u32>,
-    /// The pieces that a frame is cut into, which are all of it together.
+    /// The crops of a frame, which cover it exactly.
     pub crops: Vec<Crop>,
 }
 
-/// What is divided.
+/// The job to be divided.
 #[derive(Clone, Debug)]
 pub struct Whole {
     /// The numbers of the frames.
@@ -35,14 +35,14 @@ pub struct Whole {
     pub spp: u32,
     /// The width and the height of a frame in pixels.
     pub size: [u32; 2],
-    /// The columns and rows of crops that are asked for.
+    /// The requested columns and rows of crops.
     pub grid: Option<[u32; 2]>,
 }
 
 impl Plan {
     /// Divides frames, each of which takes `frame_seconds`, into tasks of about `task_seconds`: either a frame is
-    /// divided, or a task gets several frames. A frame is divided by its samples as long as these can be cut into
-    /// ranges short enough, and beyond that it is cropped as well.
+    /// divided, or a task gets several frames. A frame is divided by its samples as long as the ranges can be short
+    /// enough, and beyond that it is cropped as well.
     pub fn of_times(whole: Whole, frame_seconds: f64, task_seconds: f64) -> Result<Self, String> {
         let count = f64::from(whole.frames.end() - whole.frames.start()) + 1.0;
         let frames_a_task = match whole.grid {
@@ -68,8 +68,8 @@ impl Plan {
         })
     }
 
-    /// Divides the samples of each frame into this number of ranges, or fewer where pictures cannot be cut so often. An
-    /// error says that the picture has too few tiles for the crops that are asked for.
+    /// Divides the samples of each frame into this number of ranges, or fewer if pictures cannot be cut so often. An
+    /// error says that the picture has too few tiles for the requested crops.
     pub fn of_shares(whole: Whole, shares: u32) -> Result<Self, String> {
         Ok(Self {
             frames: whole.frames,
@@ -137,7 +137,7 @@ fn crops(size: [u32; 2], grid: [u32; 2]) -> Result<Vec<Crop>, String> {
         .collect())
 }
 
-/// The places nearest to equal shares at which a picture of `spp` samples may be cut.
+/// The sample indices, nearest to equal shares, at which a picture of `spp` samples may be cut.
 fn cuts(spp: u32, shares: u32) -> Vec<u32> {
     let shares = shares.clamp(1, spp.max(1));
     let mut cuts: Vec<u32> = (0..shares)

@@ -1,4 +1,4 @@
-//! What the tasks of a job do: they render pieces of frames, or bake shares of a level.
+//! The work of a job's tasks: rendering parts of frames, or baking shares of a level.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -17,10 +17,10 @@ use crate::cli::parse::with_negative_values;
 use crate::cli::render::{RenderArgs, apply_overrides};
 use crate::cli::report::{self, Failure};
 
-/// The time in seconds for which a share of a bake is gathered to measure it.
+/// The time in seconds for which light is gathered to measure the speed of a bake.
 const BAKE_SECONDS: f64 = 4.0;
 
-/// What the tasks do, with the options that they have.
+/// The command of the tasks, with its options.
 pub enum Work {
     Render(Box<RenderArgs>),
     Bake(Box<BakeArgs>),
@@ -35,8 +35,8 @@ struct Options<T: clap::Args> {
 }
 
 impl Work {
-    /// What the tasks of this job understand by their options. None may be given twice, and some options do not go with
-    /// those that each task adds.
+    /// Parses the options of this job's tasks. None may be given twice, and some conflict with those that each task
+    /// adds.
     pub fn of(args: &SubmitArgs) -> Result<Self, Failure> {
         let mut words = vec![args.scene.scene.clone().into_os_string()];
         if let Some(frames) = &args.frames {
@@ -58,7 +58,7 @@ impl Work {
             let message = "the options after `--`: tasks have their own --output, and --frames comes before `--`";
             return Err(Failure::Usage(message.to_owned()));
         }
-        // A task renders a single frame, which is no whole turn.
+        // A task renders a single frame, not a whole turntable.
         render.sequence.first_outputs(&[])?;
         Ok(Self::Render(Box::new(render)))
     }
@@ -72,7 +72,7 @@ impl Work {
     }
 
     /// The samples of each pixel or texel, and the width and the height of a frame in pixels; a bake is not divided by
-    /// its places, and counts as one pixel.
+    /// texels, and counts as one pixel.
     pub fn extent(&self, args: &SubmitArgs, world: &mut World) -> Result<(u32, [u32; 2]), Failure> {
         let options = match self {
             Self::Render(options) => options,
@@ -88,7 +88,7 @@ impl Work {
         Ok((args.spp.unwrap_or(film.sample_count), size))
     }
 
-    /// The seconds that a frame or the bake takes on this machine, by doing a little of it.
+    /// The estimated seconds for a frame or the bake on this machine, measured on a small part.
     pub fn seconds(&self, args: &SubmitArgs, spp: u32) -> Result<f64, Failure> {
         match self {
             Self::Render(options) => frame_seconds(args, options, spp),
@@ -97,7 +97,7 @@ impl Work {
     }
 }
 
-/// The options of each task that the user has given.
+/// The options that the user has given for each task.
 pub fn options(args: &SubmitArgs) -> Vec<String> {
     let defines = args.scene.defines.defines.iter();
     let defines = defines.flat_map(|(name, value)| ["-D".to_owned(), format!("{name}={value}")]);
@@ -118,11 +118,11 @@ fn parse<T: clap::Args>(words: Vec<OsString>) -> Result<T, Failure> {
     Ok(parsed.options)
 }
 
-/// The program with these words and the options of tasks, and no progress.
+/// The program with these words and the options of tasks, without progress.
 fn measured(args: &SubmitArgs, command: &str, output: &Path, is_quiet: bool, more: &[&str]) -> Result<Output, Failure> {
     let mut program = Command::new(std::env::current_exe()?);
     program.arg(command).arg(&args.scene.scene).arg("-o").arg(output);
-    // What the tasks print does not matter here, and no option may be given twice.
+    // The output of tasks is not needed here, and no option may be given twice.
     program.args(options(args).iter().filter(|option| !option.starts_with("--stats")));
     program.args((!is_quiet).then_some("--quiet")).args(more);
     Ok(program.output()?)
@@ -136,7 +136,7 @@ fn frame_seconds(args: &SubmitArgs, options: &RenderArgs, spp: u32) -> Result<f6
         more.extend(["--frames", first]);
     }
     let output = measured(args, "render", &folder.path().join("a.pfm"), options.quiet, &more)?;
-    // If the time ends before each pixel has a sample, the render fails, but it prints its figures all the same.
+    // If the time limit ends before each pixel has a sample, the render fails, but it still prints its figures.
     let Ok(stats) = serde_json::from_slice::<serde_json::Value>(&output.stdout) else {
         report::line(String::from_utf8_lossy(&output.stderr).trim_end());
         return Err("the scene cannot be rendered as the tasks would render it".into());
@@ -146,11 +146,11 @@ fn frame_seconds(args: &SubmitArgs, options: &RenderArgs, spp: u32) -> Result<f6
     Ok(number("load_ms") / 1e3 + samples / (number("msamples_per_s") * 1e6).max(1.0))
 }
 
-/// Gathers one sample of each texel, and then as many as take a few seconds if that was shorter.
+/// Gathers one sample of each texel, and if that was short, as many as take a few seconds.
 fn bake_seconds(args: &SubmitArgs, options: &BakeArgs, spp: u32) -> Result<f64, Failure> {
     let folder = tempfile::tempdir()?;
     let share = folder.path().join("a.bake");
-    // The seconds before light is gathered and after it, and those of a sample.
+    // The seconds without gathering, and those per sample.
     let measure = |samples: u32| -> Result<[f64; 2], Failure> {
         let begin = Instant::now();
         let range = format!("0..{samples}");

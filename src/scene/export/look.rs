@@ -75,7 +75,7 @@ impl Look {
         }
     }
 
-    /// The look of a pane with the inverse index if that is below 1: it reflects the same on both sides.
+    /// The look of a pane, whose index, if below 1, is replaced by its inverse: both reflect the same.
     pub fn upright(self) -> Self {
         Self {
             index: self.index.max(self.index.recip()),
