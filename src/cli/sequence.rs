@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(name("out/a-#.exr", 1234), "out/a-1234.exr");
         assert_eq!(name("#x##y.png", 5), "#x05y.png");
         assert_eq!(name("out/a.tar.exr", 17), "out/a.tar-0017.exr");
-        // Folders keep their names.
+        // The names of folders stay unchanged.
         assert_eq!(name("##/a.png", 2), "##/a-0002.png");
     }
 }

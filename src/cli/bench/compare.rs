@@ -203,7 +203,7 @@ mod tests {
             "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, scenes/box at 8 x 6 and 16 spp\n  \
              this run has box at 8 x 6 and 32 spp"
         );
-        // Only the whole name tells which of the two is meant.
+        // Only the whole path identifies one of the two.
         let two = results(vec![render("a/box", 16, 3.0), render("b/box", 16, 4.0)]);
         let text = table(&results(vec![render("b/box", 16, 2.0)]), &two);
         assert!(text.contains("speed 2.00"), "{text}");

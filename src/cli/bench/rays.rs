@@ -342,7 +342,7 @@ mod tests {
         ];
         let target = Target::new(blas);
         assert_eq!(check(&target, &set), (2, 1));
-        // The last of them alone in its lanes.
+        // The last of them is alone in its packet.
         let mut many = vec![answered(3.0, 0); LANES];
         many.push(answered(2.0, 0));
         assert_eq!(check(&target, &many), (1, 0));

@@ -30,14 +30,14 @@ pub struct Figures {
 pub struct Light {
     /// Mean luminances of the picture and of the reference.
     pub means: [f32; 2],
-    /// The first divided by the second; None if the reference is black.
+    /// The mean of the picture divided by that of the reference; None if the reference is black.
     pub mean_ratio: Option<f32>,
     pub relmse: f32,
     /// Decibels; None for pictures that look equal on a display.
     pub psnr: Option<f32>,
     /// None for pictures of less than 11 pixels along a side.
     pub ssim: Option<f32>,
-    /// The mean over the pixels, and the greatest.
+    /// The mean and the maximum over the pixels.
     pub flip: f32,
     pub flip_greatest: f32,
     /// First and last exposure in stops; None for display-referred pictures.

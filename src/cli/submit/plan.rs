@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn what_ranges_cannot_divide_is_cropped() {
-        // 40 hours in tasks of ten minutes are 240 tasks, and a range has a sixteenth of the samples at least.
+        // 40 hours in tasks of ten minutes are 240 tasks, and a range has at least a sixteenth of the samples.
         let plan = |size| Plan::of_times(whole(0..=0, 4096, size), 144_000.0, 600.0).expect("a plan");
         let large = plan([1920, 1080]);
         let longest = large

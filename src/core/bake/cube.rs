@@ -160,7 +160,7 @@ mod tests {
         let bordered = picture.bordered(0, 2);
         assert_eq!(bordered.len(), 144);
         assert_eq!(bordered[2 * 12 + 2], picture.texels[0]);
-        // The sides before and behind: farther around.
+        // The neighbouring faces continue the row.
         let row = &bordered[6 * 12..7 * 12];
         let angles: Vec<f32> = row.iter().map(|direction| direction.z.atan2(direction.x)).collect();
         assert!(angles.windows(2).all(|two| two[1] >= two[0]), "{angles:?}");

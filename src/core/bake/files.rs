@@ -310,7 +310,7 @@ mod tests {
                 Some((7, 3)),
             ),
             (r#"{"format": "sunroom-lightmaps", "samples": -1}"#, None),
-            // The checksum is that of no bytes.
+            // The checksum of no bytes.
             (
                 r#"{"format": "sunroom-lightmaps", "samples": 7, "crc32": {"level.glb": "00000000"}}"#,
                 Some((7, 0)),

@@ -114,7 +114,7 @@ mod tests {
         let means = [3.0, 5.0, 6.5].map(|mean: f32| Some(Rgb::splat(mean * FRAC_1_PI)));
         assert_eq!(small.white, means);
         assert_eq!(finished(&places(&all), 0, &picture, 5).size, picture.size);
-        // The gaps between surfaces count for nothing.
+        // The gaps between surfaces are left out of the means.
         let small = finished(&places(&[0, 1, 2, 3, 5, 6, 7]), 0, &picture, 3);
         let means = [Some(3.0), Some(4.0), None];
         assert_eq!(

@@ -297,7 +297,7 @@ impl BakeJob {
             }
             self.finish_lightmaps(watch)?;
         }
-        // The limits of time and noise are those of lightmaps.
+        // The limits of time and noise are for lightmaps only.
         let samples = limits.samples.unwrap_or(USUAL_SAMPLES);
         for number in 0..self.blueprint.probes.len() {
             if self.baked.as_ref().is_some_and(|baked| baked.probes[number].is_some()) {

@@ -324,8 +324,7 @@ impl Group {
                             vertices.len() as u32 - 1
                         })
                     });
-                    // A back that is the only side keeps the corner order of the front, since its material is
-                    // two-sided.
+                    // A back that is the only side keeps the winding of the front: its material is two-sided.
                     let [a, b, c] = corners;
                     let is_turned = sheet.is_back && !self.is_parted(sheet);
                     if is_turned { [a, c, b] } else { corners }

@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_light_without_texels_is_damaged() {
-        // Two groups of samples of no texel take no bytes, however many are said to be there.
+        // Two groups of samples of no texels take no bytes, whatever their declared number.
         let light = |count: u64, groups: u32| light(count, groups, [0; 2], 0.0);
         assert!(read_light(&mut Reader(&light(1, 2))).is_ok());
         assert!(read_light(&mut Reader(&light(0, 2))).is_err());
@@ -310,7 +310,7 @@ mod tests {
         }
     }
 
-    /// The bytes of a light whose texels have no samples but the first 16.
+    /// The bytes of a light whose texels have only the first 16 samples.
     fn light(count: u64, groups: u32, rays: [u64; 2], seconds: f64) -> Vec<u8> {
         let mut bytes = Writer::default();
         bytes.put(count);

@@ -64,7 +64,7 @@ const REACH: f32 = 0.7072;
 /// How far, as a share of a texel, a point on the border of a triangle moves inwards, so that it is not inside a wall
 /// that may stand there.
 const INSET: f32 = 0.05;
-/// The lowest weight of a corner, in barycentric coordinates, that counts as on the triangle.
+/// How far below 0 a barycentric coordinate may be at a point that counts as on the triangle.
 const ON_EDGE: f32 = 1e-4;
 /// The largest distance of samples from their part of the surface, in sides of the texel.
 const MOST_WAY: f32 = 0.1;
@@ -437,7 +437,7 @@ mod tests {
         broken.coordinates[3] = Vec2::INFINITY;
         let texels = covered_texels(&[flat, thin, broken], UVec2::splat(8), 2);
         assert_eq!((texels.texels.len(), texels.pages.len()), (0, 2));
-        // It ends, whatever it covers.
+        // It terminates for any coordinates.
         covered_texels(&[outside], UVec2::splat(8), 1);
     }
 

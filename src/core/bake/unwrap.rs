@@ -405,7 +405,7 @@ mod tests {
         needle.part_of_triangle = vec![0, 0];
         for (height, has_surface) in [(1e-3, true), (1e-5, true), (1e-8, false), (0.0, false)] {
             needle.positions[2] = Vec3::new(0.5, height, 0.0);
-            // The crate takes what it is said to take.
+            // The crate agrees with `has_surface`.
             assert_eq!(needle.has_surface(), has_surface, "{height}");
             let layout = unwrap(&[square(1.0), needle.clone()], &with_density(8.0));
             assert_eq!(layout.is_ok(), has_surface, "{height}");
@@ -447,7 +447,7 @@ mod tests {
     fn texels_smaller_than_any_shape_are_handled() {
         let layout = unwrap(&[square(1e-3)], &with_density(1.0)).expect("a layout");
         assert_eq!(layout.pages, 1);
-        // The page ends where the shapes do.
+        // The page is cropped to the shapes.
         assert!(layout.size.y < 16, "{}", layout.size);
     }
 }

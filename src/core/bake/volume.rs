@@ -197,7 +197,7 @@ mod tests {
         let mut light = Lightmaps::new(18);
         light.ends = vec![2];
         for (index, sum) in light.groups[0].iter_mut().enumerate() {
-            // The point in the middle sees backs alone.
+            // The point in the middle sees only backs.
             *sum = match index / 6 {
                 1 => TexelSum {
                     backs: 2,

@@ -344,7 +344,7 @@ mod tests {
         for (time, expected) in linear {
             assert_eq!(value(Interpolation::Linear, time), expected, "{time}");
         }
-        // A quarter of the time is 5/32 of the way.
+        // A quarter of the time is 5/32 of the interval.
         assert_eq!(value(Interpolation::Ease, 1.5), 2.0 + 4.0 * 5.0 / 32.0);
         assert_eq!(value(Interpolation::Step, 2.999), 2.0);
         assert_eq!(value(Interpolation::Step, 3.0), 6.0);

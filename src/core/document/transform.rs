@@ -148,7 +148,7 @@ mod tests {
         let expected = axes(1.0, 1.0);
         assert!(expected.z_axis.abs_diff_eq(to.normalize(), 1e-6), "{expected}");
         for size in [1e-44f32, 1e-38, 1e-20, 1e20, 1e38] {
-            // The smallest numbers have but few digits.
+            // The smallest numbers have only few digits.
             let tolerance = if size < 1e-40 { 0.2 } else { 1e-6 };
             assert!(axes(size, 1.0).abs_diff_eq(expected, tolerance), "{size}");
             assert!(axes(1.0, size).abs_diff_eq(expected, tolerance), "{size}");

@@ -275,7 +275,7 @@ mod tests {
         }
         // A file that does not exist is judged by its name.
         assert!(access.read(&path("scene/nothing"), 100).unwrap_err().is_not_found());
-        // Nothing is remembered of files that do not exist.
+        // Files that do not exist are not recorded as refused.
         let refused = ["d", "scene/../d", "scene-beside/c", "scene/inside/../../d"];
         let sorted = |names: &[&str]| names.iter().map(|name| path(name)).collect::<BTreeSet<PathBuf>>();
         assert_eq!(BTreeSet::from_iter(access.clone().refused()), sorted(&refused));
@@ -386,8 +386,8 @@ mod tests {
         }
     }
 
-    /// Files and folders are swapped for links that lead out while they are opened: what is read is never what the
-    /// links lead to.
+    /// Files and folders are swapped for links to the outside while they are opened: the targets of the links are never
+    /// read.
     #[cfg(unix)]
     #[test]
     fn what_is_swapped_while_it_is_opened_is_not_read() {

@@ -364,7 +364,7 @@ mod tests {
         symlink("a.txt", path("b.txt")).expect("a temporary folder");
         symlink("absent/a.txt", path("c.txt")).expect("a temporary folder");
         symlink("d.txt", path("d.txt")).expect("a temporary folder");
-        // The file is not there at first.
+        // At first the file does not exist.
         for text in ["first", "second"] {
             write_atomically(&path("b.txt"), text).expect("it can be written");
             assert_eq!(fs::read_to_string(path("far/a.txt")).expect("it is there"), text);

@@ -1,7 +1,7 @@
 //! The compressions of OpenEXR files: scenes name them, and the renderer writes with them.
 
 declare_names! {
-    /// The ways in which OpenEXR makes files smaller.
+    /// The compression methods of OpenEXR.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum ExrCompression {
         /// Uncompressed.

@@ -215,7 +215,7 @@ mod tests {
         assert!(matches!(read_text(&path, 5), Err(FileError::NotUtf8)));
         assert!(read(&folder.path().join("nothing"), 5).unwrap_err().is_not_found());
         assert!(matches!(read(folder.path(), 5), Err(FileError::Folder)));
-        // A file of the system that is longer than its metadata says.
+        // A system file that is longer than its metadata says.
         let endless = Path::new("/proc/self/maps");
         if endless.is_file() {
             assert!(matches!(read(endless, 10), Err(FileError::TooLarge { .. })));
@@ -251,7 +251,7 @@ mod tests {
                 );
             }
         }
-        // The handle is checked as well: opening does not wait, whatever the path has become.
+        // The handle is checked as well: opening does not wait, even if the path was replaced.
         let handle = open_without_blocking(&pipe).unwrap();
         assert!(check_metadata(&handle.metadata().unwrap(), 5).is_err());
     }

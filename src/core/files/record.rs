@@ -185,7 +185,7 @@ mod tests {
         for (name, expected) in [("a", true), ("other", true), ("b", false), ("absent", false)] {
             assert_eq!(opened.has(&place(name)), expected, "{name}");
         }
-        // Another program has replaced the file: the new one is what is read the next time.
+        // Another program has replaced the file: the next reading gets the new one.
         std::fs::rename(path("b"), path("a")).expect("a writable folder");
         assert!(opened.has(&place("a")));
         assert!(

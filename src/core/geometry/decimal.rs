@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::sampling::hash::pcg4d;
 
-    /// Whether the text is read at all; then the result must be right.
+    /// Whether the text is read; if so, the result must be right.
     fn is_read(text: &str) -> bool {
         for following in ["", " ", "/", "x"] {
             let Some((value, length)) = leading_f32(format!("{text}{following}").as_bytes()) else {
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn ties_are_left_to_the_standard_library() {
-        // 2^24 + 1 is half-way between two f32; the others round to an f64 that is.
+        // 2^24 + 1 is half-way between two f32; the others round to such an f64.
         for text in [
             "16777217",
             "16777217.0000000",

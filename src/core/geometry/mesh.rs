@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(cube.open_edges(), 0);
         cube.triangles.pop();
         assert_eq!(cube.open_edges(), 3);
-        // A triangle that is turned around does not close the hole.
+        // A triangle with the opposite winding does not close the hole.
         let turned = unit_cube().triangles[11];
         cube.triangles.push([turned[0], turned[2], turned[1]]);
         assert_eq!(cube.open_edges(), 3);

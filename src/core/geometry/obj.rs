@@ -339,8 +339,8 @@ fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Ve
 mod tests {
     use super::*;
 
-    /// A text with every feature of the format, and with what a stretch cannot know by itself: lines, materials in use,
-    /// indices that count backwards.
+    /// A text with every feature of the format, and with statements that depend on earlier chunks: line numbers,
+    /// current materials, indices that count backwards.
     const TRICKY: &str = "\u{feff}# tricky\r\nmtllib a.mtl\\\n b.mtl\r\nv 0 0 0\rv 1 0 0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 \\\r\n0\nf 1 2 3\nusemtl red\n\
         vt 0 0\nvt 1\nvt 1 1 1\nvt nan 1\nvn 0 0 1\nvn 0 0 0\nf 1/1 2/2 3/3 4/4\nf -4/-4/-2 -3/-3/-1 -2/-2/-2\ng one\n\nusemtl none\nodd 1\n\
         f 9 10 11\nusemtl red\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvn 0 0 2\nf -4//-1 -3//-1 -2//-1 -1//-1\nmtllib c.mtl\nf 1 2\ns off\n\
@@ -381,7 +381,7 @@ mod tests {
 
     #[test]
     fn stretches_of_any_length_give_the_same_error() {
-        // Each line in turn is spoilt, and later ones too: the first error is the one to tell.
+        // Each line in turn is broken, and later ones too: the first error is reported.
         let lines: Vec<&str> = TRICKY.split_inclusive('\n').collect();
         for wrong in [
             "v 1 2 x\n",

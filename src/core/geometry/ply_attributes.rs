@@ -268,7 +268,7 @@ mod tests {
                 vec!["my_paint_color=my_paint_r,my_paint_g,my_paint_b"],
             ),
             ("p_r p_g p_b p_a", vec!["p_color=p_r,p_g,p_b"]),
-            // Two or four values, a wrong order, a gap, an ending of more than one letter: none.
+            // Two or four values, a wrong order, a gap, a suffix of more than one letter: no attribute.
             ("a_x a_y", vec![]),
             ("a_0 a_1 a_2 a_3", vec![]),
             ("a_z a_y a_x", vec![]),

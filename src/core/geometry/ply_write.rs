@@ -130,7 +130,7 @@ mod tests {
                 &mesh.attributes
             )
         );
-        // Bytes stand for colours.
+        // Bytes are colours.
         mesh.attributes[1].values = AttributeValues::Srgb8((0..24).map(|value| value * 10).collect());
         let read = load_ply(&binary_ply(&mesh)).expect("a good file").mesh;
         let AttributeValues::F32(values) = &read.attributes[1].values else {

@@ -117,8 +117,8 @@ mod tests {
         triangles
     }
 
-    /// The areas of all triangles, with the sign of their winding about `normal`: equal sums of both mean no overlap,
-    /// nothing outside.
+    /// The areas of all triangles, absolute and with the sign of their winding about `normal`: equal sums of both mean
+    /// no overlap, and no part outside.
     fn areas(corners: &[Vec3], normal: Vec3) -> (f32, f32) {
         let signed: Vec<f32> = triangles(corners)
             .iter()

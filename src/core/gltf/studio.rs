@@ -117,7 +117,7 @@ mod tests {
             assert!((backdrop - 1.0).abs() < 1e-3, "{azimuth}: {backdrop}");
         }
         let sides = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(on_a_surface);
-        // A white wall is not lost before the backdrop.
+        // A white wall stands out against the backdrop.
         assert!(sides.iter().all(|side| (0.8..0.97).contains(side)), "{sides:?}");
         let [up, down] = [Vec3::Y, Vec3::NEG_Y].map(on_a_surface);
         assert!((1.2..1.5).contains(&up) && (0.4..0.7).contains(&down), "{up} {down}");

@@ -134,7 +134,7 @@ mod tests {
         ] {
             let path = folder.path().join(name);
             let file = fs::File::create(&path).expect(name);
-            // It has no content, so that it takes no space on the disk.
+            // The file is sparse, so that it takes no space on the disk.
             file.set_len(limit).expect(name);
             files::check(&path, largest(&path)).expect(name);
             file.set_len(limit + 1).expect(name);

@@ -270,7 +270,7 @@ mod tests {
         (folder, cache)
     }
 
-    /// Keeps a part as a program that has ended since, some days ago.
+    /// Stores a part as by a program that ended some days ago.
     fn keep(folder: &Path, bytes: &[u8], days: u64) -> PathBuf {
         let program = PartsCache::new(Some(folder.to_owned()));
         let path = PathBuf::from(program.keep("part", bytes).expect("can be kept"));
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// The lists of programs that have ended. All of them are younger than those that are removed.
+    /// Removes the lists of ended programs, which are too recent to be removed at once.
     fn cleared_lists(folder: &Path) {
         for entry in fs::read_dir(folder).expect("is there").flatten() {
             if entry.file_name().to_string_lossy().starts_with(LIST) {
@@ -323,7 +323,7 @@ mod tests {
             .map(|i| keep(folder.path(), &[i; 100], 10 - u64::from(i)))
             .collect();
         cleared_lists(folder.path());
-        // The oldest is used again, by a program that runs; the second oldest by this one.
+        // The oldest is used again by a running program; the second oldest by this one.
         let other = PartsCache::new(Some(folder.path().to_owned()));
         other.keep("part", &[0; 100]).expect("can be kept");
         cache.keep("part", &[1; 100]).expect("can be kept");
@@ -333,7 +333,7 @@ mod tests {
         cache.tidy_down_to(350);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
         assert_eq!(left, [true, true, false, false, true]);
-        // They are kept even if there is less room than they take, or after a month.
+        // They are kept even beyond the size limit, or after a month.
         make_old(&parts[0].with_file_name(MARKER), 40);
         cache.tidy_down_to(0);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
@@ -346,7 +346,7 @@ mod tests {
         let old = keep(folder.path(), b"old", 31);
         cleared_lists(folder.path());
         let list = folder.path().join(format!("{LIST}long"));
-        // It has no content, so that it takes no space on the disk.
+        // The file is sparse, so that it takes no space on the disk.
         let file = File::create(&list).expect("a temporary folder");
         file.lock().expect("no program else has it");
         file.set_len(LARGEST_NOTE + 1).expect("it can be longer");

@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(again, read);
         assert!(!authored.is_stand_in());
 
-        // For a plugin that says everything, nothing is kept.
+        // For a plugin with every parameter spelled out, nothing is stored.
         let whole = source(&read.clone().at(place), &read);
         assert_eq!((whole.as_read.rest.as_ref(), whole.as_read()), (None, read));
     }

@@ -117,7 +117,7 @@ mod tests {
         let before = metal(Rgb::splat(0.5), 0.1);
         let red = Rgb::new(0.5, 0.1, 0.1);
         let after = metal(red, 0.1);
-        // A colour is one thing: its red did not change, but is taken along.
+        // A colour is carried over as a whole: its red did not change, but is copied.
         assert_eq!(carried(&before, &after, &metal(Rgb::splat(0.9), 0.7)), metal(red, 0.7));
         assert_eq!(carried(&before, &after, &paint(Rgb::splat(0.9))), paint(red));
         assert_eq!(carried(&before, &metal(Rgb::splat(0.5), 0.9), &paint(red)), paint(red));

@@ -70,12 +70,12 @@ macro_rules! declare_plugins {
         }
 
         impl $Family {
-            /// What is declared of every plugin, in the order of lists.
+            /// The declarations of all plugins, in the order of lists.
             pub(crate) const DECLARED: &'static [PluginInfo] = &[$($plugin),*];
             /// The names of all plugins.
             pub const PLUGINS: [&'static str; Self::DECLARED.len()] = [$($plugin.name),*];
 
-            /// What a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+            /// The plugin of this name with default parameters; None if there is no such plugin.
             pub fn of_plugin(plugin: &str) -> Option<Self> {
                 $(if plugin == const { $plugin.name } {
                     return Some(Self::$Variant $({ $($field: $default),* })? $((<$Inside>::default()))?);
@@ -83,7 +83,7 @@ macro_rules! declare_plugins {
                 None
             }
 
-            /// What is declared of its plugin.
+            /// The declaration of its plugin.
             pub(crate) fn info(&self) -> &'static PluginInfo {
                 match self {
                     $(Self::$Variant { .. } => const { &$plugin },)*

@@ -147,7 +147,7 @@ pub struct Identity {
 /// A camera with its film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
     /// The lens and field of view.
     pub sensor: Sensor,
@@ -162,7 +162,7 @@ pub struct SensorDescription {
 /// A bsdf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
     /// The model with its parameters; its nested materials are `first` and `second`.
     pub material: Material,
@@ -177,7 +177,7 @@ pub struct MaterialDescription {
 /// A participating medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
     /// The parameters.
     pub medium: Medium,
@@ -203,7 +203,7 @@ pub enum DeclarationPlace {
 /// A shape with its material, media, emission and group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
     /// The shape.
     pub shape: Shape,
@@ -228,14 +228,14 @@ pub struct ShapeDescription {
 /// A group of shapes that are visible only in its instances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
 }
 
 /// A light other than an emissive shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmitterDescription {
-    /// The place in the file and the names.
+    /// The order in the file, the id and the name.
     pub identity: Identity,
     /// The kind and strength.
     pub emitter: Emitter,

@@ -73,7 +73,7 @@ mod tests {
     use crate::document;
     use crate::scene::read::read;
 
-    /// Every kind of file that a scene names is met, once for each time it is named.
+    /// Every kind of file in a scene is visited, once for each use.
     #[test]
     fn all_files_of_a_scene_are_met() {
         let bitmap = |name: &str, file: &str| {

@@ -318,7 +318,7 @@ mod tests {
         let moved = merged(&state(Vec3::NEG_X, 2.0));
         assert_eq!(moved.state, state(Vec3::NEG_X, 2.0));
         assert!(moved.replaced);
-        // So also where one of them has moved it by a transform.
+        // The same holds if one of them has moved it by a transform.
         let by_transform = ObjectState {
             to_world: Some(ToWorld(bevy::math::Affine3A::from_translation(Vec3::Y))),
             ..state(Vec3::ZERO, 1.0)

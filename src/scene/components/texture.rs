@@ -274,7 +274,7 @@ mod tests {
         let picture = Parameter::Texture(Texture::of_picture("/a.png".into(), None));
         let expected = board(grey(), Parameter::Texture(board(picture.clone(), grey())));
         assert_eq!(outer, Parameter::Texture(expected.clone()));
-        // A place that is not there.
+        // A place that does not exist.
         outer.set_picture_at(SquarePath::WHOLE.within(0).within(0), "/b.png".into());
         assert_eq!(outer, Parameter::Texture(expected));
         let mut whole = grey();

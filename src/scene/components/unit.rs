@@ -101,7 +101,7 @@ impl LengthUnit {
     }
 }
 
-/// A finite number without a unit. A comma counts as the decimal point if there is no other comma and no point.
+/// Parses a finite number without a unit. A comma counts as the decimal point if there is no other comma and no point.
 pub(crate) fn decimal(text: &str) -> Option<f64> {
     let text = match text.matches([',', '.']).count() {
         1 => text.replace(',', "."),

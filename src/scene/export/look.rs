@@ -3,7 +3,7 @@
 use super::level::Level;
 use crate::color::Rgb;
 
-/// A material in the terms of glTF. All numbers are from 0 to 1 unless stated.
+/// The parameters of a glTF material. All numbers are from 0 to 1 unless stated.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Look {
     pub base: Level,

@@ -81,7 +81,7 @@ mod tests {
         }
         world.entity_mut(entities[299]).insert(Hidden);
         assert_eq!(seen(&mut world), [entities[3], entities[170]]);
-        // The name moves the entity into a table of its own.
+        // The name moves the entity to another archetype table.
         world.entity_mut(entities[8]).insert(Name::new("eight"));
         assert_eq!(seen(&mut world), []);
         world.entity_mut(entities[8]).insert(ToWorld::default());

@@ -209,7 +209,7 @@ mod tests {
         let models = root.path().join("assets/models");
         std::fs::create_dir_all(&scenes).unwrap();
         std::fs::create_dir_all(&models).unwrap();
-        // What was looked at stays as it was for one search.
+        // Within one search, folders are listed only once.
         let search = || MeshSearch::new(&scenes, &[]);
         let Found::Nowhere(places) = search().find("models/a.ply", &scenes) else {
             panic!("found a file that is not there");
@@ -241,8 +241,8 @@ mod tests {
         let beside = settle(&path("scenes/a.ply"));
         assert_eq!(search.find("a.ply", &path("scenes")), Found::At(beside));
         assert_eq!(access.refused(), [] as [PathBuf; 0]);
-        // The message is the same for a file that is elsewhere and for one that does not exist, but the former is
-        // remembered.
+        // The message is the same for a file outside and for one that does not exist, but the former is recorded as
+        // refused.
         for name in ["b.ply", "c.ply"] {
             let places = vec![settle(&path("scenes").join(name))];
             assert_eq!(search.find(name, &path("scenes")), Found::Nowhere(places));
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(access.refused(), [settle(&path("assets/b.ply"))]);
         let first = settle(&path("assets/c.ply"));
         assert_eq!(search.find("../assets/c.ply", &path("scenes")), Found::At(first));
-        // A refusal is reported for the file that is named, even if other folders may be searched.
+        // The refusal is reported for the first path, even if other folders may be searched.
         let access = Access::within(["scenes", "assets"].map(path));
         let search = MeshSearch::new(&path("scenes"), &[]).within(access);
         let named = settle(&path("elsewhere/c.ply"));

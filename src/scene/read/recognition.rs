@@ -71,7 +71,7 @@ fn common_subsequence<T: PartialEq>(a: &[T], b: &[T]) -> Vec<(usize, usize)> {
 mod tests {
     use super::*;
 
-    /// One letter a thing; capitals are of `before`. A new one is a dash.
+    /// Each letter is a thing; capitals are of `before`. A dash is a new one.
     fn pairs(before: &str, now: &str) -> String {
         let letters = |text: &str| text.chars().collect::<Vec<_>>();
         let (before, now) = (letters(before), letters(now));
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn what_changed_is_what_stands_in_its_place() {
         assert_eq!(pairs("abc", "axc"), "abc");
-        // One gone, another changed.
+        // One removed, another changed.
         assert_eq!(pairs("abcd", "acx"), "acd");
         assert_eq!(pairs("abcd", "xbcyd"), "abc-d");
         assert_eq!(pairs("abc", "xyz"), "abc");

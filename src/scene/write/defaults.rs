@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(names(&placed), ["radius", "to_world"]);
     }
 
-    /// Checks that parameters that are left out mean the same to the reader.
+    /// Checks that parameters that are left out are read with the same values.
     #[test]
     fn what_is_left_out_is_supposed() {
         let defaults = Defaults::default();

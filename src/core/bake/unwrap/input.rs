@@ -237,7 +237,7 @@ mod tests {
 
     const DENSITY: f32 = 40.0;
 
-    /// A torus with waves, of two parts: no plane and no single chart is near to it. It stands in two places.
+    /// A wavy torus of two parts, with two instances: no plane and no single chart fits it.
     fn waves(around: u32, along: u32) -> UnwrapMesh {
         let place = |u: u32, v: u32| {
             let [u, v] = [(u, around), (v, along)].map(|(at, of)| at as f32 / of as f32 * std::f32::consts::TAU);
@@ -271,7 +271,7 @@ mod tests {
         unwrap(std::slice::from_ref(mesh), &settings, cancel, told)
     }
 
-    /// The corners of all triangles in the texels of a place.
+    /// The corners of all triangles in the texels of an instance.
     fn in_texels(layout: &Layout, mesh: &LayoutMesh, place: usize) -> Vec<[Vec2; 3]> {
         let place = mesh.rectangles[place];
         let at = |corner: u32| {
@@ -305,7 +305,7 @@ mod tests {
             mesh.area() as f32 / 2.0 * DENSITY * DENSITY,
         ];
         assert!((all / asked - 1.0).abs() < 0.02, "{all} texels, {asked} asked for");
-        // The middle of each triangle is in no other one.
+        // The centre of each triangle is in no other one.
         let triangles = places.concat();
         for (number, at) in triangles.iter().enumerate() {
             let middle = (at[0] + at[1] + at[2]) / 3.0;
@@ -340,7 +340,7 @@ mod tests {
             told.last().map(|(done, words)| (*done, &**words)),
             Some((1.0, "placing the charts"))
         );
-        // It ends in the middle, wherever that is.
+        // It can be cancelled at any progress.
         for end in [0.3, 0.9] {
             let cancel = AtomicBool::new(false);
             let farthest = Mutex::new(0.0);

@@ -1,4 +1,4 @@
-//! Sets that are replaced, broken off, and finished.
+//! Sets that are replaced, interrupted, and completed.
 
 use super::*;
 
@@ -25,7 +25,7 @@ impl Shop {
     }
 
     fn second(&self) -> FileSet {
-        // The order in which they are added is not that of the renames.
+        // Files are added in another order than they are renamed.
         let mut set = FileSet::new(&self.path(MAIN));
         for name in SECOND.iter().rev() {
             set.add(&self.path(name), "second").expect("it can be written");
@@ -34,7 +34,7 @@ impl Shop {
         set
     }
 
-    /// What the files hold by name; names of temporary files and notes are shortened.
+    /// The content of files by name; names of temporary files and notes are shortened.
     fn content(&self) -> Vec<(String, String)> {
         let mut all = Vec::new();
         for folder in ["", "scene-files/"] {
@@ -66,7 +66,7 @@ impl Shop {
     }
 }
 
-/// Three renames, one removal and that of the note.
+/// Three renames, the removal of an old file, and that of the note.
 const STEPS: usize = 4;
 
 #[test]
@@ -84,7 +84,7 @@ fn the_reader_finishes_what_a_killed_program_began() {
     for stop in 0..=STEPS {
         let shop = Shop::new();
         shop.second().replace_until(stop).expect("it can be written");
-        // The main file is the last one.
+        // The main file is renamed last.
         let main = fs::read_to_string(shop.path(MAIN)).expect("it is there");
         assert_eq!(main == "second", stop >= 3, "{stop}");
         assert!(shop.note().exists());
@@ -165,7 +165,7 @@ fn what_was_changed_since_is_not_replaced() {
             "{message}"
         );
         assert_eq!(shop.content(), before);
-        // Another set takes the place of it, and nothing of the old one stays.
+        // Another set replaces it, and no file of the old one is left.
         shop.second().replace().expect("it can be written");
         shop.finish().expect("there is nothing to finish");
         let left = shop.content();
@@ -256,13 +256,13 @@ fn waiting_files_are_no_leftovers() {
     shop.second().replace_until(1).expect("it can be written");
     let waiting = finish_all(shop.0.path());
     assert!(waiting.is_empty() && shop.is(SECOND, "second"));
-    // One that cannot be finished keeps its files.
+    // A set that cannot be completed keeps its files.
     let shop = Shop::new();
     shop.second().replace_until(1).expect("it can be written");
     fs::write(shop.path(MAIN), "the user's own").expect("a writable folder");
     let waiting = finish_all(shop.0.path());
     assert_eq!(waiting.len(), 3);
-    // One has been renamed.
+    // One temporary file has been renamed.
     assert_eq!(waiting.iter().filter(|path| path.exists()).count(), 2);
 }
 
@@ -270,13 +270,13 @@ fn waiting_files_are_no_leftovers() {
 fn nothing_stays_of_a_set_of_which_nothing_can_be_renamed() {
     let shop = Shop::new();
     let set = shop.second();
-    // It is the first of the set.
+    // This file is the first of the set.
     fs::create_dir(shop.path("scene-files/b.ply")).expect("a writable folder");
     let error = set.replace().expect_err("a folder is there");
     assert_eq!(error.path, shop.path("scene-files/b.ply"));
     assert!(shop.is(FIRST, "first"), "{:?}", shop.content());
     shop.finish().expect("there is nothing to finish");
-    // The same where the program was killed before it could see that.
+    // The same if the program was killed before that rename failed.
     fs::remove_dir(shop.path("scene-files/b.ply")).expect("it is empty");
     shop.second().replace_until(0).expect("it can be written");
     fs::write(shop.path("scene-files/b.ply"), "first").expect("a writable folder");
@@ -310,7 +310,7 @@ fn a_rename_that_fails_later_is_mended() {
 fn a_set_with_a_file_elsewhere_is_finished_or_left_alone() {
     let shop = Shop::new();
     fs::create_dir(shop.path("level")).expect("a writable folder");
-    // The order of those that are not the main file is that of the renames.
+    // Files other than the main one are renamed in the order in which they were added.
     let names = ["level/near.xml", "far.xml", "level/main.xml"];
     let main = shop.path(names[2]);
     let stopped = |stop: usize| {
@@ -326,7 +326,7 @@ fn a_set_with_a_file_elsewhere_is_finished_or_left_alone() {
         let read = |name: &str| fs::read_to_string(shop.path(name)).expect("it is there");
         (outcome, names.map(read))
     };
-    // Nothing was renamed: the old files can be read, and nothing waits among them.
+    // Nothing was renamed: the old files can be read, and no temporary files are left.
     let (outcome, read) = stopped(0);
     outcome.expect("nothing was begun");
     assert_eq!(read, ["first"; 3]);

@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// What reading a part with these tiles of an empty film gives.
+    /// The result of reading a part with these tiles of an empty film.
     fn read(tiles: &[Tile], is_finished: bool) -> Result<Vec<u8>, PartError> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("part.exr");

@@ -96,7 +96,7 @@ impl From<f32> for VolumeParameter<f32> {
 pub struct GridFile {
     /// The absolute path.
     pub path: PathBuf,
-    /// The kind of the file.
+    /// The file format.
     pub format: VolumeFormat,
     /// The transform to the world from the grid's own space, in which it fills the unit cube, [0, 1]^3, or the box
     /// given in a `.vdb` file. Invertible.
