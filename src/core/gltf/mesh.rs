@@ -328,7 +328,7 @@ impl Gltf {
         self.moves > MOST_MOVES && weighted(primitive, weights).next().is_some()
     }
 
-    /// Adds the morph targets at rest to the values of a mesh with `count` vertices, of which some are used.
+    /// Adds the morph targets at rest to the values of the `used` ones of a mesh's `vertices`.
     pub(super) fn morph(
         &self,
         name: &str,
