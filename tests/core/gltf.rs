@@ -825,6 +825,8 @@ fn what_cannot_be_is_one_error() {
         let message = opened.expect_err(part).to_string();
         assert!(message.contains(part), "{message}");
     }
+    let message = open("no glTF at all").expect_err("no JSON").to_string();
+    assert!(message.starts_with("the file is neither binary glTF"), "{message}");
     let message = open("{ \"asset\": 1 }").expect_err("not an object").to_string();
     assert!(message.contains("at line 1 column 12"), "{message}");
 }

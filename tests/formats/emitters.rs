@@ -260,6 +260,10 @@ fn what_is_wrong_is_said_with_its_place() {
             "2:24: error: `sun_direction` has no length",
         ),
         (
+            "<emitter type='sunsky'><vector name='sun_direction' x='0' y='0.6' z='-0.8'/></emitter>",
+            "2:24: warning: the sun is 53.1 degrees below the horizon",
+        ),
+        (
             "<emitter type='point'><float name='sampling_weight' value='-1'/></emitter>",
             "2:23: error: `sampling_weight` is -1",
         ),

@@ -508,7 +508,7 @@ fn what_is_wrong_with_a_spectrum_is_said_at_its_place() {
         ("type='uniform'>", "2: error: `uniform` needs a `value`"),
         (
             "type='blackbody'>\n<float name='temperature' value='-1'/>",
-            "3: error: `temperature` is -1, but should be at least",
+            "3: error: `temperature` is -1, but should be above 0",
         ),
         (
             "type='regular'>\n<string name='values' value='1, 2'/><float name='wavelength_max' value='700'/>",
@@ -578,6 +578,10 @@ fn what_cannot_be_is_an_error_with_its_line() {
         (
             "<bsdf type='twosided'><bsdf type='hair'/></bsdf>",
             "2: error: `hair` has two sides already",
+        ),
+        (
+            "<bsdf type='dielectric'><float name='int_ior' value='-3'/></bsdf>",
+            "2: error: `int_ior` is -3, but should be above 0",
         ),
         (
             "<bsdf type='dielectric'><string name='int_ior' value='watr'/></bsdf>",

@@ -375,7 +375,10 @@ impl<'a, 'd> Reader<'a, 'd> {
         if range.contains(&value) {
             return Some(value);
         }
+        // The least positive number stands for the limit zero, which is left out.
+        let is_least = |text: &str| text.parse() == Ok(f32::MIN_POSITIVE);
         let low = match range.start_bound() {
+            Bound::Included(low) if is_least(&show(low)) => Some("above 0".to_owned()),
             Bound::Included(low) => Some(format!("at least {}", show(low))),
             Bound::Excluded(low) => Some(format!("above {}", show(low))),
             Bound::Unbounded => None,

@@ -123,6 +123,11 @@ impl Gltf {
 
     /// Opens a file. `read` reads the buffer files that it names; pictures are read later.
     pub fn open(bytes: &[u8], read: &mut ReadFile) -> Result<Self, GltfError> {
+        if !Self::is_gltf(bytes) {
+            let message =
+                "the file is neither binary glTF, which begins with `glTF`, nor glTF JSON, which begins with `{`";
+            return Err(GltfError::Container(message));
+        }
         let (json, binary) = match Self::is_binary(bytes) {
             true => chunks(bytes)?,
             false => (bytes, None),

@@ -1,6 +1,6 @@
 //! Reads emitters, including the `area` of shapes.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 
 use super::from_file::FromFile;
 use super::parameters::{Parameters, report_left_out};
@@ -10,7 +10,7 @@ use crate::document::{Category, Object, Reader};
 use crate::scene::components::description::{DeclarationPlace, EmitterDescription};
 use crate::scene::components::emitter::frame_along;
 use crate::scene::encode::lights;
-use crate::scene::{AreaLight, Emitter, EmitterKind};
+use crate::scene::{AreaLight, Emitter, EmitterKind, SunPosition, SunSky};
 
 impl<'a> SceneReader<'a> {
     /// Whether the emitter became part of the description.
@@ -101,9 +101,28 @@ fn read_parameters<'a>(
         EmitterKind::Directional { .. } => direction(&mut reader),
         _ => reader.to_world(),
     };
+    if let EmitterKind::SunSky(sky) = &emitter.kind {
+        warn_of_night(&mut reader, sky, to_world);
+    }
     let media = reader.children(Category::Medium);
     reader.finish();
     Some((emitter, to_world, media))
+}
+
+/// Warns of a sun that is placed below the horizon, most often because the file means another axis to be up.
+fn warn_of_night(reader: &mut Reader, sky: &SunSky, to_world: Option<Affine3A>) {
+    let SunPosition::Direction(direction) = sky.sun else {
+        return;
+    };
+    let up = to_world.map_or(Vec3::Z, |to_world| to_world.matrix3.z_axis.into());
+    let below = -direction.normalize_or_zero().dot(up.normalize_or_zero());
+    if below > 0.0 {
+        let degrees = below.min(1.0).asin().to_degrees();
+        let message = format!(
+            "the sun is {degrees:.1} degrees below the horizon, so that sun and sky are black: up is the z axis of `to_world`"
+        );
+        reader.warn_at("sun_direction", message);
+    }
 }
 
 /// The transform, from `position` or `to_world`.
