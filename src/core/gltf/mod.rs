@@ -123,6 +123,9 @@ impl Gltf {
 
     /// Opens a file. `read` reads the buffer files that it names; pictures are read later.
     pub fn open(bytes: &[u8], read: &mut ReadFile) -> Result<Self, GltfError> {
+        if bytes.trim_ascii().is_empty() {
+            return Err(GltfError::Container("the file is empty"));
+        }
         if !Self::is_gltf(bytes) {
             let message =
                 "the file is neither binary glTF, which begins with `glTF`, nor glTF JSON, which begins with `{`";
