@@ -160,7 +160,10 @@ pub(super) fn dispatch_job(
     let current = current || relit;
     let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
-        control.restart_requested = false;
+        // A write marks the control as changed, whatever it says.
+        if control.restart_requested {
+            control.restart_requested = false;
+        }
         let new = demand.begin(job, view, &control, stop.samples, film.bypass_change_detection());
         status.last_restart = new.begun;
         *job = Some(new);

@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use bytemuck::{AnyBitPattern, NoUninit, Pod};
 
+// Files would not be read by other machines otherwise.
+const _: () = assert!(cfg!(target_endian = "little"), "files have the byte order of memory");
+
 /// Bytes to which numbers are written.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Writer(pub Vec<u8>);

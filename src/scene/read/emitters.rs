@@ -116,8 +116,9 @@ fn warn_of_night(reader: &mut Reader, sky: &SunSky, to_world: Option<Affine3A>) 
     };
     let up = to_world.map_or(Vec3::Z, |to_world| to_world.matrix3.z_axis.into());
     let below = -direction.normalize_or_zero().dot(up.normalize_or_zero());
-    if below > 0.0 {
-        let degrees = below.min(1.0).asin().to_degrees();
+    let degrees = below.min(1.0).asin().to_degrees();
+    // A sun on the horizon may be below it by rounding.
+    if degrees > 0.1 {
         let message = format!(
             "the sun is {degrees:.1} degrees below the horizon, so that sun and sky are black: up is the z axis of `to_world`"
         );
