@@ -30,7 +30,7 @@ impl Tlas {
     }
 
     /// The obstacle with t_min < t < t_max, where `is_clear` is true for shapes that light may pass straight through.
-    /// Behind [`MOST_CLEAR`] clear shapes it may miss an opaque one.
+    /// Behind `MOST_CLEAR` clear shapes it may miss an opaque one.
     pub fn obstacle(&self, ray: &Ray, is_clear: impl Fn(usize) -> bool) -> Obstacle {
         self.obstacle_from(0, ray, &is_clear)
     }

@@ -190,7 +190,7 @@ impl Lightmaps {
         self.ends[texel / BLOCK] - self.first
     }
 
-    /// The irradiance or radiance at a texel, at most [`BRIGHTEST`]; black before the first sample.
+    /// The irradiance or radiance at a texel, at most `BRIGHTEST`; black before the first sample.
     pub fn light(&self, texel: usize) -> Rgb {
         let mean = self.sum(texel).light / f64::from(self.samples_of(texel).max(1));
         mean.clamp(-BRIGHTEST, BRIGHTEST).as_vec3()

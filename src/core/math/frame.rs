@@ -50,7 +50,7 @@ impl<R: Real> Frame<R> {
 }
 
 impl Frame {
-    /// [`Self::around`] a unit vector.
+    /// `Self::around` a unit vector.
     pub fn from_normal(n: Vec3) -> Self {
         debug_assert!(n.is_normalized(), "the normal {n} is not of unit length");
         Self::around(n)

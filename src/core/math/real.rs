@@ -12,7 +12,7 @@ use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, S
 
 use glam::Vec3;
 
-/// A number of either form: `f32` or [`Lanes`].
+/// A number of either form: `f32` or `Lanes`.
 pub trait Real:
     Copy
     + Debug
@@ -24,7 +24,7 @@ pub trait Real:
     + Neg<Output = Self>
     + AddAssign
 {
-    /// A condition: `bool`, or one per lane as comparisons of [`Lanes`] give it.
+    /// A condition: `bool`, or one per lane as comparisons of `Lanes` give it.
     type Mask: Mask;
     /// A whole number.
     type Word: Word;
@@ -148,7 +148,7 @@ pub trait Mask: Copy + Debug + PartialEq + BitAnd<Output = Self> + BitOr<Output 
     fn any(self) -> bool;
 }
 
-/// A word of either form: `u32` or [`WordLanes`].
+/// A word of either form: `u32` or `WordLanes`.
 pub trait Word:
     Copy
     + Debug
@@ -166,7 +166,7 @@ pub trait Word:
     fn splat(value: u32) -> Self;
 }
 
-/// A vector or a colour of either form: [`Vec3`] or [`Vec3Lanes`].
+/// A vector or a colour of either form: [`Vec3`] or `Vec3Lanes`.
 pub trait Vector<R: Real>:
     Copy
     + Debug

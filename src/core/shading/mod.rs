@@ -14,7 +14,7 @@
 //! Smooth and rough metals and diffuse surfaces are black from behind. Models are independent of textures, other
 //! models, emission and geometry.
 //!
-//! Models are flat records, and their formulas are written once for one direction and for sixteen ([`Model`]).
+//! Models are flat records, and their formulas are written once for one direction and for sixteen (`Model`).
 //! Tabulated data are in the scene's [`ShadingTables`], the first argument, to which the ids within the models belong.
 
 mod beckmann;
