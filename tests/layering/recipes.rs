@@ -1,5 +1,5 @@
-//! Holds what a change costs: the numbers of source files in the recipes of CONTRIBUTING.md, and no catch-all that could
-//! forget a command.
+//! Holds what a change costs: the numbers of source files in the recipes of CONTRIBUTING.md, and no catch-all that
+//! could forget a command.
 
 use std::fs;
 

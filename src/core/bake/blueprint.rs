@@ -24,7 +24,7 @@ use crate::render::denoise::DenoiseError;
 pub struct Blueprint {
     /// The glTF file of the level.
     pub level: Vec<u8>,
-    /// Which light the lightmaps hold.
+    /// The light that the lightmaps hold: all of it, or indirect light alone.
     pub light: BakedLight,
     /// The seed of the random numbers.
     pub seed: u32,

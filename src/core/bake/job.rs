@@ -60,7 +60,7 @@ pub struct BakeSource {
 pub struct BakeSettings {
     /// The size of lightmaps and of their texels.
     pub unwrap: UnwrapSettings,
-    /// Which light the lightmaps hold.
+    /// The light that the lightmaps hold: all of it, or indirect light alone.
     pub light: BakedLight,
     /// The settings of probes; None for a bake without probes.
     pub probes: Option<ProbeSettings>,

@@ -22,7 +22,7 @@ pub struct Manifest {
     pub coordinates: &'static str,
     /// The physical quantity that texels hold.
     pub quantity: &'static str,
-    /// Which light the lightmaps hold.
+    /// The light that the lightmaps hold: all of it, or indirect light alone.
     pub light: BakedLight,
     /// Texels per unit of length.
     pub texels_per_unit: f32,
@@ -88,7 +88,7 @@ pub struct VolumeFiles {
     pub ktx2: String,
 }
 
-/// Which light the lightmaps hold.
+/// The light that the lightmaps hold: all of it, or indirect light alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BakedLight {

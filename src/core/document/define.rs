@@ -1,7 +1,7 @@
 //! `$name` in attribute values: `<default>` gives a value, `-D name=value` overrides it.
 //!
-//! As in Mitsuba the text is replaced before it is parsed, the longest known name wins (`$width2` is `$width` followed
-//! by a 2 if there is no `width2`), and `\$` is a plain dollar sign. Replaced text is not searched again.
+//! As in Mitsuba, the reader replaces the text before it parses it: the longest known name wins (`$width2` is `$width`
+//! followed by a 2 if there is no `width2`), and `\$` is a plain dollar sign. Replaced text is not searched again.
 
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};

@@ -48,7 +48,7 @@ pub struct Document {
     /// The id of the light that is added where nothing lights a scene of another format. It is no part of the file's
     /// content.
     pub stand_in_light: Option<String>,
-    /// Which files the scene may read.
+    /// The access rights of the scene to files.
     pub access: Access,
     /// The messages about the file, and the texts into which messages and revisions point.
     pub diagnostics: Diagnostics,

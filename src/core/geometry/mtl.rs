@@ -100,7 +100,7 @@ fn warn_of_oddities(material: &MtlMaterial, library: &str, warnings: &mut Warnin
     }
 }
 
-/// Which values with precedence over others are given.
+/// The statements that a material has of those that take precedence over others.
 #[derive(Default)]
 struct Given {
     kd: bool,

@@ -1,8 +1,8 @@
 //! Reads PLY meshes: ASCII and binary of both byte orders.
 //!
-//! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the
-//! list `vertex_indices` (or `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford archive has
-//! them, with -1 between strips. Colours and other grouped values become attributes of the mesh, see
+//! The reader takes of the vertices `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the
+//! faces the list `vertex_indices` (or `vertex_index`), polygons cut as in `polygon.rs`; `tristrips` as the Stanford
+//! archive has them, with -1 between strips. Colours and other grouped values become attributes of the mesh, see
 //! `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared
 //! vertices, as Mitsuba does; single normals that are zero or not finite are computed likewise. The texture coordinates
 //! stay as they are.

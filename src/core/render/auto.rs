@@ -199,7 +199,7 @@ pub fn choose(
 struct Part {
     /// The luminances of path tracing, for each pixel.
     by_path: Vec<[f32; PATH_SAMPLES as usize]>,
-    /// Those of guided paths; empty without a guide.
+    /// The luminances of guided paths, for each pixel; empty without a guide.
     guided: Vec<[f32; PATH_SAMPLES as usize]>,
     /// The samples of bidirectional path tracing, without light that light paths bring to the lens.
     pairs: Vec<[f32; PAIR as usize]>,

@@ -112,7 +112,7 @@ impl StoredColors {
 /// The last parts of the names of three channels that form a colour or vector.
 const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 
-/// Those of two channels: motion in pixels and texture coordinates.
+/// The last parts of the names of two channels that form a pair: motion in pixels and texture coordinates.
 const PAIRS: [[&str; 2]; 2] = [["X", "Y"], ["U", "V"]];
 
 impl LayeredImage {
