@@ -33,8 +33,9 @@ pub struct RenderControl {
     /// Whether noisier parts get more samples, see [`crate::render::noise::adaptive`]; None is the sensor film's own
     /// `adaptive`.
     pub adaptive: Option<bool>,
-    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is
-    /// the whole picture, as is a part outside of it. The rest keeps its samples.
+    /// The part of the film that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; a view that
+    /// shows more than the film may have a part outside of it. None is the whole picture, as is a part outside of the
+    /// picture. The rest keeps its samples.
     pub region: Option<Rect>,
     /// The number of the first sample, if the picture is a share of another one: nothing is shown around its region,
     /// and its film has the exact sums from which pictures are merged. It has to be a
@@ -50,11 +51,13 @@ pub struct RenderControl {
     /// The size in pixels of the area in which the picture is shown: the picture gets no more pixels than fit there in
     /// its own proportions. None is no limit.
     pub view_size: Option<UVec2>,
+    /// Whether the picture fills `view_size`, where that is wider or higher than the film.
+    pub filling: Filling,
     /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it at any other change of
     /// the scene or the view.
     pub full_until_change: bool,
-    /// The exact size of the picture in pixels, whatever the film and `view_size` say: the size of a saved picture that
-    /// rendering resumes. The engine resets it at any other change of the scene or the view.
+    /// The exact size of the picture in pixels in place of `view_size`, whatever the film says: the size of a saved
+    /// picture that rendering resumes. The engine resets it at any other change of the scene or the view.
     pub size_until_change: Option<UVec2>,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
@@ -97,6 +100,7 @@ impl Default for RenderControl {
             motion_scale: 1.0,
             film_size_override: None,
             view_size: None,
+            filling: Filling::None,
             full_until_change: false,
             size_until_change: None,
             view_mode: ViewMode::Path,
@@ -123,6 +127,20 @@ impl RenderControl {
     pub fn demand_full_until_change(&mut self) {
         (self.full_until_change, self.size_until_change) = (true, None);
     }
+}
+
+/// Whether a picture fills the place where it is shown, and has all of the place's pixels, whatever the shape and the
+/// size of the film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filling {
+    /// The picture is the film.
+    #[default]
+    None,
+    /// The picture shows the whole film and its surroundings, which get few samples. A film whose surroundings would be
+    /// seen at an angle of more than 100 degrees is shown alone.
+    AroundFilm,
+    /// The picture shows the film and its surroundings as one, and less of both than would be seen at 100 degrees.
+    Free,
 }
 
 /// The meaning of a pixel's value.

@@ -45,7 +45,7 @@ pub use blocking::{
     Limits, Outcome, RenderError, choose_integrator, load_to_completion, render_to_completion, render_watched,
 };
 pub use choosing::set_choice;
-pub use control::{ClosedGate, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
+pub use control::{ClosedGate, Filling, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub(crate) use deferred_drop::DeferredDrop;
 pub use film::RenderFilm;
 pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};

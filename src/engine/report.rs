@@ -74,6 +74,7 @@ pub(super) fn report_status(
     status.stopped_by = reached;
     status.noise = job.and_then(|job| job.noise);
     status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));
+    status.is_beyond_film = job.is_some_and(|job| job.view.film_camera.is_some());
     status.full_size = extracted.full_size;
     status.seconds = seconds;
     status.rays = job.map_or(0, |job| job.rays);

@@ -1,9 +1,9 @@
 //! The number of pixels of a picture: the film's, or as many as fit into the area where it is shown.
 
-use bevy::math::UVec2;
+use bevy::math::{UVec2, Vec2};
 use bevy::prelude::World;
 
-use super::control::RenderControl;
+use super::control::{Filling, RenderControl};
 use crate::render::view::View;
 use crate::scene::{ActiveSensor, Film};
 
@@ -43,15 +43,52 @@ pub fn full_size(film: &Film, control: &RenderControl) -> UVec2 {
     scaled(possible(asked(film, control)), control.resolution_scale)
 }
 
-/// The size of the picture at the current resolution in pixels.
-pub(super) fn traced(film: &Film, control: &RenderControl) -> UVec2 {
-    if let Some(size) = control.size_until_change {
-        return scaled(possible(size), control.motion_scale);
-    }
+/// The pixels and the frame of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Framing {
+    /// The size of the picture at the current resolution in pixels.
+    pub size: UVec2,
+    /// The width and height of the picture in widths and heights of the film; 1 if it is the film.
+    pub extent: Vec2,
+}
+
+/// The framing of the picture of this film.
+pub(super) fn framing(film: &Film, control: &RenderControl) -> Framing {
     let whole = possible(asked(film, control));
-    let room = control.view_size.filter(|_| !control.full_until_change);
-    let size = room.map_or(whole, |room| fit(whole, room).min(whole));
-    scaled(size, control.resolution_scale * control.motion_scale)
+    let (room, scale) = match control.size_until_change {
+        Some(size) => (Some(possible(size)), control.motion_scale),
+        None => (
+            control.view_size.filter(|_| !control.full_until_change),
+            control.resolution_scale * control.motion_scale,
+        ),
+    };
+    let (size, extent) = match room {
+        Some(room) if control.filling != Filling::None => {
+            let room = possible(room);
+            (room, extent(whole, room))
+        }
+        Some(room) if control.size_until_change.is_some() => (room, Vec2::ONE),
+        Some(room) => (fit(whole, room).min(whole), Vec2::ONE),
+        None => (whole, Vec2::ONE),
+    };
+    let size = scaled(size, scale);
+    Framing { size, extent }
+}
+
+/// The framing of a picture that is the film, whatever the place that it could fill.
+pub(super) fn framing_of_film(film: &Film, control: &RenderControl) -> Framing {
+    let control = RenderControl {
+        filling: Filling::None,
+        ..control.clone()
+    };
+    framing(film, &control)
+}
+
+/// The width and height of `room` in widths and heights of the largest frame with the proportions of `film` that fits
+/// into it.
+fn extent(film: UVec2, room: UVec2) -> Vec2 {
+    let ratio = room.as_dvec2() / film.as_dvec2();
+    (ratio / ratio.min_element()).as_vec2()
 }
 
 fn scaled(size: UVec2, scale: f32) -> UVec2 {
@@ -59,14 +96,16 @@ fn scaled(size: UVec2, scale: f32) -> UVec2 {
     (size.as_vec2() * scale).round().as_uvec2().max(UVec2::ONE)
 }
 
-/// Whether two views differ in nothing but the number of pixels.
+/// Whether two views differ in nothing but the number of pixels and the surroundings of the film.
 pub(super) fn is_same_at_other_size(one: &View, other: &View) -> bool {
     let resized = View {
+        camera: other.camera,
+        film_camera: other.film_camera,
         width: other.width,
         height: other.height,
         ..one.clone()
     };
-    resized == *other
+    resized == *other && one.film_camera.unwrap_or(one.camera) == other.film_camera.unwrap_or(other.camera)
 }
 
 #[cfg(test)]
@@ -116,7 +155,7 @@ mod tests {
         let traced = |change: fn(&mut RenderControl)| {
             let mut control = RenderControl::default();
             change(&mut control);
-            (traced(&film, &control), full_size(&film, &control))
+            (framing(&film, &control).size, full_size(&film, &control))
         };
         let whole = UVec2::new(3840, 2160);
         assert_eq!(traced(|_| {}), (whole, whole));
@@ -151,5 +190,36 @@ mod tests {
             }),
             (UVec2::new(250, 141), UVec2::new(1920, 1080))
         );
+    }
+
+    #[test]
+    fn a_view_that_is_filled_has_all_pixels_of_its_place() {
+        let film = Film {
+            width: 800,
+            height: 600,
+            ..Film::default()
+        };
+        let framing = |room: Option<UVec2>, change: fn(&mut RenderControl)| {
+            let mut control = RenderControl {
+                view_size: room,
+                filling: Filling::Free,
+                ..RenderControl::default()
+            };
+            change(&mut control);
+            let Framing { size, extent } = framing(&film, &control);
+            (size.to_array(), extent.to_array())
+        };
+        let wide = Some(UVec2::new(1600, 600));
+        assert_eq!(framing(wide, |_| {}), ([1600, 600], [2.0, 1.0]));
+        assert_eq!(
+            framing(wide, |control| control.motion_scale = 0.25),
+            ([400, 150], [2.0, 1.0])
+        );
+        assert_eq!(framing(Some(UVec2::new(80, 120)), |_| {}), ([80, 120], [1.0, 2.0]));
+        let film_alone = ([800, 600], [1.0, 1.0]);
+        assert_eq!(framing(wide, |control| control.full_until_change = true), film_alone);
+        assert_eq!(framing(None, |_| {}), film_alone);
+        let kept = |control: &mut RenderControl| control.size_until_change = Some(UVec2::new(400, 600));
+        assert_eq!(framing(wide, kept), ([400, 600], [1.0, 2.0]));
     }
 }

@@ -41,6 +41,8 @@ pub struct RenderStatus {
     pub size: UVec2,
     /// The size of the picture at full resolution in pixels, after [`RenderControl`](super::RenderControl::view_size).
     pub full_size: UVec2,
+    /// Whether the picture shows the surroundings of the film as well.
+    pub is_beyond_film: bool,
     /// Time spent on the samples of this picture; pauses do not count.
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
@@ -96,6 +98,7 @@ impl Default for RenderStatus {
             auto: None,
             size: UVec2::ZERO,
             full_size: UVec2::ZERO,
+            is_beyond_film: false,
             seconds: 0.0,
             rays: 0,
             guide: None,

@@ -4,6 +4,7 @@ use bevy::math::Rect;
 
 use super::control::RenderControl;
 use crate::render::noise::adaptive::FIRST;
+use crate::render::view::View;
 
 /// The limits of a job. They may change while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub(super) struct StopCondition {
     pub noise: Option<f32>,
     /// Whether sampling is adaptive.
     pub is_adaptive: bool,
-    /// The region as in [`RenderControl`].
+    /// The region as in [`RenderControl`], or that of [the picture](Self::in_picture_of).
     pub region: Option<Rect>,
 }
 
@@ -79,6 +80,17 @@ impl StopCondition {
             is_adaptive: exact.is_none() && control.adaptive.unwrap_or(film.is_adaptive),
             region: control.region,
         }
+    }
+
+    /// The same condition with the region in the coordinates of this view's picture in place of the film's. With
+    /// `is_film_enough` a picture without a region has the film as its region.
+    pub fn in_picture_of(self, view: &View, is_film_enough: bool) -> Self {
+        let film = Rect::new(0.0, 0.0, 1.0, 1.0);
+        let region = self.region.or(is_film_enough.then_some(film)).map(|region| Rect {
+            min: view.picture_of_film(region.min),
+            max: view.picture_of_film(region.max),
+        });
+        Self { region, ..self }
     }
 
     /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` judged

@@ -20,6 +20,7 @@ use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::engine::PackedScene;
 use sunroom::render::camera::Camera;
+use sunroom::render::view::View;
 
 /// The keys that went down this frame, as the window hands them to the editor.
 pub fn presses(ui: &egui::Ui) -> Vec<Press> {
@@ -64,6 +65,8 @@ impl ViewportContent {
     ) -> ViewportModel<'a> {
         ViewportModel {
             picture: Some((egui::TextureId::default(), size)),
+            film_in_picture: View::WHOLE_FILM,
+            is_through_camera: true,
             proportions: size,
             mouse: egui::Vec2::ZERO,
             placeholder: "",

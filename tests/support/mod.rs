@@ -211,6 +211,7 @@ pub fn camera(eye: Vec3, target: Vec3, fov: f32) -> Camera {
 pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> View {
     View {
         camera,
+        film_camera: None,
         width: size,
         height: size,
         medium: None,

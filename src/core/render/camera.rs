@@ -111,6 +111,18 @@ impl Camera {
         }
     }
 
+    /// The film coordinates, in the picture of a camera that looks the same way from the same place, of the point that is
+    /// at `film` in this one's picture.
+    pub fn film_of(&self, film: Vec2, other: &Self) -> Vec2 {
+        (self.corner + film * self.diagonal - other.corner) / other.diagonal
+    }
+
+    /// Half the width and height of the picture on the image plane: of a perspective the tangents of half the angles of
+    /// view, else in world units.
+    pub fn half_extent(&self) -> Vec2 {
+        0.5 * self.diagonal.abs()
+    }
+
     /// The same camera with a pinhole at the centre of the lens, so that the whole scene is in focus.
     pub fn sharp(self) -> Self {
         let projection = match self.projection {

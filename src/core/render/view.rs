@@ -21,6 +21,9 @@ use crate::sampling::{Sampler, SequenceKind};
 pub struct View {
     /// The camera, which maps points of the film to rays.
     pub camera: Camera,
+    /// The camera of the film, if the picture has another frame: a free view shows the surroundings of the film as well.
+    /// None if the picture is the film.
+    pub film_camera: Option<Camera>,
     /// The width in pixels.
     pub width: u32,
     /// The height in pixels.
@@ -193,6 +196,25 @@ pub struct CameraSample {
 }
 
 impl View {
+    /// The place in the film, (0, 0) top left, (1, 1) bottom right, of a place in the picture. It may be outside of the
+    /// film, if the picture shows the surroundings as well.
+    pub fn film_of_picture(&self, place: Vec2) -> Vec2 {
+        self.film_camera.map_or(place, |film| self.camera.film_of(place, &film))
+    }
+
+    /// The inverse of [`Self::film_of_picture`].
+    pub fn picture_of_film(&self, place: Vec2) -> Vec2 {
+        self.film_camera.map_or(place, |film| film.film_of(place, &self.camera))
+    }
+
+    /// The [corners of the film](Self::film_corners) in a picture that is the film.
+    pub const WHOLE_FILM: [Vec2; 2] = [Vec2::ZERO, Vec2::ONE];
+
+    /// The upper left and lower right corner of the film in the picture's coordinates.
+    pub fn film_corners(&self) -> [Vec2; 2] {
+        Self::WHOLE_FILM.map(|corner| self.picture_of_film(corner))
+    }
+
     /// The layers of the picture's film.
     pub fn film_layers(&self) -> FilmLayers {
         FilmLayers {

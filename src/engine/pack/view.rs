@@ -2,7 +2,7 @@
 
 use bevy::math::{Affine3A, UVec2, Vec2, Vec3};
 
-use super::super::control::{RenderControl, ViewMode};
+use super::super::control::{Filling, RenderControl, ViewMode};
 use super::super::resolution;
 use super::Checker;
 use crate::layer::{Layer, Layers};
@@ -27,6 +27,8 @@ use crate::scene::{
 const LATEST_ROULETTE: u32 = 1024;
 /// The same limit where every vertex of a camera path is connected to every vertex of a light path.
 const LATEST_ROULETTE_OF_JOINED: u32 = 128;
+/// The largest angle of view across the surroundings of a film, in degrees.
+const WIDEST: f32 = 100.0;
 
 /// Packs the view of a sensor, which is in `medium`. None, with a report, if the sensor has no direction.
 pub(in crate::engine) fn pack_view(
@@ -58,7 +60,7 @@ pub(in crate::engine) fn pack_view(
     // The aspect of the whole film: the framing is equal at every resolution, whatever the rounding of its size.
     let whole = size.as_vec2() / crop_size;
     let aspect = whole.x / whole.y;
-    let traced = resolution::traced(film, control);
+    let mut framing = resolution::framing(film, control);
     let near = check.number("near_clip", sensor.near_clip, 0.0, 1e30, 1e-2);
     let far = check.number(
         "far_clip",
@@ -88,6 +90,14 @@ pub(in crate::engine) fn pack_view(
         check.number("principal_point_offset_y", offset.y, -1e3, 1e3, 0.0),
     );
     let crop_min = crop_min + offset;
+    let film_camera = camera.cropped(crop_min, crop_min + crop_size);
+    let camera = match surrounded(film_camera, framing.extent, control.filling) {
+        Some(camera) => camera,
+        None => {
+            framing = resolution::framing_of_film(film, control);
+            film_camera
+        }
+    };
     let max_depth = integrator.max_depth.unwrap_or(u32::MAX);
     let latest = match integrator.plugin {
         PathPlugin::Bdpt | PathPlugin::Vcm => LATEST_ROULETTE_OF_JOINED,
@@ -111,9 +121,10 @@ pub(in crate::engine) fn pack_view(
         },
     };
     Some(View {
-        camera: camera.cropped(crop_min, crop_min + crop_size),
-        width: traced.x,
-        height: traced.y,
+        camera,
+        film_camera: (camera != film_camera).then_some(film_camera),
+        width: framing.size.x,
+        height: framing.size.y,
         medium,
         filter: pixel_filter(film.filter, check),
         integrator: match integrator.plugin {
@@ -158,6 +169,25 @@ pub(in crate::engine) fn pack_view(
             .clamp_percentile
             .map(|percentile| Clamp::new(clamp_percentile(percentile, check))),
     })
+}
+
+/// The camera of a picture that is `extent` times as wide and high as the film. None if its angles of view would exceed
+/// [`WIDEST`] though those of the film do not, and all of the film has to be seen.
+fn surrounded(film: Camera, extent: Vec2, filling: Filling) -> Option<Camera> {
+    if extent == Vec2::ONE {
+        return Some(film);
+    }
+    let own = film.half_extent();
+    let widest = match film.is_orthographic() {
+        true => f32::INFINITY,
+        false => own.max_element().max((0.5 * WIDEST.to_radians()).tan()),
+    };
+    let excess = (extent * own).max_element() / widest;
+    if excess > 1.0 && filling == Filling::AroundFilm {
+        return None;
+    }
+    let extent = extent / excess.max(1.0);
+    Some(film.cropped(0.5 - 0.5 * extent, 0.5 + 0.5 * extent))
 }
 
 fn clamp_percentile(percentile: f32, check: &mut Checker) -> f32 {
@@ -375,6 +405,59 @@ mod tests {
             assert_eq!((full.width, full.height), (3001, 1999));
             assert_eq!(small.camera, full.camera);
         }
+    }
+
+    #[test]
+    fn the_surroundings_of_a_film_leave_it_in_place() {
+        let film = Film {
+            width: 400,
+            height: 300,
+            ..Film::default()
+        };
+        let filled = |sensor: &Sensor, room, filling| {
+            let control = RenderControl {
+                view_size: Some(room),
+                filling,
+                ..RenderControl::default()
+            };
+            pack_film(sensor, &film, Affine3A::IDENTITY, &control)
+                .0
+                .expect("a view")
+        };
+        let room = UVec2::new(1600, 600);
+        for lens in [Lens::Pinhole, Lens::Orthographic] {
+            let sensor = Sensor {
+                lens,
+                ..Sensor::default()
+            };
+            let whole = filled(&sensor, room, Filling::None);
+            assert_eq!(
+                (whole.width, whole.height),
+                (400, 300),
+                "no more pixels than the film has"
+            );
+            assert_eq!(whole.film_corners(), View::WHOLE_FILM);
+            for filling in [Filling::AroundFilm, Filling::Free] {
+                let view = filled(&sensor, room, filling);
+                assert_eq!((view.width, view.height), (1600, 600));
+                assert_eq!(view.film_camera, Some(whole.camera));
+                let [min, max] = view.film_corners();
+                assert!(min.abs_diff_eq(Vec2::new(0.25, 0.0), 1e-6) && max.abs_diff_eq(Vec2::new(0.75, 1.0), 1e-6));
+                let ray = |view: &View, place| view.camera.ray(place, Vec2::ZERO).dir;
+                let at = Vec2::new(0.1, 0.7);
+                let other = ray(&view, view.picture_of_film(at));
+                assert!(other.abs_diff_eq(ray(&whole, at), 1e-6), "{other}");
+            }
+        }
+        // At 90 degrees across, a strip beside the film would be seen at more than 100 degrees.
+        let wide = Sensor {
+            fov: 90.0,
+            ..Sensor::default()
+        };
+        assert_eq!(filled(&wide, room, Filling::AroundFilm).film_camera, None);
+        let free = filled(&wide, room, Filling::Free);
+        let angle = 2.0 * free.camera.half_extent().x.atan().to_degrees();
+        assert!((angle - WIDEST).abs() < 1e-3 && free.width == 1600, "{angle}");
     }
 
     #[test]

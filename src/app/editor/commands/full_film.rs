@@ -30,12 +30,13 @@ pub fn set_resolution(world: &mut World, resolution: Resolution) {
     }
 }
 
-/// Whether the picture has fewer pixels than it has when traced in full.
+/// Whether the picture is not the full film: it has other pixels, or shows the surroundings of the film as well.
 pub fn is_smaller(world: &World) -> bool {
     let status = world.resource::<RenderStatus>();
     let film = &world.resource::<RenderFilm>().film;
     let full = status.full_size;
-    full != UVec2::ZERO && (status.size != full || UVec2::new(film.width(), film.height()) != full)
+    full != UVec2::ZERO
+        && (status.is_beyond_film || status.size != full || UVec2::new(film.width(), film.height()) != full)
 }
 
 /// Saves the picture, after tracing the full film if it has fewer pixels, and after denoising it if that is on.

@@ -23,7 +23,9 @@ use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
 use crate::app::origin::{origin_of_open, take_choice};
-use crate::engine::{PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode};
+use crate::engine::{
+    Filling, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode,
+};
 use crate::files::FileError;
 use crate::render::layered_image::{Attribute, LayeredImage};
 use crate::render::part::{Crop, Origin, PartFile};
@@ -150,11 +152,20 @@ fn origin(world: &World, scene: &Path) -> Result<Origin, String> {
     let defines = world.resource::<SceneDefines>().0.iter();
     settings.extend(defines.map(|(name, value)| (format!("-D {name}"), value.clone())));
     settings.push(("adaptive sampling".to_owned(), is_adaptive.to_string()));
+    if shows_surroundings(world) {
+        settings.push(("the frame".to_owned(), "the film with its surroundings".to_owned()));
+    }
     let time = shown_time(world);
     if time != 0.0 {
         settings.push(("the time in seconds".to_owned(), time.to_string()));
     }
     origin_of_open(world, scene, settings)
+}
+
+/// Whether the view shows the surroundings of the film as well.
+fn shows_surroundings(world: &World) -> bool {
+    let view = world.resource::<PackedScene>().view.as_ref();
+    view.is_some_and(|view| view.film_camera.is_some())
 }
 
 /// The cameras in the order of the file.
@@ -186,6 +197,7 @@ fn shown(world: &mut World) -> Shown {
         seconds: control.time_limit,
         noise: control.noise_target,
         adaptive: control.adaptive,
+        fills_view: shows_surroundings(world),
         keeps_lights_apart: control.light_layers,
         lights_are_free: control.lights_are_free,
         region: control.region.map(|region| [region.min.into(), region.max.into()]),
@@ -258,7 +270,12 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
     world.resource_mut::<RenderStatus>().is_up_to_date = false;
     world.resource_mut::<KeptPictures>().failure = None;
     let is_sized = false;
-    world.insert_resource(Returning { scene, file, is_sized });
+    world.insert_resource(Returning {
+        scene,
+        file,
+        fills_view: shown.fills_view,
+        is_sized,
+    });
     Ok(())
 }
 
@@ -330,7 +347,15 @@ fn go_on(world: &mut World, mut returning: Returning) {
     let size = [header.width, header.height];
     if !returning.is_sized {
         returning.is_sized = true;
-        control(world, |control| control.size_until_change = Some(size.into()));
+        let is_free = *world.resource::<FreeView>() != FreeView::default();
+        control(world, |control| {
+            control.size_until_change = Some(size.into());
+            control.filling = match returning.fills_view {
+                false => Filling::None,
+                true if is_free => Filling::Free,
+                true => Filling::AroundFilm,
+            };
+        });
         return world.insert_resource(returning);
     }
     let name = name_of(&kept_file(&returning.scene));

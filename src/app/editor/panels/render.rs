@@ -109,10 +109,13 @@ fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
     let mut changed = fields::checkbox(ui, "Only a part", &mut is_on);
     let mut edges = region.unwrap_or(Rect::new(0.25, 0.25, 0.75, 0.75));
     if region.is_some() {
-        changed |= fields::slider(ui, "Left", &mut edges.min.x, 0.0..=1.0);
-        changed |= fields::slider(ui, "Right", &mut edges.max.x, 0.0..=1.0);
-        changed |= fields::slider(ui, "Top", &mut edges.min.y, 0.0..=1.0);
-        changed |= fields::slider(ui, "Bottom", &mut edges.max.y, 0.0..=1.0);
+        // A free view may have a region outside of the film.
+        let reach = |low: f32, high: f32| low.min(0.0)..=high.max(1.0);
+        let (across, down) = (reach(edges.min.x, edges.max.x), reach(edges.min.y, edges.max.y));
+        changed |= fields::slider(ui, "Left", &mut edges.min.x, across.clone());
+        changed |= fields::slider(ui, "Right", &mut edges.max.x, across);
+        changed |= fields::slider(ui, "Top", &mut edges.min.y, down.clone());
+        changed |= fields::slider(ui, "Bottom", &mut edges.max.y, down);
     }
     if changed {
         commands.push(RenderCommand::SetRegion(is_on.then_some(edges)).into());

@@ -147,6 +147,13 @@ fn rays_per_second(status: &RenderStatus) -> Part {
 fn size(status: &RenderStatus) -> Part {
     let (size, full) = (status.size, status.full_size);
     let traced = format!("{} × {}", size.x, size.y);
+    if status.is_beyond_film {
+        let hint = format!(
+            "Pixels of the view, which fills its place in the window; a saved picture has the {} × {} pixels of the film",
+            full.x, full.y
+        );
+        return Part::new(traced, hint);
+    }
     if size.x >= full.x && size.y >= full.y {
         return Part::new(traced, "Pixels of the picture");
     }

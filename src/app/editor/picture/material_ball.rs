@@ -228,6 +228,7 @@ fn view_with(edge: u32, media: bool) -> View {
     let axes = Mat3::from_cols(left, forward.cross(left), forward);
     View {
         camera: Camera::new(Affine3A::from_mat3_translation(axes, eye), 21.0, 1.0, 0.1, 100.0, None),
+        film_camera: None,
         width: edge,
         height: edge,
         medium: None,

@@ -1,5 +1,6 @@
 //! Paints the film as bytes of the screen, in every display mode. It uses neither the renderer nor Bevy.
 
+use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use super::compare::PixelComparison;
@@ -310,19 +311,38 @@ fn quantized(encoded: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
-/// Resizes a picture by nearest neighbours, to be shown until the next one is rendered.
-pub(crate) fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
-    let [width, height] = to.map(|n| n as usize);
-    let mut resized = vec![0; 4 * width * height];
-    for (place, target) in resized.chunks_exact_mut(4).enumerate() {
-        let (x, y) = (place % width, place / width);
-        let source = (y * from[1] as usize / height) * from[0] as usize + x * from[0] as usize / width;
-        match rgba.get(4 * source..4 * source + 4) {
+/// The pixels of a picture, four bytes each, as a picture of another size and frame: by the size in pixels and the
+/// corners of the film in the picture's coordinates. A pixel has the colour of the one that was at its place of the film,
+/// and is black where there was none.
+pub(crate) fn reframed(rgba: &[u8], from: (UVec2, [Vec2; 2]), to: (UVec2, [Vec2; 2])) -> Vec<u8> {
+    let ((old, [old_min, old_max]), (new, [new_min, new_max])) = (from, to);
+    let scale = (old_max - old_min) / (new_max - new_min);
+    // The old column of each new one, and the old row.
+    let sources = |axis: usize| -> Vec<Option<usize>> {
+        let source = |pixel: u32| {
+            let place = (pixel as f32 + 0.5) / new[axis] as f32;
+            let old_place = old_min[axis] + (place - new_min[axis]) * scale[axis];
+            let source = (old_place * old[axis] as f32).floor();
+            (source >= 0.0 && source < old[axis] as f32).then_some(source as usize)
+        };
+        (0..new[axis]).map(source).collect()
+    };
+    let (columns, rows) = (sources(0), sources(1));
+    let mut reframed = vec![0; 4 * columns.len() * rows.len()];
+    let places = rows.iter().flat_map(|y| columns.iter().map(move |x| (*x, *y)));
+    for (target, place) in reframed.chunks_exact_mut(4).zip(places) {
+        let source = match place {
+            (Some(x), Some(y)) => rgba
+                .get(4 * (y * old.x as usize + x)..)
+                .and_then(|rest| rest.first_chunk::<4>()),
+            _ => None,
+        };
+        match source {
             Some(color) => target.copy_from_slice(color),
             None => target[3] = u8::MAX,
         }
     }
-    resized
+    reframed
 }
 
 #[cfg(test)]
@@ -333,6 +353,7 @@ mod tests {
     use crate::material::MaterialId;
     use crate::render::scene::FirstHit;
     use crate::render::tile::{TilePreview, tiles};
+    use crate::render::view::View;
 
     #[test]
     fn only_pixels_with_something_to_show_are_painted() {
@@ -358,13 +379,21 @@ mod tests {
     #[test]
     fn resizing_keeps_corners_and_is_opaque() {
         let quarters = [[1, 0, 0, 255], [2, 0, 0, 255], [3, 0, 0, 255], [4, 0, 0, 255]].concat();
-        let large = resized(&quarters, [2, 2], [4, 4]);
+        let whole = View::WHOLE_FILM;
+        let (two, four) = (UVec2::splat(2), UVec2::splat(4));
+        let large = reframed(&quarters, (two, whole), (four, whole));
         assert_eq!((large[0], large[4 * 3], large[4 * 12], large[4 * 15]), (1, 2, 3, 4));
         assert!(
-            resized(&[], [0, 0], [2, 1])
+            reframed(&[], (UVec2::ZERO, whole), (UVec2::new(2, 1), whole))
                 .chunks(4)
                 .all(|pixel| pixel == [0, 0, 0, 255])
         );
+        // The new picture is twice as wide as the film, whose pixels stay.
+        let middle = [Vec2::new(0.25, 0.0), Vec2::new(0.75, 1.0)];
+        let wide = reframed(&quarters, (two, whole), (UVec2::new(4, 2), middle));
+        let reds: Vec<u8> = wide.chunks(4).map(|pixel| pixel[0]).collect();
+        assert_eq!(reds, [0, 1, 2, 0, 0, 3, 4, 0]);
+        assert_eq!(reframed(&wide, (UVec2::new(4, 2), middle), (two, whole)), quarters);
     }
 
     /// One tile of 32 x 32 pixels: a preview of 4 x 4 blocks, given by `block` for each number.

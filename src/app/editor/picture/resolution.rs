@@ -1,4 +1,5 @@
-//! Decides how many pixels of the film are traced: as many as the window shows, unless the user wants the full film.
+//! Decides how many pixels are traced: as many of the film as the window shows, unless the user wants the full film. The
+//! picture fills its place in the window, whatever the shape of the film.
 //!
 //! The size of the window is adopted when it has stayed the same for a moment, so that the picture does not restart at
 //! every step of a resize; meanwhile the last picture is stretched.
@@ -10,11 +11,11 @@ use bevy::window::PrimaryWindow;
 
 use crate::app::editor::command::resolution::Resolution;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{RenderControl, RenderFilm, RenderStatus, full_size};
+use crate::engine::{Filling, RenderControl, RenderFilm, RenderStatus, full_size};
 use crate::memory;
 use crate::render::film::Film;
 use crate::render::layers::FilmLayers;
-use crate::scene::{self, ActiveSensor};
+use crate::scene::{self, ActiveSensor, FreeView};
 
 /// The time for which the size of the picture's panel has to stay before it is adopted.
 const SETTLING: Duration = Duration::from_millis(200);
@@ -75,7 +76,7 @@ pub fn follow_place(
     settings: Res<ViewSettings>,
     status: Res<RenderStatus>,
     film: Res<RenderFilm>,
-    active: Res<ActiveSensor>,
+    (active, free_view): (Res<ActiveSensor>, Res<FreeView>),
     films: Query<&scene::Film>,
     windows: Query<&Window, With<PrimaryWindow>>,
 ) {
@@ -93,8 +94,20 @@ pub fn follow_place(
     if control.view_size != view_size {
         control.view_size = view_size;
     }
+    // A picture of an earlier size also keeps its frame.
+    let is_free = *free_view != FreeView::default();
+    let filling = match is_free {
+        _ if control.size_until_change.is_some() => control.filling,
+        _ if settings.resolution == Resolution::Full => Filling::None,
+        true => Filling::Free,
+        false => Filling::AroundFilm,
+    };
+    if control.filling != filling {
+        control.filling = filling;
+    }
     let rests = status.samples > 0 && !control.paused && status.last_restart.elapsed() >= REST;
-    let is_wanted = settings.resolution == Resolution::AfterRest && !is_large && control.size_until_change.is_none();
+    let is_wanted =
+        settings.resolution == Resolution::AfterRest && !is_large && !is_free && control.size_until_change.is_none();
     if is_wanted && rests && place.is_settled() && !control.full_until_change && status.size != status.full_size {
         control.full_until_change = true;
     }
@@ -136,6 +149,7 @@ mod tests {
         world.init_resource::<RenderControl>();
         world.init_resource::<RenderFilm>();
         world.init_resource::<RenderStatus>();
+        world.init_resource::<FreeView>();
         world.insert_resource(ViewSettings {
             resolution,
             ..ViewSettings::default()

@@ -20,6 +20,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{PackedScene, RenderFilm, fit};
 use crate::render::tile::tiles;
+use crate::render::view::View;
 
 /// The largest side of a texture that every driver of WebGPU supports, in pixels.
 const LARGEST_TEXTURE: u32 = 8192;
@@ -30,6 +31,8 @@ pub struct Picture {
     texture: egui::TextureId,
     /// The size of the picture in pixels; (0, 0) before the first.
     size: UVec2,
+    /// The corners of the film in the picture's coordinates.
+    film_corners: [Vec2; 2],
     /// The colours of a picture that is too large for a texture, which shows a smaller copy; else empty.
     too_large: Vec<u8>,
     shown: Option<Shown>,
@@ -111,6 +114,7 @@ pub fn create_picture(
         texture: textures.add_image(EguiTextureHandle::Strong(handle.clone())),
         handle,
         size: UVec2::ZERO,
+        film_corners: View::WHOLE_FILM,
         too_large: Vec::new(),
         shown: None,
         compared: CompareView::Off,
@@ -192,8 +196,10 @@ pub fn update_picture(
         true => image.data.take().unwrap_or_default(),
         false => std::mem::take(&mut picture.too_large),
     };
-    if old_size != size {
-        pixels = painter::resized(&pixels, old_size.to_array(), size.to_array());
+    let film_corners = film.view.as_ref().map_or(View::WHOLE_FILM, View::film_corners);
+    if old_size != size || picture.film_corners != film_corners {
+        let (old, new) = ((old_size, picture.film_corners), (size, film_corners));
+        pixels = painter::reframed(&pixels, old, new);
     }
     let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
     let beside_noisy =
@@ -218,14 +224,15 @@ pub fn update_picture(
     image.data = Some(if shown_size == size {
         pixels
     } else {
-        let smaller = painter::resized(&pixels, size.to_array(), shown_size.to_array());
+        let whole = View::WHOLE_FILM;
+        let smaller = painter::reframed(&pixels, (size, whole), (shown_size, whole));
         picture.too_large = pixels;
         smaller
     });
     changes.write(AssetEvent::Modified {
         id: picture.handle.id(),
     });
-    picture.size = size;
+    (picture.size, picture.film_corners) = (size, film_corners);
     picture.shown = Some(shown);
     picture.scales = scales;
     picture.job = film.job;

@@ -39,6 +39,10 @@ pub struct Shown {
     pub adaptive: Option<bool>,
     /// The corners of the rendered region, see [`RenderControl::region`](crate::engine::RenderControl::region).
     pub region: Option<[[f32; 2]; 2]>,
+    /// Whether the picture shows the surroundings of the film as well, see
+    /// [`RenderControl::filling`](crate::engine::RenderControl::filling).
+    #[serde(default)]
+    pub fills_view: bool,
     /// Whether the film has a layer for each light.
     pub keeps_lights_apart: bool,
     /// Whether lights can be edited without a restart, see
@@ -47,11 +51,14 @@ pub struct Shown {
     pub lights_are_free: bool,
 }
 
+/// The largest distance of a region's edge from the film, in widths or heights of the film.
+const MOST_FILMS: f32 = 1e3;
+
 impl Shown {
     /// Reads the text of a kept picture. Drops impossible values: the file may come from others.
     pub fn read(text: &str) -> Option<Self> {
         let shown: Self = serde_json::from_str(text).ok()?;
-        let is_part = |corners: &[[f32; 2]; 2]| corners.as_flattened().iter().all(|side| (0.0..=1.0).contains(side));
+        let is_part = |corners: &[[f32; 2]; 2]| corners.as_flattened().iter().all(|side| side.abs() <= MOST_FILMS);
         Some(Self {
             view: shown.view.filter(StoredView::is_possible),
             time: if shown.time.abs() <= MOST_TIME { shown.time } else { 0.0 },
@@ -72,6 +79,8 @@ pub struct Returning {
     pub scene: PathBuf,
     /// The picture.
     pub file: PartFile,
+    /// Whether the picture fills its place, see [`Shown::fills_view`].
+    pub fills_view: bool,
     /// Whether the picture was given the size of the kept one.
     pub is_sized: bool,
 }
@@ -183,6 +192,7 @@ mod tests {
             noise: Some(0.0),
             adaptive: Some(true),
             region: Some([[0.0, 0.25], [0.5, 1.0]]),
+            fills_view: false,
             keeps_lights_apart: true,
             lights_are_free: true,
         };

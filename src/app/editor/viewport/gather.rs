@@ -39,6 +39,7 @@ use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
+use crate::render::view::View;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
     Sensor, Shape, StandIns, ToWorld, world_bounds,
@@ -50,7 +51,11 @@ use crate::scene::{
 pub(crate) struct ViewportScene {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
-    /// The pixels of the picture at its full resolution.
+    /// The corners of the film in the picture.
+    pub film_in_picture: [Vec2; 2],
+    /// Whether the view is that of a camera.
+    pub is_through_camera: bool,
+    /// The size of the film in pixels.
     pub proportions: [u32; 2],
     /// The text in place of the picture while there is none.
     pub placeholder: String,
@@ -333,7 +338,9 @@ pub(crate) fn gather_viewport(
     seen.captions = captions(is_split, seen.compared, is_of_other_scene);
     // The film is cleared before the texture when another scene is opened.
     seen.picture = sources.picture.texture().filter(|_| !sources.film.is_empty());
-    // The picture stays where it is, whatever resolution is rendered.
+    seen.film_in_picture = sources.film.view.as_ref().map_or(View::WHOLE_FILM, View::film_corners);
+    seen.is_through_camera = *sources.free_view == FreeView::default();
+    // The film stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());
     let proportions = film.map(Film::window).map(|window| [window.width, window.height]);
     let of_picture = seen.picture.map(|(_, size)| size);

@@ -20,6 +20,7 @@ pub(crate) mod outlining;
 mod over_picture;
 pub mod path_lines;
 mod paused;
+pub(crate) mod placing;
 pub mod pointer;
 pub(crate) mod rulers;
 mod snap_menu;
@@ -36,7 +37,9 @@ mod wipe;
 use std::time::Duration;
 
 use bevy::math::{UVec2, Vec2, Vec3};
-use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use bevy_egui::egui::{
+    self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2,
+};
 
 use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::picking;
@@ -48,8 +51,8 @@ use crate::app::editor::input::keys;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
-use crate::engine::fit;
 use crate::math::Aabb;
+use crate::render::view::View;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::{Rest, place_of_handles};
@@ -57,6 +60,7 @@ use icons::IconKind;
 use marks::{Tags, tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
+use placing::{pixels_of, place_of_film, place_of_picture, place_of_view};
 use state::{ScreenPixels, ViewportState};
 use toolbar::{tool_column, toolbar};
 
@@ -64,6 +68,8 @@ use toolbar::{tool_column, toolbar};
 pub const PICTURE: &str = "viewport picture";
 /// The height above the foot of the picture of the speed and the legend, in points.
 const CAPTION_FOOT: f32 = -36.0;
+/// The shade over the surroundings of the film.
+const SURROUNDINGS: Color32 = Color32::from_black_alpha(150);
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const WIRE: Color32 = Color32::from_rgba_premultiplied(190, 150, 60, 200);
@@ -79,18 +85,19 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
     let pixels = ui.ctx().pixels_per_point();
-    let room = pixels_of(panel, pixels);
-    state.room = Some(room);
+    state.room = Some(pixels_of(panel, pixels));
     let has_place = model.has_place();
+    let view = model.packed.view.as_ref();
     let picture = match has_place {
-        true => fitted(panel, fit(model.proportions.into(), room), pixels),
+        true => place_of_view(panel, pixels, model.proportions.into(), view),
         false => panel,
     };
     let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
     match model.picture {
         Some((texture, _)) => {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-            ui.painter().image(texture, picture, uv, Color32::WHITE);
+            let place = place_of_picture(picture, film_corners_of(view), model.film_in_picture);
+            ui.painter_at(panel).image(texture, place, uv, Color32::WHITE);
         }
         // The bar over the picture says why it is black.
         None if has_place => {
@@ -159,20 +166,6 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     ui.advance_cursor_after_rect(panel);
 }
 
-/// The whole pixels of a rectangle.
-fn pixels_of(panel: Rect, pixels_per_point: f32) -> UVec2 {
-    let size = panel.size() * pixels_per_point;
-    UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32)
-}
-
-/// The rectangle of this size in pixels in the middle of the panel, on whole pixels so that those of the picture stay
-/// sharp.
-fn fitted(panel: Rect, size: UVec2, pixels_per_point: f32) -> Rect {
-    let size = egui::vec2(size.x as f32, size.y as f32);
-    let corner = panel.center().to_vec2() * pixels_per_point - 0.5 * size;
-    Rect::from_min_size((corner.floor() / pixels_per_point).to_pos2(), size / pixels_per_point)
-}
-
 fn on_screen(ui: &Ui, picture: Rect) -> ScreenPixels {
     let per_point = ui.ctx().pixels_per_point();
     let size = (picture.size() * per_point).round();
@@ -180,6 +173,10 @@ fn on_screen(ui: &Ui, picture: Rect) -> ScreenPixels {
         size: UVec2::new(size.x as u32, size.y as u32),
         per_point,
     }
+}
+
+fn film_corners_of(view: Option<&View>) -> [Vec2; 2] {
+    view.map_or(View::WHOLE_FILM, View::film_corners)
 }
 
 /// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of
@@ -287,17 +284,16 @@ fn paint_over(
         grid::paint(&painter, screen, model.navigation.up, &model.keys.grid, model.depths);
     }
     model.outline.paint(&painter, picture);
+    let film = place_of_film(picture, film_corners_of(model.packed.view.as_ref()));
     if let Some(screen) = screen {
         paint_scene(ui, &painter, screen, model, state);
     }
     if let Some(region) = model.region {
-        let corner = |at: bevy::math::Vec2| picture.min + picture.size() * egui::vec2(at.x, at.y);
+        let corner = |corner: Vec2| placing::at(film, corner);
         let border = Rect::from_two_pos(corner(region.min), corner(region.max)).intersect(picture);
         painter.rect_stroke(border, 0.0, Stroke::new(1.5, REGION), egui::StrokeKind::Inside);
     }
-    if model.keys.safe_frame {
-        safe_frame(&painter, picture);
-    }
+    film_frame(ui, panel, picture, film, model);
     let next = state.tool(model.keys.tool).hint(model);
     let hint = next.as_deref().or(model.keys.tool.hint()).map(|hint| {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
@@ -439,6 +435,29 @@ fn notes(model: &ViewportModel) -> Vec<String> {
 
 /// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1
 /// has 93 and 90 per cent since).
+/// Paints the border of the film, with dimmed surroundings while one looks through a camera, and the safe frames.
+fn film_frame(ui: &Ui, panel: Rect, picture: Rect, film: Rect, model: &ViewportModel) {
+    let painter = ui.painter_at(panel);
+    if model.is_through_camera {
+        let [left, right] = [film.left(), film.right()];
+        let surroundings = [
+            Rect::from_min_max(picture.min, pos2(picture.right(), film.top())),
+            Rect::from_min_max(pos2(picture.left(), film.top()), pos2(left, film.bottom())),
+            Rect::from_min_max(pos2(right, film.top()), pos2(picture.right(), film.bottom())),
+            Rect::from_min_max(pos2(picture.left(), film.bottom()), picture.max),
+        ];
+        for place in surroundings.into_iter().filter(Rect::is_positive) {
+            painter.rect_filled(place, 0.0, SURROUNDINGS);
+        }
+    }
+    if film != panel && (model.is_through_camera || model.keys.safe_frame) {
+        thin_frame(&painter, film, 140);
+    }
+    if model.keys.safe_frame {
+        safe_frame(&painter, film);
+    }
+}
+
 fn safe_frame(painter: &egui::Painter, picture: Rect) {
     for share in [0.9, 0.8] {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());

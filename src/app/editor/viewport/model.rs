@@ -1,7 +1,7 @@
 //! The data that the viewport shows.
 
 use bevy::ecs::entity::EntityHashSet;
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec2};
 use bevy_egui::egui::{self};
 
 use super::blocking::hand::{BlockTarget, BlockingModel};
@@ -35,7 +35,11 @@ use crate::render::camera::Camera;
 pub struct ViewportModel<'a> {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
-    /// The pixels of the picture at its full resolution.
+    /// The corners of the film in the picture, see [`View::film_corners`](crate::render::view::View::film_corners).
+    pub film_in_picture: [Vec2; 2],
+    /// Whether the view is that of a camera.
+    pub is_through_camera: bool,
+    /// The size of the film in pixels.
     pub proportions: [u32; 2],
     /// The text in place of the picture while there is none.
     pub placeholder: &'a str,

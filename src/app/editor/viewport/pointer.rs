@@ -143,7 +143,9 @@ impl PointerState {
                 let boxed = Rect::from_two_pos(*from, pointer);
                 if model.keys.tool == Tool::Region {
                     let corners = [screen.film(boxed.min), screen.film(boxed.max)];
-                    let [min, max] = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
+                    let corners = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
+                    let view = model.packed.view.as_ref();
+                    let [min, max] = corners.map(|corner| view.map_or(corner, |view| view.film_of_picture(corner)));
                     commands.push(RenderCommand::SetRegion(Some(bevy::math::Rect { min, max })).into());
                     commands.push(ToolCommand::SetTool(Tool::Select).into());
                     return Vec2::ZERO;

@@ -298,6 +298,8 @@ fn viewport_model<'a>(
     let (settings, seen) = (&*scene.settings, &*scene.seen);
     ViewportModel {
         picture: seen.picture,
+        film_in_picture: seen.film_in_picture,
+        is_through_camera: seen.is_through_camera,
         proportions: seen.proportions,
         placeholder: &seen.placeholder,
         // While a scene is being read the camera is still that of the scene before.

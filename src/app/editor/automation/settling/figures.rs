@@ -7,10 +7,11 @@ use bevy::math::UVec2;
 use image::{ExtendedColorType, ImageFormat, ImageResult};
 use serde::Serialize;
 
-use crate::app::editor::picture::painter::resized;
+use crate::app::editor::picture::painter::reframed;
 use crate::color::{Rgb, linear_from_srgb8};
 use crate::metrics::errors;
 use crate::metrics::flip::{PIXELS_PER_DEGREE, ldr_flip};
+use crate::render::view::View;
 
 /// The pixels that the window shows, four sRGB-encoded bytes each, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +26,11 @@ impl Shot {
     fn linear(&self, size: UVec2) -> Vec<Rgb> {
         let rgba = match self.size == size {
             true => Cow::Borrowed(&self.rgba),
-            false => Cow::Owned(resized(&self.rgba, self.size.to_array(), size.to_array())),
+            false => Cow::Owned(reframed(
+                &self.rgba,
+                (self.size, View::WHOLE_FILM),
+                (size, View::WHOLE_FILM),
+            )),
         };
         let color = |pixel: &[u8]| {
             let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(linear_from_srgb8);
