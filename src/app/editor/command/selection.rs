@@ -98,6 +98,15 @@ mod tests {
     }
 }
 
+/// The property in which things are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alike {
+    /// The material.
+    Material,
+    /// The kind of shape or light.
+    Type,
+}
+
 /// A command about the selection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SelectionCommand {
@@ -110,6 +119,8 @@ pub enum SelectionCommand {
     /// Selects everything in the group around the active thing. Repeated, it selects everything in the next group
     /// outwards.
     SelectGroup,
+    /// Selects everything that has the material of a selected shape, or is of the kind of a selected thing.
+    SelectAlike(Alike),
     /// Copies the selection to the clipboard, as XML text.
     Copy,
 }
@@ -117,7 +128,12 @@ pub enum SelectionCommand {
 impl SelectionCommand {
     pub(super) fn traits(&self) -> Traits {
         match self {
-            Self::Select(..) | Self::SelectAll | Self::Pick(..) | Self::SelectGroup | Self::Copy => Traits::NONE,
+            Self::Select(..)
+            | Self::SelectAll
+            | Self::Pick(..)
+            | Self::SelectGroup
+            | Self::SelectAlike(_)
+            | Self::Copy => Traits::NONE,
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::app::editor::camera::rounding;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::folders::folders_of;
 use crate::scene::free_name::free_name;
@@ -41,6 +42,7 @@ pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     let frame = edit.spawn((shape, order, SceneId(name.clone()), Name::new(name), pose));
     let all = members.into_iter().chain([frame]);
     edit.world.insert_resource(Selection::of(all));
+    edit.world.resource_mut::<Requests>().nameless_group = Some(frame);
     Ok(())
 }
 

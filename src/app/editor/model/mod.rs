@@ -97,6 +97,10 @@ impl Outline {
 
     /// The heading of the materials.
     pub(crate) const MATERIALS: &str = "Materials";
+    /// The heading of the lights.
+    pub(crate) const LIGHTS: &str = "Lights";
+    /// The heading of the cameras.
+    pub(crate) const CAMERAS: &str = "Cameras";
 
     /// The groups with their headings.
     pub fn groups(&self) -> [(&'static str, &ItemList); 5] {
@@ -104,8 +108,8 @@ impl Outline {
             ("Shapes", &self.shapes),
             (Self::MATERIALS, &self.materials),
             ("Media", &self.media),
-            ("Lights", &self.lights),
-            ("Cameras", &self.sensors),
+            (Self::LIGHTS, &self.lights),
+            (Self::CAMERAS, &self.sensors),
         ]
     }
 

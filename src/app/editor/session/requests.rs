@@ -30,6 +30,8 @@ pub struct Requests {
     pub sheet: Option<Sheet>,
     /// A panel to bring to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
+    /// A new group, for whose name the outliner asks.
+    pub nameless_group: Option<Entity>,
     /// A text for the system's clipboard.
     pub clipboard: Option<String>,
     /// Whether the user wants to close the window.

@@ -192,6 +192,9 @@ pub fn show_window(
         is_free,
     );
     widgets.bake.follow(layout, &model.bake);
+    if let Some(group) = requests.nameless_group.take() {
+        widgets.outliner.ask_for_name(group);
+    }
     if let Some(panel) = requests.wanted_panel.take() {
         layout.bring_to_front(panel);
     }

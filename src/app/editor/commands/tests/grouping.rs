@@ -3,6 +3,8 @@
 use bevy::math::Affine3A;
 
 use super::*;
+use crate::app::editor::command::selection::Alike;
+use crate::scene::UsesMaterial;
 
 fn ball(world: &mut World, name: &str, x: f32) -> Entity {
     let addition = Addition {
@@ -80,6 +82,7 @@ fn groups_are_in_groups_and_come_out_again() {
     select(&mut world, &[other, left, right, inner]);
     say(&mut world, OutlineEdit::Group);
     let outer = active(&world);
+    assert_eq!(world.resource::<Requests>().nameless_group, Some(outer));
     let names = |world: &World| [left, right, inner, other, outer].map(|it| name(world, it));
     let nested = [
         "group/pair/left",
@@ -300,4 +303,29 @@ fn a_group_has_no_surface_and_is_in_the_file() {
     let place = found.map(|shape| Vec3::from(shape.to_world.translation));
     assert_eq!(place, Some(Vec3::new(1.0, 0.5, 0.0)));
     assert_eq!(read.shapes.len(), 3);
+}
+
+#[test]
+fn things_that_are_alike_are_selected_together() {
+    let mut world = bare_world();
+    let [left, right, other] =
+        [("left", 0.0), ("right", 2.0), ("other", 4.0)].map(|(name, x)| ball(&mut world, name, x));
+    say(&mut world, SceneEdit::Add(AdditionKind::Cube.into()));
+    let cube = active(&world);
+    let [oak, pine] = [world.spawn_empty().id(), world.spawn_empty().id()];
+    for (shape, material) in [(left, oak), (right, pine), (other, oak), (cube, oak)] {
+        world.entity_mut(shape).insert(UsesMaterial(material));
+    }
+    let mut alike = |thing, alike| {
+        select(&mut world, &[thing]);
+        say(&mut world, SelectionCommand::SelectAlike(alike));
+        world.resource::<Selection>().entities().to_vec()
+    };
+    assert_eq!(alike(left, Alike::Material), [left, other, cube]);
+    assert_eq!(alike(right, Alike::Material), [right]);
+    assert_eq!(alike(left, Alike::Type), [left, right, other]);
+    assert_eq!(alike(cube, Alike::Type), [cube]);
+    select(&mut world, &[oak]);
+    let alike = SelectionCommand::SelectAlike(Alike::Type);
+    assert!(apply(&mut world, alike).is_err(), "it is neither shape nor light");
 }

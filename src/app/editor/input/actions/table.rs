@@ -8,7 +8,7 @@ use crate::app::editor::command::blocking::{BlockKind, OpeningKind};
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
 use crate::app::editor::command::media::Filling;
 use crate::app::editor::command::resolution::FullFilm;
-use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::selection::{Alike, Extend};
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{BakeCommand, KeptPicture};
@@ -161,6 +161,20 @@ pub const EDIT: &[Action] = &[
         "Select everything",
         &[command(Key::A)],
         |_| Some(SelectionCommand::SelectAll.into()),
+    ),
+    action(
+        Group::Edit,
+        "select-same-material",
+        "Select everything of the same material",
+        &[],
+        |context| context.with_selection(SelectionCommand::SelectAlike(Alike::Material)),
+    ),
+    action(
+        Group::Edit,
+        "select-same-type",
+        "Select everything of the same type",
+        &[],
+        |context| context.with_selection(SelectionCommand::SelectAlike(Alike::Type)),
     ),
     action(
         Group::Edit,

@@ -1,5 +1,6 @@
 //! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a
-//! nested material is listed under the one around it.
+//! nested material is listed under the one around it. A folder is listed once: lights and cameras in a folder of shapes
+//! are listed there.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -8,6 +9,8 @@ use std::sync::{Arc, Weak};
 
 use bevy::prelude::Entity;
 
+use super::search::Search;
+use crate::app::editor::model::item_list::ItemList;
 use crate::app::editor::model::{Item, Outline};
 
 /// The kind of an entity that holds a folder's transform.
@@ -121,6 +124,22 @@ impl LineList {
         })
     }
 
+    /// The index of the line of a group, given the entity that holds its transform.
+    pub fn place_of_group(&self, wanted: Entity) -> Option<usize> {
+        let is_wanted = |part: &Part| matches!(part, Part::One(Line::Folder { frame, .. }) if *frame == Some(wanted));
+        let found = self.parts.iter().find(|(_, part)| is_wanted(part));
+        found.map(|(before, _)| *before)
+    }
+
+    /// The listed things.
+    pub fn things(&self, outline: &Outline) -> impl Iterator<Item = Entity> {
+        let groups = outline.groups();
+        self.iter().filter_map(move |line| match *line {
+            Line::Item { group, index, .. } => Some(groups[group].1[index].entity),
+            _ => None,
+        })
+    }
+
     fn push(&mut self, line: Line) {
         let part = match line {
             Line::Item {
@@ -184,19 +203,30 @@ pub fn folders_of(name: &str) -> impl Iterator<Item = &str> {
     name.match_indices('/').map(|(end, _)| &name[..end])
 }
 
+/// The outermost folder that a thing is in.
+fn outermost(item: &Item) -> Option<&str> {
+    item.name
+        .trim_start_matches('/')
+        .split_once('/')
+        .map(|(folder, _)| folder)
+}
+
 /// Whether the thing is the transform of a folder.
 fn is_frame(item: &Item) -> bool {
     item.kind == GROUP && item.name.ends_with('/')
 }
 
+/// The index of a heading's list in [`Outline::groups`], and of an item in the list.
+type Place = (usize, usize);
+
 fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
-    let wanted = filter.trim().to_lowercase();
-    let matches = |item: &Item| {
-        wanted.is_empty() || item.name.to_lowercase().contains(&wanted) || item.kind.contains(wanted.as_str())
-    };
+    let search = Search::new(filter, outline);
+    let groups = outline.groups();
+    let shared = SharedFolders::of(outline);
     let mut lines = LineList::default();
-    for (group, (name, items)) in outline.groups().into_iter().enumerate() {
-        if wanted.is_empty() && !items.is_empty() && items.is_flat() {
+    for (group, (name, items)) in groups.into_iter().enumerate() {
+        let takes_others = group == 0 && !shared.others.is_empty();
+        if search.is_empty() && !items.is_empty() && items.is_flat() && !takes_others {
             lines.push(Line::Heading {
                 name,
                 count: items.len(),
@@ -206,87 +236,135 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
             }
             continue;
         }
-        let found: Vec<usize> = (0..items.len()).filter(|&index| matches(&items[index])).collect();
+        let is_wanted = |place: &Place| search.finds(groups[place.0].0, &groups[place.0].1[place.1]);
+        let own = (0..items.len()).map(|index| (group, index));
+        let own = own.filter(|place| !shared.others.contains(place));
+        let others = shared.others.iter().copied().filter(|_| takes_others);
+        let found: Vec<Place> = own.chain(others).filter(is_wanted).collect();
         if found.is_empty() {
             continue;
         }
-        let (roots, inside) = nesting(items, &found);
+        let (roots, inside) = nesting(&groups, &found);
         let count = roots.len();
         lines.push(Line::Heading { name, count });
-        if wanted.is_empty() && folding.closed.contains(name) {
+        if search.is_empty() && folding.closed.contains(name) {
             continue;
         }
         let mut writer = Writer {
-            group,
-            items,
+            groups: &groups,
             inside,
-            folding: wanted.is_empty().then_some(folding),
+            folding: search.is_empty().then_some(folding),
             lines: &mut lines,
         };
-        writer.folder("", 0, &roots);
+        let (flat, nested): (Vec<Place>, _) = roots.into_iter().partition(|place| shared.repeated.contains(place));
+        flat.into_iter().for_each(|place| writer.item(place, 0));
+        writer.folder("", 0, &nested);
     }
     lines
 }
 
+/// The lights and cameras that are in folders of shapes.
+#[derive(Default)]
+struct SharedFolders {
+    /// Things that are listed in the folder, in the order of their lists.
+    others: Vec<Place>,
+    /// The lights that are shapes, which are listed in the folder already.
+    repeated: HashSet<Place>,
+}
+
+impl SharedFolders {
+    fn of(outline: &Outline) -> Self {
+        let mut shared = Self::default();
+        let has_folders = |items: &ItemList| !items.is_flat();
+        if !has_folders(&outline.shapes) || ![&outline.lights, &outline.sensors].into_iter().any(has_folders) {
+            return shared;
+        }
+        let folders: HashSet<&str> = outline.shapes.iter().filter_map(outermost).collect();
+        let shapes: HashSet<Entity> = outline.shapes.iter().map(|item| item.entity).collect();
+        for (group, (_, items)) in outline.groups().into_iter().enumerate() {
+            if ![Outline::LIGHTS, Outline::CAMERAS].contains(&outline.groups()[group].0) {
+                continue;
+            }
+            for (index, item) in items.iter().enumerate() {
+                if !outermost(item).is_some_and(|folder| folders.contains(folder)) {
+                    continue;
+                }
+                match shapes.contains(&item.entity) {
+                    true => _ = shared.repeated.insert((group, index)),
+                    false => shared.others.push((group, index)),
+                }
+            }
+        }
+        shared
+    }
+}
+
 /// The items of `found` that are nested in no other of them, and for each its nested items.
-fn nesting(items: &[Item], found: &[usize]) -> (Vec<usize>, HashMap<Entity, Vec<usize>>) {
-    let places: HashMap<Entity, usize> = found.iter().map(|&index| (items[index].entity, index)).collect();
-    let outer = |index: usize| places.get(&items[index].inside_of?).copied();
+fn nesting(groups: &Groups, found: &[Place]) -> (Vec<Place>, HashMap<Entity, Vec<Place>>) {
+    let item = |place: Place| &groups[place.0].1[place.1];
+    let places: HashMap<Entity, Place> = found.iter().map(|&place| (item(place).entity, place)).collect();
+    let outer = |place: Place| places.get(&item(place).inside_of?).copied();
     // A material that contains itself counts as nested in none.
-    let is_deep = |index: usize| {
-        let chain = std::iter::successors(outer(index), |&next| outer(next));
+    let is_deep = |place: Place| {
+        let chain = std::iter::successors(outer(place), |&next| outer(next));
         chain.take(DEEPEST).count() == DEEPEST
     };
-    let mut inside: HashMap<Entity, Vec<usize>> = HashMap::new();
+    let mut inside: HashMap<Entity, Vec<Place>> = HashMap::new();
     let mut roots = Vec::new();
-    for &index in found {
-        match outer(index).filter(|_| !is_deep(index)) {
-            Some(outer) => inside.entry(items[outer].entity).or_default().push(index),
-            None => roots.push(index),
+    for &place in found {
+        match outer(place).filter(|_| !is_deep(place)) {
+            Some(outer) => inside.entry(item(outer).entity).or_default().push(place),
+            None => roots.push(place),
         }
     }
     (roots, inside)
 }
 
+/// The lists with their headings.
+type Groups<'a> = [(&'static str, &'a ItemList); 5];
+
 struct Writer<'a> {
-    group: usize,
-    items: &'a [Item],
-    inside: HashMap<Entity, Vec<usize>>,
+    groups: &'a Groups<'a>,
+    inside: HashMap<Entity, Vec<Place>>,
     /// The folding. None: everything is open.
     folding: Option<&'a Folding>,
     lines: &'a mut LineList,
 }
 
 enum Entry<'a> {
-    Item(usize),
-    Folder(&'a str, Vec<usize>),
+    Item(Place),
+    Folder(&'a str, Vec<Place>),
 }
 
 impl<'a> Writer<'a> {
+    fn at(&self, (group, index): Place) -> &'a Item {
+        &self.groups[group].1[index]
+    }
+
     /// Adds the lines of the folder with this path (empty: of the top level): its folders, each at the position of its
     /// first member, and its things.
-    fn folder(&mut self, path: &str, depth: usize, indices: &[usize]) {
+    fn folder(&mut self, path: &str, depth: usize, places: &[Place]) {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         let mut known: HashMap<&str, usize> = HashMap::new();
-        for &index in indices {
-            match self.folder_below(path, depth, index) {
+        for &place in places {
+            match self.folder_below(path, depth, place) {
                 // The folder's own line stands for its transform.
-                None if is_frame(&self.items[index]) => {}
-                None => entries.push(Entry::Item(index)),
+                None if is_frame(self.at(place)) => {}
+                None => entries.push(Entry::Item(place)),
                 Some(name) => {
-                    let place = *known.entry(name).or_insert_with(|| {
+                    let entry = *known.entry(name).or_insert_with(|| {
                         entries.push(Entry::Folder(name, Vec::new()));
                         entries.len() - 1
                     });
-                    if let Entry::Folder(_, members) = &mut entries[place] {
-                        members.push(index);
+                    if let Entry::Folder(_, members) = &mut entries[entry] {
+                        members.push(place);
                     }
                 }
             }
         }
         for entry in entries {
             match entry {
-                Entry::Item(index) => self.item(index, depth),
+                Entry::Item(place) => self.item(place, depth),
                 Entry::Folder(name, members) => {
                     let path = match path {
                         "" => name.to_owned(),
@@ -294,10 +372,10 @@ impl<'a> Writer<'a> {
                     };
                     let is_open = self.folding.is_none_or(|folding| !folding.closed.contains(&path));
                     let own = format!("{path}/");
-                    let is_own = |index: &&usize| self.items[**index].name == own;
-                    let frame = members.iter().find(is_own).map(|&index| self.items[index].entity);
-                    let others = members.iter().filter(|index| !is_own(index));
-                    let others = others.map(|&index| self.items[index].entity);
+                    let is_own = |place: &&Place| self.at(**place).name == own;
+                    let frame = members.iter().find(is_own).map(|&place| self.at(place).entity);
+                    let others = members.iter().filter(|place| !is_own(place));
+                    let others = others.map(|&place| self.at(place).entity);
                     self.lines.push(Line::Folder {
                         path: path.clone(),
                         depth,
@@ -305,7 +383,7 @@ impl<'a> Writer<'a> {
                         members: others.chain(frame).collect(),
                         frame,
                         hidden: self.hidden(&members),
-                        locked: members.iter().all(|&index| self.items[index].locked),
+                        locked: members.iter().all(|&place| self.at(place).locked),
                     });
                     if is_open {
                         self.folder(&path, depth + 1, &members);
@@ -316,29 +394,26 @@ impl<'a> Writer<'a> {
     }
 
     /// Whether all of these are hidden; None if none of them can be.
-    fn hidden(&self, members: &[usize]) -> Option<bool> {
-        let mut can_hide = members
-            .iter()
-            .map(|&index| &self.items[index])
-            .filter(|item| item.can_hide);
+    fn hidden(&self, members: &[Place]) -> Option<bool> {
+        let mut can_hide = members.iter().map(|&place| self.at(place)).filter(|item| item.can_hide);
         let first = can_hide.next()?;
         Some(first.hidden && can_hide.all(|item| item.hidden))
     }
 
     /// The name of the subfolder that leads to this thing.
-    fn folder_below(&self, path: &str, depth: usize, index: usize) -> Option<&'a str> {
-        let name = self.items[index].name.trim_start_matches('/');
+    fn folder_below(&self, path: &str, depth: usize, place: Place) -> Option<&'a str> {
+        let name = self.at(place).name.trim_start_matches('/');
         let rest = name.get(path.len()..)?;
         let rest = rest.strip_prefix('/').unwrap_or(rest);
         let (folder, _) = rest.split_once('/')?;
         (depth < DEEPEST).then_some(folder)
     }
 
-    fn item(&mut self, index: usize, depth: usize) {
-        let entity = self.items[index].entity;
+    fn item(&mut self, (group, index): Place, depth: usize) {
+        let entity = self.at((group, index)).entity;
         let inside = self.inside.get(&entity).cloned().unwrap_or_default();
         self.lines.push(Line::Item {
-            group: self.group,
+            group,
             index,
             depth,
             has_inside: !inside.is_empty(),
@@ -454,6 +529,26 @@ mod tests {
         assert_eq!(
             text(&outline, "", &Folding::default())[20..24],
             ["0 wall", "[room 1]", "1 door", "0 wall"]
+        );
+    }
+
+    #[test]
+    fn a_folder_with_shapes_and_lights_is_listed_once() {
+        let mut bulb = item(3, "lamp/bulb");
+        bulb.kind = "point";
+        let outline = Outline {
+            shapes: vec![item(1, "lamp/"), item(2, "lamp/shade"), item(5, "floor")].into(),
+            // The shade shines as well.
+            lights: vec![item(2, "lamp/shade"), bulb, item(4, "sky/sun")].into(),
+            ..Outline::default()
+        };
+        let all = [
+            "Shapes 4", "[lamp 3]", "1 shade", "1 bulb", "0 floor", "Lights 2", "0 shade", "[sky 1]", "1 sun",
+        ];
+        assert_eq!(text(&outline, "", &Folding::default()), all);
+        assert_eq!(
+            text(&outline, "bulb", &Folding::default()),
+            ["Shapes 1", "[lamp 1]", "1 bulb"]
         );
     }
 

@@ -3,6 +3,7 @@
 mod lines;
 pub(super) mod marks;
 mod row;
+mod search;
 pub mod state;
 
 use std::sync::Arc;
@@ -11,6 +12,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Response, Sense, Stroke, Ui};
 
 use crate::app::editor::command::dragged::Dragged;
+use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::{Command, OutlineEdit, SelectionCommand};
 use crate::app::editor::model::{Item, Model, Outline};
 use crate::app::editor::panels::drag_start::is_drag_of;
@@ -21,12 +23,15 @@ use state::{OutlinerState, Renaming, how};
 /// Shows all things of the scene as a tree, with a filter, and adds the user's commands to `commands`.
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
-    ui.add(
+    let find = ui.add(
         egui::TextEdit::singleline(&mut state.filter)
             .hint_text("Find")
             .desired_width(f32::INFINITY),
     )
-    .on_hover_text("Show only things with this text in their name or kind");
+    .on_hover_text(
+        "Show only things with these words in their name or kind; material:oak finds what has a material of that name, \
+         type:light all lights. Enter selects what is found.",
+    );
     if state
         .renaming
         .as_ref()
@@ -34,12 +39,19 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     {
         state.renaming = None;
     }
+    if let Some(item) = state.asked.and_then(|asked| item_of(outline, asked)) {
+        (state.renaming, state.asked) = (Some(Renaming::of(item)), None);
+    }
     if state.renaming.is_none() && ui.input(|input| input.key_pressed(Key::F2)) {
         let active = selection.active().and_then(|entity| item_of(outline, entity));
         state.renaming = active.map(Renaming::of);
     }
     let height = ui.spacing().interact_size.y;
     let (lines, offset) = follow_selection(outline, selection.active(), height, ui, state);
+    if find.lost_focus() && !state.filter.trim().is_empty() && ui.input(|input| input.key_pressed(Key::Enter)) {
+        let things = lines.things(outline).collect();
+        commands.push(SelectionCommand::Select(things, Extend::Replace).into());
+    }
     let mut area = egui::ScrollArea::vertical().auto_shrink(false);
     if let Some(offset) = offset {
         area = area.vertical_scroll_offset(offset);
@@ -113,7 +125,7 @@ fn follow_selection(
     }
     let lines = state.lines.of(outline, &state.filter, &state.folding);
     let offset = place.and_then(|place| {
-        let place = lines.place_of(place)?;
+        let place = lines.place_of(place).or_else(|| lines.place_of_group(active?))?;
         let line = height + ui.spacing().item_spacing.y;
         let seen = ui.available_height();
         let top = place as f32 * line;

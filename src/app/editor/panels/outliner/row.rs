@@ -3,11 +3,11 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText, pos2, vec2};
 
-use super::lines::{Line, LineList, leaf};
+use super::lines::{LineList, leaf};
 use super::marks::{self, BUTTON, eye, mark, padlock};
 use super::state::{OutlinerState, Renaming, how};
 use crate::app::editor::command::dragged::Dragged;
-use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::selection::{Alike, Extend};
 use crate::app::editor::command::{Command, OutlineEdit, SceneEdit, SelectionCommand, ViewCommand};
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
@@ -157,7 +157,8 @@ impl Row<'_> {
         // In a list of a hundred spheres the material is more informative than the kind, which the icon shows.
         let hint = self.model.outline.material_of(item).map_or(item.kind, leaf);
         let kind = RichText::new(hint).weak().small();
-        let name = leaf(&item.name);
+        // A shape that shines is listed among the lights without its folder.
+        let name = if self.depth == 0 { &item.name } else { leaf(&item.name) };
         let mut text = RichText::new(name);
         if item.hidden {
             text = text.weak();
@@ -188,15 +189,7 @@ impl Row<'_> {
     /// The range of lines between the anchor and this one, with Shift.
     fn range(&self, ui: &Ui, state: &OutlinerState) -> Option<Vec<Entity>> {
         let anchor = state.anchor.filter(|_| ui.input(|input| input.modifiers.shift))?;
-        let groups = self.model.outline.groups();
-        let items: Vec<Entity> = self
-            .lines
-            .iter()
-            .filter_map(|line| match *line {
-                Line::Item { group, index, .. } => Some(groups[group].1[index].entity),
-                _ => None,
-            })
-            .collect();
+        let items: Vec<Entity> = self.lines.things(&self.model.outline).collect();
         let place = |wanted: Entity| items.iter().position(|entity| *entity == wanted);
         let (from, to) = (place(anchor)?, place(self.item.entity)?);
         Some(items[from.min(to)..=from.max(to)].to_vec())
@@ -258,6 +251,9 @@ impl Row<'_> {
         entry(ui, "Frame", ViewCommand::FrameSelection.into());
         entry(ui, "Duplicate", SceneEdit::Duplicate.into());
         entry(ui, "Copy as XML", SelectionCommand::Copy.into());
+        let alike = |alike| Command::from(SelectionCommand::SelectAlike(alike));
+        entry(ui, "Select all of the same material", alike(Alike::Material));
+        entry(ui, "Select all of the same type", alike(Alike::Type));
         entry(ui, "Group", OutlineEdit::Group.into());
         entry(ui, "Delete", SceneEdit::Delete.into());
         let meant = self.meant();

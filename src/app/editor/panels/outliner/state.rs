@@ -15,12 +15,21 @@ pub struct OutlinerState {
     pub(super) folding: Folding,
     pub(super) lines: Lines,
     pub(super) renaming: Option<Renaming>,
+    /// A thing whose name is asked for as soon as it is listed.
+    pub(super) asked: Option<Entity>,
     /// The first line of a range.
     pub(super) anchor: Option<Entity>,
     /// The active thing when the list was last shown: another one is scrolled to.
     pub(super) shown_active: Option<Entity>,
     /// The materials whose lines were visible, so that they get pictures.
     pub materials_in_sight: Vec<Entity>,
+}
+
+impl OutlinerState {
+    /// Opens the field for a new name of this thing as soon as it is listed.
+    pub fn ask_for_name(&mut self, thing: Entity) {
+        self.asked = Some(thing);
+    }
 }
 
 /// The change of the selection by a click, from the modifiers.
