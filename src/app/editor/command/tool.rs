@@ -63,7 +63,7 @@ impl Tool {
                 Some("Click a wall or a box to cut a door, or drag one as large as you like (Esc: done)")
             }
             Self::Cut(OpeningKind::Window) => Some(
-                "Click a wall or a box to cut a window, at its foot a French window, or drag one as large as you like (Esc: done)",
+                "Click a wall or a box to cut a window, at its foot a French window, from above or below a hole, or drag one as large as you like (Esc: done)",
             ),
         }
     }

@@ -92,7 +92,7 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
         ToolIcon::Window,
         Tool::Cut(OpeningKind::Window),
         "cut-window",
-        "Cut a window into a wall or a box",
+        "Cut a window into a wall or a box, or a hole into a floor",
     )),
     None,
     Some((

@@ -144,7 +144,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         )),
         27 => one(format!(
             "cut {} {} 0.5",
-            ["door", "window", "french-window"][random.below(3)],
+            ["door", "window", "french-window", "hole"][random.below(4)],
             shape?
         )),
         30 => one(format!(

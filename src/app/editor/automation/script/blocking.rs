@@ -10,7 +10,7 @@ use crate::app::editor::command::SceneEdit;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::blocking::block::{Block, Plane};
 use crate::app::editor::command::blocking::faces::{Face, pushed};
-use crate::app::editor::command::blocking::openings::{Cut, wall_of};
+use crate::app::editor::command::blocking::openings::{Cut, HOLE, floor_of, wall_of};
 use crate::app::editor::command::blocking::{BlockKind, Reshaping};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::value::{parse_float, parse_vec3};
@@ -24,7 +24,7 @@ verbs! {
         [kind, from, to, options @ ..] => draw(world, kind, [from, to], options)?;
     "push" "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"
         [name, face, distance] => push(world, name, face, distance)?;
-    "cut" "door|window|french-window WALL FROM [sill=H] [width=W] [height=H]"
+    "cut" "door|window|french-window|hole WALL FROM [sill=H] [width=W] [height=H]"
         [kind, wall, from, options @ ..] => cut(world, wall, kind, from, options)?;
 }
 
@@ -76,7 +76,8 @@ fn cut(world: &mut World, wall: &str, kind: &str, from: &str, options: &[&str]) 
         "door" => Opening::DOOR,
         "window" => Opening::WINDOW,
         "french-window" => Opening::FRENCH_WINDOW,
-        other => return Err(format!("expected door, window or french-window, found `{other}`").into()),
+        "hole" => HOLE,
+        other => return Err(format!("expected door, window, french-window or hole, found `{other}`").into()),
     };
     let from = parse_float(from)?;
     let mut lengths = Vec::new();
@@ -91,15 +92,17 @@ fn cut(world: &mut World, wall: &str, kind: &str, from: &str, options: &[&str]) 
     let entity = named(world, wall)?;
     let (shape, pose) = parts(world, entity)?;
     let up = world.resource::<ViewSettings>().navigation.up;
-    let (wall, pose) = wall_of(&shape.kind, pose, up).ok_or("it is neither a wall nor an upright box")?;
+    let is_hole = kind == "hole";
+    let (wall, pose) = match is_hole {
+        true => floor_of(&shape.kind, pose, up).ok_or("it is no box whose upper side is level")?,
+        false => wall_of(&shape.kind, pose, up).ok_or("it is neither a wall nor an upright box")?,
+    };
     let height = match wall {
         Solid::Wall { height, .. } => height,
         _ => HEIGHT,
     };
-    let mut opening = Opening {
-        from,
-        ..usual.in_wall(height)
-    };
+    let usual = if is_hole { usual } else { usual.in_wall(height) };
+    let mut opening = Opening { from, ..usual };
     for (name, length) in lengths {
         match name {
             "sill" => opening.sill = length,
@@ -107,7 +110,13 @@ fn cut(world: &mut World, wall: &str, kind: &str, from: &str, options: &[&str]) 
             _ => opening.height = length,
         }
     }
-    let (kind, pose) = Cut { wall, pose, opening }.done();
+    let (kind, pose) = Cut {
+        wall,
+        pose,
+        opening,
+        is_hole,
+    }
+    .done();
     Ok(SceneEdit::Reshape(
         entity,
         Shape { kind, ..shape.clone() },

@@ -1,4 +1,5 @@
-//! Cutting doors and windows into walls, and into boxes, which become walls.
+//! Cutting doors and windows into walls, and into boxes, which become walls; and holes into floors, which become lying
+//! walls.
 
 use bevy::math::{Affine3A, Mat3, Vec3};
 
@@ -14,6 +15,8 @@ pub struct Cut {
     pub pose: Affine3A,
     /// The opening.
     pub opening: Opening,
+    /// Whether it is a hole in a floor, and neither door nor window.
+    pub is_hole: bool,
 }
 
 /// The largest cosine between two axes that count as perpendicular.
@@ -21,6 +24,14 @@ const RIGHT_ANGLE: f32 = 1e-4;
 
 /// A window with a sill lower than this share of the usual one is a French window.
 const LOW: f32 = 0.3;
+/// The usual hole in a floor, large enough for a ladder. It lies around the point and not at the edge: its sill only has to be
+/// above 0.
+pub const HOLE: Opening = Opening {
+    from: 0.0,
+    sill: 1.0,
+    width: 1.0,
+    height: 1.0,
+};
 /// The part of the wall that stays above a window of the usual size, as a share of the wall's height.
 const LINTEL: f32 = 0.08;
 
@@ -37,17 +48,23 @@ pub struct Side {
 
 /// The opening of this kind and of the usual size at a point of a wall's or a box's side. It is rounded to multiples of
 /// `step` (world units; 0 for none), and moved into the free part of the wall. A window near the foot of the wall is a
-/// French window, which begins at the foot and ends at the height of the others. None if it does not fit.
+/// French window, which begins at the foot and ends at the height of the others. A window in the upper or lower side of a
+/// box is a hole around the point. None if it does not fit.
 pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, step: f32) -> Option<Cut> {
     let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
     let (length, height) = extents(&wall)?;
     let units = units(&pose);
     let local = pose.inverse().transform_point3(side.place);
+    let is_hole = is_lying(&pose, side.up);
+    if is_hole && what == OpeningKind::Door {
+        return None;
+    }
     // Sizes are in world units, also in a scaled wall.
     let of = |opening: Opening| opening.in_wall(height * units[1]);
     let window = of(Opening::WINDOW);
     let low_window = local.z * units[1] < 0.5 * window.height + LOW * window.sill;
     let new = match what {
+        _ if is_hole => HOLE,
         OpeningKind::Door => of(Opening::DOOR),
         OpeningKind::Window if low_window => of(Opening::FRENCH_WINDOW),
         OpeningKind::Window => window,
@@ -59,7 +76,8 @@ pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, ste
     let sill = match new.sill > 0.0 {
         false => 0.0,
         true => {
-            let highest = (height * (1.0 - LINTEL) - tall).max(0.0);
+            let lintel = if is_hole { 0.0 } else { LINTEL };
+            let highest = (height * (1.0 - lintel) - tall).max(0.0);
             snap(local.z - 0.5 * tall, units[1]).clamp(0.0, highest)
         }
     };
@@ -69,7 +87,12 @@ pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, ste
         width,
         height: tall,
     };
-    Some(Cut { wall, pose, opening })
+    Some(Cut {
+        wall,
+        pose,
+        opening,
+        is_hole,
+    })
 }
 
 /// The opening between two opposite corners on a side, the second one in world space. Its edges are rounded to
@@ -95,11 +118,9 @@ pub fn between(
         [begin.min(end), begin.max(end)].map(|place| place.clamp(0.0, most))
     };
     let [left, right] = span(begin.x, end.x, units[0], size.first(), length);
-    let foot = if what == OpeningKind::Door { 0.0 } else { begin.z };
-    let top = if what == OpeningKind::Door {
-        begin.z.max(end.z)
-    } else {
-        end.z
+    let [foot, top] = match what {
+        OpeningKind::Door => [0.0, begin.z.max(end.z)],
+        OpeningKind::Window => [begin.z, end.z],
     };
     let [low, high] = span(foot, top, units[1], size.get(1), height);
     let opening = Opening {
@@ -109,7 +130,14 @@ pub fn between(
         height: high - low,
     };
     let least = 1e-4 * length.min(height);
-    (opening.width > least && opening.height > least).then_some(Cut { wall, pose, opening })
+    let is_hole = is_lying(&pose, side.up);
+    let is_possible = !(is_hole && what == OpeningKind::Door);
+    (is_possible && opening.width > least && opening.height > least).then_some(Cut {
+        wall,
+        pose,
+        opening,
+        is_hole,
+    })
 }
 
 /// The length and the height of a wall, in its own units.
@@ -139,6 +167,7 @@ impl Cut {
     /// window.
     pub fn name(&self, what: OpeningKind) -> &'static str {
         match what {
+            _ if self.is_hole => "Hole",
             OpeningKind::Door => "Door",
             OpeningKind::Window if self.opening.sill == 0.0 => "French window",
             OpeningKind::Window => "Window",
@@ -195,6 +224,11 @@ pub fn wall_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Af
     as_wall(kind, pose, columns[across].normalize_or_zero(), up)
 }
 
+/// The shape as a lying wall, with its pose, for holes from above; None if it is leaning.
+pub fn floor_of(kind: &ShapeKind, pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
+    as_wall(kind, pose, up, up)
+}
+
 /// The wall with the same surface and orientation as a box: axis-aligned if the box is. None for a leaning or sheared
 /// box.
 pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
@@ -205,7 +239,13 @@ pub fn box_as_wall(pose: &Affine3A, up: Vec3) -> Option<(Solid, Affine3A)> {
     wall_of_box(&columns, pose.translation.into(), upward, direction, up)
 }
 
-/// The shape as a wall, seen from the side with this normal. A box becomes one if that side is upright.
+/// Whether the height of a wall with this pose is level.
+fn is_lying(pose: &Affine3A, up: Vec3) -> bool {
+    Vec3::from(pose.matrix3.z_axis).normalize_or_zero().dot(up).abs() < 0.5
+}
+
+/// The shape as a wall, seen from the side with this normal. A box becomes an upright wall from an upright side and a
+/// lying one from above or below.
 fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<(Solid, Affine3A)> {
     let columns = [0, 1, 2].map(|axis| Vec3::from(pose.matrix3.col(axis)));
     let across = facing(&columns, normal)?;
@@ -213,17 +253,30 @@ fn as_wall(kind: &ShapeKind, pose: &Affine3A, normal: Vec3, up: Vec3) -> Option<
         ShapeKind::Solid(wall @ Solid::Wall { .. }) if across == 1 => Some((wall.clone(), *pose)),
         ShapeKind::Cube => {
             let upward = facing(&columns, up)?;
-            if upward == across {
-                return None;
-            }
+            // The height of a lying wall is the shorter level edge.
+            let upward = match upward == across {
+                false => upward,
+                true => (0..3)
+                    .filter(|axis| *axis != across)
+                    .min_by(|a, b| columns[*a].length().total_cmp(&columns[*b].length()))?,
+            };
             let level = 3 - upward - across;
             let x = columns[level].try_normalize()?;
-            // The wall runs in the positive direction of a world axis.
-            let x = x * x[x.abs().max_position()].signum();
+            let x = positive(x);
+            let up = if facing(&columns, up)? == upward {
+                up
+            } else {
+                positive(columns[upward])
+            };
             wall_of_box(&columns, pose.translation.into(), upward, x, up)
         }
         _ => None,
     }
+}
+
+/// The direction or its opposite, whichever runs along a world axis.
+fn positive(direction: Vec3) -> Vec3 {
+    direction * direction[direction.abs().max_position()].signum()
 }
 
 /// The wall in place of a box with these axes around `middle`, along a direction of unit length that is one of the
@@ -265,7 +318,7 @@ mod tests {
     use bevy::math::Quat;
 
     use super::*;
-    use crate::app::editor::command::blocking::block::corners;
+    use crate::app::editor::command::blocking::block::corners as corners_of;
 
     #[test]
     fn a_box_becomes_the_wall_that_it_is() {
@@ -289,7 +342,7 @@ mod tests {
         assert!((cut.opening.from - expected.from).abs() < 1e-5 && cut.opening.sill == 0.0);
         let (kind, new_pose) = cut.done();
         let sorted = |kind: &ShapeKind, pose: &Affine3A| {
-            let mut corners = corners(kind, pose).expect("a box").to_vec();
+            let mut corners = corners_of(kind, pose).expect("a box").to_vec();
             corners.sort_by(|a, b| (a.y, a.x, a.z).partial_cmp(&(b.y, b.x, b.z)).expect("numbers"));
             corners
         };
@@ -297,6 +350,44 @@ mod tests {
             assert!(before.abs_diff_eq(after, 1e-5), "{before} {after}");
         }
         assert!(new_pose.matrix3.determinant() > 0.0);
+    }
+
+    #[test]
+    fn a_hole_is_cut_into_a_floor() {
+        // A slab of 6 x 0.2 x 4 around the origin.
+        let pose = Affine3A::from_scale(Vec3::new(3.0, 0.1, 2.0));
+        let hole = |x: f32, y: f32, z: f32, what| {
+            let side = Side {
+                place: Vec3::new(x, y, z),
+                normal: Vec3::Y * y.signum(),
+                up: Vec3::Y,
+            };
+            at(&ShapeKind::Cube, &pose, &side, what, 0.1)
+        };
+        for y in [0.1, -0.1] {
+            assert_eq!(hole(1.0, y, 0.53, OpeningKind::Door), None);
+            let cut = hole(1.0, y, 0.53, OpeningKind::Window).expect("a hole");
+            assert_eq!((cut.is_hole, cut.name(OpeningKind::Window)), (true, "Hole"));
+            let corners = cut.corners();
+            let low = corners.into_iter().reduce(Vec3::min).expect("eight");
+            let high = corners.into_iter().reduce(Vec3::max).expect("eight");
+            assert!(low.abs_diff_eq(Vec3::new(0.5, -0.1, 0.0), 1e-5), "{low}");
+            assert!(high.abs_diff_eq(Vec3::new(1.5, 0.1, 1.0), 1e-5), "{high}");
+            let (kind, new_pose) = cut.done();
+            let [before, after] = [(&ShapeKind::Cube, &pose), (&kind, &new_pose)].map(|(kind, pose)| {
+                let corners = corners_of(kind, pose).expect("a box");
+                corners.into_iter().reduce(Vec3::max).expect("eight")
+            });
+            assert!(before.abs_diff_eq(after, 1e-5), "{before} {after}");
+            // A second hole is cut into what is a wall now.
+            let side = Side {
+                place: Vec3::new(-2.9, y, -1.9),
+                normal: Vec3::Y * y.signum(),
+                up: Vec3::Y,
+            };
+            let second = at(&kind, &new_pose, &side, OpeningKind::Window, 0.1).expect("another hole");
+            assert!(second.is_hole && second.opening.from.min(second.opening.sill) == 0.0);
+        }
     }
 
     #[test]
