@@ -445,6 +445,18 @@ const BROKEN: &[(&str, &[&str])] = &[
             "2:51: error: broken XML: ill-formed document: expected `</bsdf>`, but `</shape>` was found (<bsdf> of line 2 is still open here)",
         ],
     ),
+    // What would follow from a lost `>` is not reported.
+    (
+        "<shape type=\"cube\" id=\"floor\"\n<ref id=\"oak\"/> <scale value=\"2\"/></shape> <bsdf type=\"diffuse\" id=\"oak\"/>",
+        &["2:1: error: broken XML: <shape> has no `>` at its end (<scene> of line 1 is still open here)"],
+    ),
+    (
+        "<ref id=\"oak\"/> <bsdf type=\"diffuse\" id=\"pine\" <ref id=\"ash\"/> <bsdf type=\"diffuse\" id=\"oak\"/>",
+        &[
+            "2:17: error: broken XML: <bsdf> has no `>` at its end (<scene> of line 1 is still open here)",
+            "2:17: note: 1 reference leads to an id that nothing has, perhaps because this file could not be read",
+        ],
+    ),
 ];
 
 #[test]

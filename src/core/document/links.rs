@@ -26,7 +26,8 @@ pub struct Alias {
 
 /// Replaces alias names in references by the object's own id, reports references without target (they stay), and
 /// disconnects and reports those that close a cycle or nest too deep. `not_read`: an include whose file could not be
-/// read; it may declare the missing objects, so that references without target are only counted then.
+/// read, or the place from which on a file is broken. The missing objects may be there, so that references without
+/// target are only counted then.
 pub fn link(
     root: &mut Object,
     ids: &HashMap<SmolStr, Span>,

@@ -94,7 +94,7 @@ impl Parser {
             Ok(source) => source,
             Err(NotIncluded::Circle) => return,
             Err(NotIncluded::Unread) => {
-                self.failed_include = self.failed_include.or(Some(span));
+                self.not_read = self.not_read.or(Some(span));
                 return;
             }
         };
@@ -111,7 +111,7 @@ impl Parser {
                 root.name = name.or(root.name);
                 object.children.push(root.into());
             }
-            None => self.failed_include = self.failed_include.or(Some(span)),
+            None => self.not_read = self.not_read.or(Some(span)),
         }
     }
 

@@ -76,8 +76,13 @@ impl Parser {
             root = scene;
         }
         let crowds = keep_known(&mut root, self.crowds, &self.diagnostics);
-        let not_read = self.failed_include;
-        link(&mut root, &self.ids, &self.aliases, not_read, &mut self.diagnostics);
+        link(
+            &mut root,
+            &self.ids,
+            &self.aliases,
+            self.not_read,
+            &mut self.diagnostics,
+        );
         let crowds = pack_rest(&mut root, crowds);
         for (name, help) in self.defines.unused() {
             let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");

@@ -144,8 +144,8 @@ pub(super) struct Parser {
     pub ids: HashMap<SmolStr, Span>,
     pub aliases: Vec<Alias>,
     pub includes: Vec<Include>,
-    /// The first include whose file could not be read, or only in part.
-    pub failed_include: Option<Span>,
+    /// The first include whose file could not be read, or only in part, or the place at which the main file is broken.
+    pub not_read: Option<Span>,
     pub elements: usize,
     pub bytes: u64,
     /// Whether a limit of the whole document was reached; nothing more is read.
@@ -155,6 +155,23 @@ pub(super) struct Parser {
     pub crowds: Vec<Crowd>,
     pub spectra: SpectrumFiles,
     pub spare: Spare,
+}
+
+/// Whether another tag begins within this one, because its `>` is missing.
+fn runs_into_another(tag: &BytesStart) -> bool {
+    tag.contains('<') && tag.attributes().with_checks(false).any(|attribute| attribute.is_err())
+}
+
+/// The part of a span in its first line.
+fn first_line(text: &str, span: Span) -> Span {
+    let line = text
+        .get(span.start as usize..span.end as usize)
+        .and_then(|text| text.lines().next());
+    let length = line.map_or(0, |line| line.trim_end().len());
+    Span {
+        end: span.start + u32::try_from(length).unwrap_or(0),
+        ..span
+    }
 }
 
 impl Parser {
@@ -203,6 +220,12 @@ impl Parser {
                 end: position(reader.buffer_position()),
             };
             match event {
+                Ok(Event::Start(tag) | Event::Empty(tag)) if runs_into_another(&tag) => {
+                    let name = tag.name();
+                    let error = format!("<{}> has no `>` at its end", name.into_inner());
+                    self.stop_reading(first_line(&level.text, span), &error, level);
+                    break;
+                }
                 Ok(Event::Start(tag)) => self.open(&tag, span, true, level),
                 Ok(Event::Empty(tag)) => self.open(&tag, span, false, level),
                 Ok(Event::End(_)) => self.close(level, span.end),
@@ -230,15 +253,7 @@ impl Parser {
                         end: span.end.max(at),
                         ..span
                     };
-                    let open = level.stack.last().filter(|_| level.skipping == 0);
-                    let help = open.map(|frame| {
-                        let line = self.diagnostics.locate(frame.span()).map_or(0, |(_, line, _)| line);
-                        format!("<{}> of line {line} is still open here", frame.tag())
-                    });
-                    let message = format!("broken XML: {error}");
-                    self.diagnostics.push(Severity::Error, Some(place), message, help);
-                    let include = self.open_files.last().and_then(|(_, include)| *include);
-                    self.failed_include = self.failed_include.or(include);
+                    self.stop_reading(place, &error.to_string(), level);
                     break;
                 }
             }
@@ -248,6 +263,19 @@ impl Parser {
         while !level.stack.is_empty() {
             self.close(level, end);
         }
+    }
+
+    /// Reports that a file cannot be read from here on. Objects that are missing for that are not reported.
+    fn stop_reading(&mut self, place: Span, error: &str, level: &Level) {
+        let open = level.stack.last().filter(|_| level.skipping == 0);
+        let help = open.map(|frame| {
+            let line = self.diagnostics.locate(frame.span()).map_or(0, |(_, line, _)| line);
+            format!("<{}> of line {line} is still open here", frame.tag())
+        });
+        let message = format!("broken XML: {error}");
+        self.diagnostics.push(Severity::Error, Some(place), message, help);
+        let include = self.open_files.last().and_then(|(_, include)| *include);
+        self.not_read = self.not_read.or(include).or(Some(place));
     }
 
     fn stray_text(&mut self, span: Span, level: &Level) {
