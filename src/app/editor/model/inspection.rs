@@ -77,10 +77,15 @@ pub fn gather_selection(
         shown.media = media.inspected(&shown, &media_before);
         shown.leak = shown.media_at[MediumSide::Interior as usize].and_then(|_| media.leak(shown.entity));
         let others = selection.entities().iter().filter(|other| **other != shown.entity);
-        let others: Vec<Inspected> = others
+        let mut others: Vec<Inspected> = others
             .take(MOST_COMPARED)
             .filter_map(|other| inspected(*other))
             .collect();
+        let is_group = shown.shape.as_ref().is_some_and(Shape::is_frame);
+        if is_group && others.iter().all(|other| other.name.starts_with(&shown.name)) {
+            shown.members = Some(selection.entities().len() - 1);
+            others.clear();
+        }
         let materials: Vec<_> = others.iter().map(|other| placed_materials(other, &materials)).collect();
         media.compare(shown.compared(&others, &materials), &others)
     });

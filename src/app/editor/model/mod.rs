@@ -241,6 +241,8 @@ pub struct Inspected {
     pub uses_material: Option<Entity>,
     /// The media that it refers to, by [`MediumSide`] as a number.
     pub media_at: [Option<Entity>; 3],
+    /// The number of selected members, if it is a group and nothing else is selected. Its transform is that of all.
+    pub members: Option<usize>,
     /// The values that differ among all selected things, without those of materials.
     pub mixed: Mixed,
     /// The material itself, or the shape's, with nested ones.
@@ -282,6 +284,7 @@ impl Inspected {
             film: None,
             uses_material: None,
             media_at: [None; 3],
+            members: None,
             mixed: Mixed::default(),
             materials: Vec::new(),
             media: Vec::new(),

@@ -21,6 +21,7 @@ use crate::app::editor::command::{
 };
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
+use crate::app::editor::words::figures::counted;
 use crate::math::Aabb;
 use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
 use transform::PoseEdit;
@@ -75,11 +76,19 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
         });
     });
     commands.extend(take_asked(ui));
-    let several = model.selection.entities().len() > 1;
+    let several = others(inspected, model) > 0;
     commands.extend(edits.into_iter().map(|edit| match edit {
         Command::Edit(EditCommand::Value(value)) if several => EditCommand::OnSelection(Box::new(value)).into(),
         other => other,
     }));
+}
+
+/// The number of selected things that are edited together with the shown one.
+fn others(inspected: &Inspected, model: &Model) -> usize {
+    match inspected.members {
+        Some(_) => 0,
+        None => model.selection.entities().len().saturating_sub(1),
+    }
 }
 
 fn sections(
@@ -92,11 +101,18 @@ fn sections(
 ) {
     ui.set_max_width(ui.available_width() - SCROLL_BAR);
     ui.horizontal(|ui| {
-        ui.add(egui::Label::new(egui::RichText::new(&inspected.name).heading()).truncate());
+        ui.add(egui::Label::new(egui::RichText::new(inspected.name.trim_end_matches('/')).heading()).truncate());
     });
-    let others = model.selection.entities().len().saturating_sub(1);
-    if others > 0 {
-        ui.weak(format!("and {others} more. Changes every selected object."));
+    let others = others(inspected, model);
+    match inspected.members {
+        Some(members) => {
+            _ = ui.weak(format!(
+                "A group of {}. Its transform moves them all.",
+                counted(members as u64, "thing")
+            ))
+        }
+        None if others > 0 => _ = ui.weak(format!("and {others} more. Changes every selected object.")),
+        None => {}
     }
     if let Some(to_world) = inspected.pose() {
         section(ui, "Transform", |ui| {

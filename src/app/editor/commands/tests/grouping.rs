@@ -4,7 +4,10 @@ use bevy::math::Affine3A;
 
 use super::*;
 use crate::app::editor::command::selection::Alike;
-use crate::scene::UsesMaterial;
+use crate::app::editor::model::EditorModel;
+use crate::app::editor::model::inspection::gather_selection;
+use crate::app::editor::model::mixed::Mixed;
+use crate::scene::{TriangleMesh, UsesMaterial};
 
 fn ball(world: &mut World, name: &str, x: f32) -> Entity {
     let addition = Addition {
@@ -303,6 +306,24 @@ fn a_group_has_no_surface_and_is_in_the_file() {
     let place = found.map(|shape| Vec3::from(shape.to_world.translation));
     assert_eq!(place, Some(Vec3::new(1.0, 0.5, 0.0)));
     assert_eq!(read.shapes.len(), 3);
+}
+
+#[test]
+fn a_selected_group_is_inspected_by_its_own_transform() {
+    let mut world = bare_world();
+    world.init_resource::<EditorModel>();
+    world.init_resource::<Assets<TriangleMesh>>();
+    let [left, _, group] = pair(&mut world);
+    let inspected = |world: &mut World| {
+        world.run_system_cached(gather_selection).expect("runs");
+        let inspected = world.resource::<EditorModel>().0.inspected.clone();
+        inspected.map(|shown| (shown.entity, shown.members, shown.mixed == Mixed::default()))
+    };
+    assert_eq!(inspected(&mut world), Some((group, Some(2), true)));
+    // With anything else it is one of several.
+    let other = ball(&mut world, "other", 9.0);
+    select(&mut world, &[left, other, group]);
+    assert_eq!(inspected(&mut world), Some((group, None, false)));
 }
 
 #[test]
