@@ -30,6 +30,13 @@ pub(crate) fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &s
     tag_at(painter, text, |size| align.anchor_size(corner, size))
 }
 
+/// A tag below and to the right of a point, moved so far that all of it is in the picture.
+pub(crate) fn tag_beside(painter: &egui::Painter, corner: Pos2, text: &str) {
+    tag_at(painter, text, |size| {
+        inside(Rect::from_min_size(corner, size), painter.clip_rect())
+    });
+}
+
 /// A tag in the rectangle that `place` gives for its size.
 fn tag_at(painter: &egui::Painter, text: &str, place: impl FnOnce(Vec2) -> Rect) -> Rect {
     let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));

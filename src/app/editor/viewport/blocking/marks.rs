@@ -1,10 +1,10 @@
 //! Lines over the picture for the drawing, the pushed face or the cut.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+use bevy_egui::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 
 use crate::app::editor::camera::screen::Screen;
-use crate::app::editor::viewport::marks::tag;
+use crate::app::editor::viewport::marks::tag_beside;
 
 pub(in crate::app::editor::viewport) const COLOR: Color32 = Color32::from_rgb(255, 214, 64);
 pub(super) const FILL: Color32 = Color32::from_rgba_premultiplied(50, 42, 12, 60);
@@ -37,7 +37,7 @@ pub(in crate::app::editor::viewport) fn area(painter: &Painter, screen: &Screen,
 /// A text beside a point in world space.
 pub(super) fn text(painter: &Painter, screen: &Screen, place: Vec3, text: &str) {
     if let Some(at) = screen.project(place) {
-        tag(painter, at + vec2(14.0, 14.0), Align2::LEFT_TOP, text);
+        tag_beside(painter, at + vec2(14.0, 14.0), text);
     }
 }
 

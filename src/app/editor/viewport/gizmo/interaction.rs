@@ -5,9 +5,9 @@
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
-use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Rect, Response, Ui, Vec2};
+use bevy_egui::egui::{Key, Painter, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 
-use super::super::marks::tag;
+use super::super::marks::tag_beside;
 use super::super::over_picture::is_over;
 use super::constraint::Constraint;
 use super::drag::{Change, Drag};
@@ -302,7 +302,7 @@ impl GizmoState {
                 }
                 if let (Some(change), Some(pointer), true) = (held.change, pointer, held.by != Hold::Keys) {
                     let text = held.drag.text(change, model.step(screen, held.drag.mode()));
-                    tag(painter, pointer + READ_OUT, Align2::LEFT_TOP, &text);
+                    tag_beside(painter, pointer + READ_OUT, &text);
                 }
             }
             _ => paint::paint(painter, &shown(screen, model), model.settings.mode, self.lit),

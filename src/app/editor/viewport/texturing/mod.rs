@@ -13,7 +13,7 @@ use bevy_egui::egui::{Align2, Key, Painter, PointerButton, Pos2, Response, Ui, v
 
 use super::gizmo::interaction::Rest;
 use super::gizmo::typed::Typed;
-use super::marks::tag;
+use super::marks::{tag, tag_beside};
 use super::over_picture::is_over;
 use crate::app::editor::camera::picking::{self, MappedSurface};
 use crate::app::editor::camera::screen::Screen;
@@ -306,7 +306,7 @@ impl TexturingState {
         }
         if let (Some(held), Some(pointer)) = (&self.held, pointer) {
             let text = held.drag.text(&held.now, model.unit);
-            tag(painter, pointer + vec2(18.0, 14.0), Align2::LEFT_TOP, &text);
+            tag_beside(painter, pointer + vec2(18.0, 14.0), &text);
         }
         if !self.note.is_empty() {
             let foot = screen.picture.center_bottom() - vec2(0.0, 8.0);
