@@ -4,6 +4,7 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
+use super::color_picker::color_button;
 use super::fields::{self, NumberStyle, name_cell, number_cells, write_back};
 use super::key_marks::owner;
 use crate::app::editor::input::number_field;
@@ -31,7 +32,8 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
         .horizontal(|ui| {
             let label = name_cell(ui, caption);
             ui.spacing_mut().item_spacing.x = 3.0;
-            let mut changed = swatch(ui, label.id, &mut copy);
+            let size = egui::vec2(SWATCH, ui.spacing().interact_size.y);
+            let mut changed = color_button(ui, label.id, size, &mut copy);
             let room = ui.available_width() - SWITCH - 3.0;
             let notation = notation(ui);
             changed |= match notation {
@@ -70,16 +72,6 @@ pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyon
         ui.data_mut(|data| data.insert_temp(id, hue));
     }
     write_back(recolored || scaled, value, hue * strength)
-}
-
-fn swatch(ui: &mut Ui, label: egui::Id, color: &mut Rgb) -> bool {
-    ui.scope(|ui| {
-        ui.spacing_mut().interact_size.x = SWATCH;
-        let mut channels = color.to_array();
-        let picker = ui.color_edit_button_rgb(&mut channels).labelled_by(label);
-        write_back(picker.changed(), color, Rgb::from_array(channels))
-    })
-    .inner
 }
 
 fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {

@@ -9,6 +9,7 @@ pub mod baking;
 pub mod camera_angles;
 pub mod caption;
 pub mod color_field;
+mod color_picker;
 pub mod comparison;
 pub mod diagnostics;
 pub mod dimensions;

@@ -1,0 +1,243 @@
+//! The picker of a colour: a square of saturation and value, the hue, the temperature of a black body, and the colours
+//! that were chosen last. Hue, saturation and value are those of the sRGB-encoded colour (Smith 1978, "Color gamut
+//! transform pairs"), as in drawing programs.
+
+use bevy_egui::egui::ecolor::{hsv_from_rgb, rgb_from_hsv};
+use bevy_egui::egui::{
+    self, Color32, Id, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
+};
+
+use crate::color::{Rgb, linear_from_srgb, srgb_from_linear};
+use crate::document::spectrum::{BlackBody, Role};
+
+/// The edge of the square and the height of the bar of hues, in points.
+const EDGE: f32 = 176.0;
+const BAR: f32 = 16.0;
+/// The radius of the ring around the chosen place, in points: small enough for the corners of the square.
+const RING: f32 = 4.5;
+/// The number of colours along an edge of the square and along the bar, between which colours are interpolated.
+const STEPS: usize = 18;
+/// The number of colours that are remembered.
+const REMEMBERED: usize = 8;
+/// The temperatures of black bodies in kelvin: a candle has 1900, an overcast sky 6500.
+const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=12_000.0;
+const DAYLIGHT: f32 = 6500.0;
+
+/// Hue, saturation and value in [0, 1].
+type Hsv = [f32; 3];
+
+/// Shows the colour as a button that opens the picker; returns true if edited. `label` names the button.
+pub(super) fn color_button(ui: &mut Ui, label: Id, size: egui::Vec2, color: &mut Rgb) -> bool {
+    let (place, response) = ui.allocate_exact_size(size, Sense::click());
+    let response = response.labelled_by(label);
+    response.widget_info(|| egui::WidgetInfo::new(egui::WidgetType::ColorButton));
+    let visuals = ui.style().interact(&response);
+    ui.painter().rect_filled(place, 2.0, shown(*color));
+    let edge = Stroke::new(1.0, visuals.bg_stroke.color);
+    ui.painter().rect_stroke(place, 2.0, edge, egui::StrokeKind::Inside);
+    let edited = response.id.with("edited");
+    let popup = egui::Popup::from_toggle_button_response(&response)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| picker(ui, color));
+    match popup {
+        Some(shown) => {
+            if shown.inner {
+                ui.data_mut(|data| data.insert_temp(edited, true));
+            }
+            shown.inner
+        }
+        None => {
+            if ui.data_mut(|data| data.remove_temp::<bool>(edited)).is_some() {
+                remember(ui, *color);
+            }
+            false
+        }
+    }
+}
+
+fn picker(ui: &mut Ui, color: &mut Rgb) -> bool {
+    ui.set_width(EDGE);
+    ui.spacing_mut().item_spacing.y = 6.0;
+    let id = ui.id().with("hue, saturation and value");
+    // Grey has no hue and black has no saturation: the place that was chosen stays.
+    let kept: Option<Hsv> = ui.data(|data| data.get_temp(id));
+    let mut hsv = kept
+        .filter(|kept| color_of(*kept).abs_diff_eq(*color, 1e-4))
+        .unwrap_or_else(|| hsv_of(*color));
+    let mut changed = square(ui, &mut hsv);
+    changed |= bar(ui, &mut hsv);
+    if changed {
+        *color = color_of(hsv);
+    }
+    ui.data_mut(|data| data.insert_temp(id, hsv));
+    changed |= temperature(ui, color);
+    changed | remembered(ui, color)
+}
+
+/// Saturation to the right and value upwards, at the chosen hue.
+fn square(ui: &mut Ui, hsv: &mut Hsv) -> bool {
+    let (place, response) = ui.allocate_exact_size(vec2(EDGE, EDGE), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, "Saturation and value"));
+    let hue = hsv[0];
+    grid(ui, place, [STEPS, STEPS], |x, y| [hue, x, 1.0 - y]);
+    let changed = held(&response).map(|at| {
+        hsv[1] = remap_clamp(at.x, place.x_range(), 0.0..=1.0);
+        hsv[2] = remap_clamp(at.y, place.y_range(), 1.0..=0.0);
+    });
+    let at = pos2(
+        lerp(place.x_range(), hsv[1]),
+        lerp(place.bottom()..=place.top(), hsv[2]),
+    );
+    ring(ui, at, shown(color_of(*hsv)));
+    changed.is_some()
+}
+
+fn bar(ui: &mut Ui, hsv: &mut Hsv) -> bool {
+    let (place, response) = ui.allocate_exact_size(vec2(EDGE, BAR), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, "Hue"));
+    grid(ui, place, [STEPS, 1], |x, _| [x, 1.0, 1.0]);
+    let changed = held(&response).map(|at| hsv[0] = remap_clamp(at.x, place.x_range(), 0.0..=1.0));
+    let at = pos2(lerp(place.x_range(), hsv[0]), place.center().y);
+    ring(ui, at, shown(color_of([hsv[0], 1.0, 1.0])));
+    changed.is_some()
+}
+
+/// The place of the pointer while it is pressed.
+fn held(response: &Response) -> Option<Pos2> {
+    let is_held = response.is_pointer_button_down_on() || response.clicked();
+    response.interact_pointer_pos().filter(|_| is_held)
+}
+
+/// Paints a rectangle with the colours of `of`, which is called with places in [0, 1], (0, 0) top left.
+fn grid(ui: &Ui, place: Rect, [columns, rows]: [usize; 2], of: impl Fn(f32, f32) -> Hsv) {
+    let mut mesh = Mesh::default();
+    for row in 0..=rows {
+        for column in 0..=columns {
+            let (x, y) = (column as f32 / columns as f32, row as f32 / rows as f32);
+            let at = pos2(lerp(place.x_range(), x), lerp(place.y_range(), y));
+            mesh.colored_vertex(at, shown(color_of(of(x, y))));
+        }
+    }
+    let width = columns as u32 + 1;
+    for row in 0..rows as u32 {
+        for column in 0..columns as u32 {
+            let corner = row * width + column;
+            mesh.add_triangle(corner, corner + 1, corner + width);
+            mesh.add_triangle(corner + 1, corner + width, corner + width + 1);
+        }
+    }
+    ui.painter().add(Shape::mesh(mesh));
+}
+
+fn ring(ui: &Ui, at: Pos2, color: Color32) {
+    ui.painter().circle_filled(at, RING, color);
+    for (radius, stroke) in [(RING + 1.0, Color32::BLACK), (RING, Color32::WHITE)] {
+        ui.painter().circle_stroke(at, radius, Stroke::new(1.2, stroke));
+    }
+}
+
+/// The light of a black body as the colour.
+fn temperature(ui: &mut Ui, color: &mut Rgb) -> bool {
+    let id = ui.id().with("temperature");
+    let mut kelvin = ui.data(|data| data.get_temp(id)).unwrap_or(DAYLIGHT);
+    ui.spacing_mut().slider_width = EDGE - 72.0;
+    let slider = egui::Slider::new(&mut kelvin, TEMPERATURES)
+        .logarithmic(true)
+        .suffix(" K")
+        .max_decimals(0);
+    let response = ui.add(slider).on_hover_text(
+        "The colour of light of this temperature: candle 1900, bulb 2700, noon sun 5500, overcast sky 6500",
+    );
+    response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(kelvin), "Temperature in kelvin"));
+    if response.changed() {
+        ui.data_mut(|data| data.insert_temp(id, kelvin));
+        *color = of_black_body(kelvin);
+    }
+    response.changed()
+}
+
+/// The colour of a black body, with 1 as its largest channel.
+fn of_black_body(kelvin: f32) -> Rgb {
+    let body = BlackBody {
+        kelvin,
+        first_nm: 360.0,
+        last_nm: 830.0,
+    };
+    let (radiance, _) = body.to_rgb(Role::Emission);
+    (radiance / radiance.max_element()).max(Rgb::ZERO)
+}
+
+fn remembered_id() -> Id {
+    Id::new("remembered colours")
+}
+
+fn remember(ui: &Ui, color: Rgb) {
+    ui.data_mut(|data| {
+        let colors: &mut Vec<Rgb> = data.get_temp_mut_or_default(remembered_id());
+        colors.retain(|known| *known != color);
+        colors.insert(0, color);
+        colors.truncate(REMEMBERED);
+    });
+}
+
+fn remembered(ui: &mut Ui, color: &mut Rgb) -> bool {
+    let colors: Vec<Rgb> = ui.data(|data| data.get_temp(remembered_id())).unwrap_or_default();
+    let mut changed = false;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for known in colors {
+            let (place, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, "Recent colour"));
+            ui.painter().rect_filled(place, 2.0, shown(known));
+            if response.on_hover_text("A colour that was chosen before").clicked() {
+                (*color, changed) = (known, true);
+            }
+        }
+    });
+    changed
+}
+
+fn shown(color: Rgb) -> Color32 {
+    let [red, green, blue] = encoded(color).map(|channel| (255.0 * channel).round() as u8);
+    Color32::from_rgb(red, green, blue)
+}
+
+fn encoded(color: Rgb) -> [f32; 3] {
+    color.to_array().map(|linear| srgb_from_linear(linear.clamp(0.0, 1.0)))
+}
+
+fn hsv_of(color: Rgb) -> Hsv {
+    let (hue, saturation, value) = hsv_from_rgb(encoded(color));
+    [hue, saturation, value]
+}
+
+fn color_of([hue, saturation, value]: Hsv) -> Rgb {
+    Rgb::from_array(rgb_from_hsv((hue, saturation, value)).map(linear_from_srgb))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_come_back_from_hue_saturation_and_value() {
+        for color in [[0.0; 3], [1.0; 3], [0.8, 0.2, 0.1], [0.01, 0.5, 0.49], [0.3, 0.3, 0.3]] {
+            let color = Rgb::from_array(color);
+            assert!(color_of(hsv_of(color)).abs_diff_eq(color, 1e-5), "{color:?}");
+        }
+        let [hue, saturation, value] = hsv_of(Rgb::new(0.0, 1.0, 0.0));
+        assert!((hue - 1.0 / 3.0).abs() < 1e-6 && saturation == 1.0 && value == 1.0);
+    }
+
+    #[test]
+    fn black_bodies_go_from_red_to_blue() {
+        let [warm, cold] = [2000.0, 12_000.0].map(of_black_body);
+        assert!(
+            warm.x == 1.0 && warm.z < 0.1 && cold.z == 1.0 && cold.x < 0.8,
+            "{warm:?} {cold:?}"
+        );
+        // The white point of Rec. 709 is near the light of 6500 kelvin.
+        let white = of_black_body(DAYLIGHT);
+        assert!(white.to_array().iter().all(|channel| *channel > 0.85), "{white:?}");
+    }
+}
