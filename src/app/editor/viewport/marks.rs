@@ -5,6 +5,9 @@ use bevy_egui::egui::{self, Align2, Color32, CornerRadius, FontId, Frame, Margin
 /// The background of texts over the picture: white texts are legible on it whatever is behind.
 pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
 
+/// The least distance of long texts from the edges of the picture, in points.
+const EDGE: f32 = 16.0;
+
 /// A white frame with black around it, which is visible on any picture.
 pub(crate) fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
     for (width, color) in [
@@ -39,7 +42,13 @@ pub(crate) fn tag_beside(painter: &egui::Painter, corner: Pos2, text: &str) {
 
 /// A tag in the rectangle that `place` gives for its size.
 fn tag_at(painter: &egui::Painter, text: &str, place: impl FnOnce(Vec2) -> Rect) -> Rect {
-    let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));
+    let width = (painter.clip_rect().width() - 2.0 * EDGE).max(EDGE);
+    let layout = painter.layout(
+        text.to_owned(),
+        FontId::proportional(12.5),
+        Color32::from_gray(230),
+        width,
+    );
     let rect = place(layout.size() + egui::vec2(12.0, 6.0));
     painter.rect_filled(rect, 3.0, BACKING);
     painter.galley(rect.min + egui::vec2(6.0, 3.0), layout, Color32::WHITE);

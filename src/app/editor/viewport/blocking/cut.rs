@@ -166,15 +166,15 @@ fn caption(cut: &Cut, kind: OpeningKind, typed: &str, unit: LengthUnit) -> Strin
     let of = |length: f32| unit.text(length);
     let [wide, high, from, sill] = cut.sizes().map(of);
     let name = cut.name(kind);
-    let sill = if cut.opening.sill == 0.0 {
-        String::new()
-    } else {
-        format!(", {sill} up")
+    let place = match cut.is_hole {
+        true => format!("{from} and {sill} from the corner"),
+        false if cut.opening.sill == 0.0 => format!("{from} from the start"),
+        false => format!("{from} from the start, {sill} up"),
     };
     let typed = if typed.is_empty() {
         String::new()
     } else {
         format!("   [{typed}]")
     };
-    format!("{name} {wide} x {high}, {from} from the start{sill}{typed}")
+    format!("{name} {wide} x {high}, {place}{typed}")
 }
