@@ -6,8 +6,8 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::containers::menu::MenuButton;
 use bevy_egui::egui::{self, Atom, Button, Id, Key, Popup, RichText, Ui, vec2};
 
+use super::kind_icons;
 use super::medium_section::fill_menu;
-use super::outliner::marks;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::{
@@ -145,7 +145,7 @@ fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionC
         let shown = button.shortcut_text(keys).atom_ui(ui);
         if let (Some(kind), Some(rect)) = (drawing, shown.rect(place)) {
             let color = ui.visuals().text_color();
-            marks::kind(ui.painter(), rect.center(), kind, color);
+            kind_icons::paint(ui.painter(), rect.center(), kind, color);
         }
         if shown.response.clicked() {
             commands.extend(command);
@@ -171,7 +171,7 @@ fn group(ui: &mut Ui, group: Group, lines_before: &[&str], context: &ActionConte
 }
 
 /// The part of the menu *Add* for an action, and the kind of thing whose icon stands before it.
-fn addition(name: &str) -> (&'static str, &'static str) {
+fn addition(name: &str) -> (&'static str, &str) {
     match name.split_once('-') {
         Some(("add", "camera" | "turntable")) => ("Cameras", "camera"),
         Some(("add", "fog" | "fog-box") | ("fill", _)) => ("Media", "fog"),
@@ -186,13 +186,10 @@ fn addition(name: &str) -> (&'static str, &'static str) {
                 "stairs",
                 "prism",
             ];
-            match shapes.into_iter().find(|shape| *shape == kind) {
-                Some(shape) => ("Shapes", shape),
-                None => ("Lights", "light"),
-            }
+            let part = if shapes.contains(&kind) { "Shapes" } else { "Lights" };
+            (part, kind)
         }
-        Some((_, "floor" | "faces")) => ("Build in the picture", "rectangle"),
-        Some((_, "wall" | "door" | "window")) => ("Build in the picture", "wall"),
+        Some((_, kind @ ("floor" | "faces" | "wall" | "door" | "window"))) => ("Build in the picture", kind),
         _ => ("Build in the picture", "cube"),
     }
 }

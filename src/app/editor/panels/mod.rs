@@ -21,6 +21,7 @@ pub mod history;
 pub mod inspector;
 pub mod key_bindings;
 pub(crate) mod key_marks;
+mod kind_icons;
 pub mod layers;
 pub mod lengths;
 pub mod library;

@@ -1,7 +1,7 @@
 //! The list of everything in the scene: select, rename, hide, lock, reorder, and put into folders.
 
 mod lines;
-pub(super) mod marks;
+mod marks;
 mod row;
 mod search;
 pub mod state;

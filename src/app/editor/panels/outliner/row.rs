@@ -4,7 +4,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText, pos2, vec2};
 
 use super::lines::{LineList, leaf};
-use super::marks::{self, BUTTON, eye, mark, padlock};
+use super::marks::{BUTTON, eye, mark, padlock};
 use super::state::{OutlinerState, Renaming, how};
 use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::command::selection::{Alike, Extend};
@@ -12,6 +12,7 @@ use crate::app::editor::command::{Command, OutlineEdit, SceneEdit, SelectionComm
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
 use crate::app::editor::panels::drag_start::is_drag_of;
+use crate::app::editor::panels::kind_icons;
 use crate::app::editor::panels::medium_section::fill_menu;
 
 /// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
@@ -123,7 +124,7 @@ impl Row<'_> {
                 .paint_ball(ui, Ball::Material(self.item.entity), face);
         } else {
             let color = ui.visuals().weak_text_color();
-            marks::kind(ui.painter(), rect.center(), self.item.kind, color);
+            kind_icons::paint(ui.painter(), rect.center(), self.item.kind, color);
         }
         response.on_hover_text(self.item.kind);
     }
