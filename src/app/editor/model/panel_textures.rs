@@ -13,6 +13,8 @@ pub struct PanelTextures {
     pub pictures: HashMap<PathBuf, Thumbnail>,
     /// Rendered balls.
     pub balls: HashMap<Ball, egui::TextureId>,
+    /// The colours of balls that are not rendered yet.
+    pub colors: HashMap<Ball, egui::Color32>,
 }
 
 /// The material of a rendered ball.
@@ -34,7 +36,7 @@ pub struct Thumbnail {
 }
 
 impl PanelTextures {
-    /// Paints the rendered ball, or a plain disc while there is no picture.
+    /// Paints the rendered ball, or a plain disc in the colour of the material while there is no picture.
     pub(crate) fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
         match self.balls.get(&ball) {
             Some(texture) => {
@@ -43,7 +45,8 @@ impl PanelTextures {
             }
             None => {
                 let radius = 0.42 * rect.size().min_elem();
-                let color = ui.visuals().widgets.noninteractive.bg_stroke.color;
+                let unknown = ui.visuals().widgets.noninteractive.bg_stroke.color;
+                let color = self.colors.get(&ball).copied().unwrap_or(unknown);
                 ui.painter().circle_filled(rect.center(), radius, color);
             }
         }

@@ -182,6 +182,9 @@ fn remember(ui: &Ui, color: Rgb) {
 
 fn remembered(ui: &mut Ui, color: &mut Rgb) -> bool {
     let colors: Vec<Rgb> = ui.data(|data| data.get_temp(remembered_id())).unwrap_or_default();
+    if colors.is_empty() {
+        return false;
+    }
     let mut changed = false;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -20,6 +20,8 @@ use crate::app::editor::picture::material_ball::BallMaterial;
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::picture_cache::PictureCache;
 use crate::engine::{PackedScene, WakeUp};
+use crate::render::tonemap::Display;
+use crate::scene::{Declared, Material, Parameter, ParameterRef};
 
 /// The quality for the inspected material, nested ones and those of the library; below for those in the list.
 const BEST: Quality = Quality {
@@ -80,6 +82,7 @@ pub fn update_previews(
     wake_up: Res<WakeUp>,
     pacing: Res<Pacing>,
     cache: Res<PictureCache>,
+    materials: Query<&Material>,
 ) -> Result {
     previews.load_library(&model.0, contexts.ctx_mut()?, &wake_up);
     let wanted = wanted(&model.0, &widgets, &packed, &previews.presets);
@@ -109,7 +112,26 @@ pub fn update_previews(
     previews.are_done = previews.library.is_none() && previews.work.is_none() && previews.next(&wanted, true).is_none();
     previews.let_go(&packed, &wanted);
     model.0.textures.balls = previews.shown();
+    let balls = &model.0.textures.balls;
+    let pending = wanted.iter().filter(|wanted| !balls.contains_key(&wanted.ball));
+    let colors = pending.filter_map(|Wanted { ball, .. }| match ball {
+        Ball::Material(material) => Some((*ball, base_color(materials.get(*material).ok()?)?)),
+        Ball::Preset(_) => None,
+    });
+    model.0.textures.colors = colors.collect();
     Ok(())
+}
+
+/// The first colour of a material's surface, if it is no texture.
+fn base_color(material: &Material) -> Option<egui::Color32> {
+    let mut found = None;
+    material.visit(&mut |_, value| {
+        if let (ParameterRef::Reflectance(Parameter::Constant(color)), None) = (value, found) {
+            found = Some(*color);
+        }
+    });
+    let [red, green, blue] = Display::default().encoder().encode(found?);
+    Some(egui::Color32::from_rgb(red, green, blue))
 }
 
 /// A visible picture.
