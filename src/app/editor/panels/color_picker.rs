@@ -229,7 +229,11 @@ mod tests {
             assert!(color_of(hsv_of(color)).abs_diff_eq(color, 1e-5), "{color:?}");
         }
         let [hue, saturation, value] = hsv_of(Rgb::new(0.0, 1.0, 0.0));
-        assert!((hue - 1.0 / 3.0).abs() < 1e-6 && saturation == 1.0 && value == 1.0);
+        let is = |found: f32, expected: f32| (found - expected).abs() < 1e-6;
+        assert!(
+            is(hue, 1.0 / 3.0) && is(saturation, 1.0) && is(value, 1.0),
+            "{hue} {saturation} {value}"
+        );
     }
 
     #[test]

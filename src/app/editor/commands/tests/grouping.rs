@@ -6,6 +6,7 @@ use super::*;
 use crate::app::editor::command::selection::Alike;
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::model::inspection::gather_selection;
+use crate::app::editor::model::leaks::Leaks;
 use crate::app::editor::model::mixed::Mixed;
 use crate::scene::{TriangleMesh, UsesMaterial};
 
@@ -313,6 +314,7 @@ fn a_selected_group_is_inspected_by_its_own_transform() {
     let mut world = bare_world();
     world.init_resource::<EditorModel>();
     world.init_resource::<Assets<TriangleMesh>>();
+    world.init_resource::<Leaks>();
     let [left, _, group] = pair(&mut world);
     let inspected = |world: &mut World| {
         world.run_system_cached(gather_selection).expect("runs");

@@ -534,10 +534,12 @@ mod tests {
 
     #[test]
     fn a_folder_with_shapes_and_lights_is_listed_once() {
+        let mut group = item(1, "lamp/");
+        group.kind = GROUP;
         let mut bulb = item(3, "lamp/bulb");
         bulb.kind = "point";
         let outline = Outline {
-            shapes: vec![item(1, "lamp/"), item(2, "lamp/shade"), item(5, "floor")].into(),
+            shapes: vec![group, item(2, "lamp/shade"), item(5, "floor")].into(),
             // The shade shines as well.
             lights: vec![item(2, "lamp/shade"), bulb, item(4, "sky/sun")].into(),
             ..Outline::default()
