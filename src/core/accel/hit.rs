@@ -14,9 +14,9 @@ pub struct Hit {
     pub instance: u32,
     /// Index into the instances of the placed group; zero for a shape outside groups.
     pub member: u32,
-    /// The mesh's triangle; zero for other shapes.
+    /// The mesh's triangle, or the first control point of the curve's segment; zero for other shapes.
     pub primitive: u32,
-    /// `u` and `v` have the meaning that [`crate::geometry::local::LocalHit`] gives them.
+    /// `u` and `v` have the meaning that [`crate::geometry::local::LocalHit`] or [`CurveHit`] gives them.
     pub u: f32,
     /// See `u`.
     pub v: f32,
@@ -35,6 +35,19 @@ impl Hit {
             instance,
             member: 0,
             primitive: 0,
+            u: hit.u,
+            v: hit.v,
+            slot: Self::NO_SLOT,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_curve(instance: u32, hit: CurveHit) -> Self {
+        Self {
+            t: hit.t,
+            instance,
+            member: 0,
+            primitive: hit.start,
             u: hit.u,
             v: hit.v,
             slot: Self::NO_SLOT,
@@ -68,6 +81,19 @@ pub struct MeshHit {
     pub v: f32,
     /// The triangle's number in the order of the leaves, unused places counted.
     pub slot: u32,
+}
+
+/// A hit of a curve, always on its outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveHit {
+    /// Parameter of the ray, the same in the curves' space as in the world.
+    pub t: f32,
+    /// The index of the segment's first control point.
+    pub start: u32,
+    /// The angle around the curve in turns, in [0, 1).
+    pub u: f32,
+    /// The parameter along the segment, in [0, 1].
+    pub v: f32,
 }
 
 /// The point at which a ray met a surface, in world space.

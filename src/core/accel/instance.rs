@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, DMat3, Mat3A, Vec3, Vec3A};
 
 use super::blas::Blas;
+use super::curve_blas::CurveBlas;
 use super::hit::Hit;
 use super::ray_lanes::RayLanes;
 use super::rounding::Rounding;
@@ -19,6 +20,8 @@ use crate::math::{Aabb, Ray, gamma};
 pub enum Primitive {
     /// Triangles with their own hierarchy.
     Mesh(Arc<Blas>),
+    /// Curves with their own hierarchy. Only their outside can be hit.
+    Curves(Arc<CurveBlas>),
     /// The unit sphere.
     Sphere,
     /// The square [-1, 1]^2 in the plane z = 0.
@@ -54,11 +57,7 @@ pub struct Instance {
 impl Instance {
     /// Whether both are the same shape at the same place.
     pub(super) fn is_same(&self, other: &Self) -> bool {
-        let is_same_primitive = match (&self.primitive, &other.primitive) {
-            (Primitive::Mesh(own), Primitive::Mesh(its)) => Arc::ptr_eq(own, its),
-            (own, its) => std::mem::discriminant(own) == std::mem::discriminant(its),
-        };
-        is_same_primitive
+        self.primitive.is_same(&other.primitive)
             && self.world_from_local == other.world_from_local
             && (self.face_normals, self.flip_normals) == (other.face_normals, other.flip_normals)
     }
@@ -139,6 +138,7 @@ impl Instance {
         let length = |squares: Vec3A| Vec3A::from_array(squares.to_array().map(f32::sqrt));
         match &self.primitive {
             Primitive::Mesh(blas) => blas.bounds().transformed(&self.world_from_local),
+            Primitive::Curves(curves) => curves.bounds().transformed(&self.world_from_local),
             Primitive::Sphere => around(length(x * x + y * y + z * z)),
             Primitive::Rectangle => around(x.abs() + y.abs()),
             Primitive::Disk => around(length(x * x + y * y)),
@@ -173,6 +173,7 @@ impl Instance {
         let ray = &self.local_ray(ray);
         match &self.primitive {
             Primitive::Mesh(blas) => blas.closest::<COUNT>(ray, stats).map(|hit| Hit::of_mesh(number, hit)),
+            Primitive::Curves(curves) => (curves.closest::<COUNT>(ray, stats)).map(|hit| Hit::of_curve(number, hit)),
             shape => shape.intersect(ray).map(|hit| Hit::of_shape(number, hit)),
         }
     }
@@ -182,6 +183,7 @@ impl Instance {
         let ray = &self.local_ray(ray);
         match &self.primitive {
             Primitive::Mesh(blas) => blas.occluded(ray),
+            Primitive::Curves(curves) => curves.occluded(ray),
             shape => shape.intersect(ray).is_some(),
         }
     }
@@ -197,11 +199,20 @@ fn similarity(linear: &DMat3) -> Option<f32> {
 }
 
 impl Primitive {
-    /// The nearest hit of a local ray; `None` for a mesh, which has a hierarchy to walk.
+    /// Whether both are the same shape: of the same kind, and with the same hierarchy if they have one.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Mesh(own), Self::Mesh(its)) => Arc::ptr_eq(own, its),
+            (Self::Curves(own), Self::Curves(its)) => Arc::ptr_eq(own, its),
+            (own, its) => std::mem::discriminant(own) == std::mem::discriminant(its),
+        }
+    }
+
+    /// The nearest hit of a local ray; `None` for meshes and curves, which have a hierarchy to walk.
     #[inline(always)]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<LocalHit> {
         match self {
-            Self::Mesh(_) => None,
+            Self::Mesh(_) | Self::Curves(_) => None,
             Self::Sphere => sphere::intersect(ray),
             Self::Rectangle => rectangle::intersect(ray),
             Self::Disk => disk::intersect(ray),

@@ -1,5 +1,5 @@
-//! Finds the hits of rays with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]), and one
-//! over the instances placed in the world ([`Tlas`]). In between, a group of shapes that is placed many times has its
+//! Finds the hits of rays with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]) or
+//! the curves of a file ([`CurveBlas`]), and one over the instances placed in the world ([`Tlas`]). In between, a group of shapes that is placed many times has its
 //! own.
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
@@ -11,6 +11,7 @@ mod build;
 mod build_prim;
 mod bvh;
 mod collapse;
+mod curve_blas;
 mod edit;
 mod edited_part;
 mod hit;
@@ -44,7 +45,8 @@ mod triangle_block;
 pub use blas::Blas;
 pub use build::SplitMethod;
 pub use bvh::{Bvh, BvhBox, BvhStats};
-pub use hit::{Detail, Hit, MeshHit, SurfacePoint};
+pub use curve_blas::CurveBlas;
+pub use hit::{CurveHit, Detail, Hit, MeshHit, SurfacePoint};
 pub use instance::{Instance, Primitive};
 pub use instances::{Instances, ShapeEdits};
 pub(crate) use mesh_surface::SurfaceLanes;

@@ -139,8 +139,8 @@ impl Tlas {
                 Primitive::Mesh(mesh) => mesh.intersect_packet(&shape.local_rays(rays), mask, |lane, hit| {
                     found(lane, Hit::of_mesh(number, hit));
                 }),
-                other => {
-                    let hit = |ray: &Ray| Some(Hit::of_shape(number, other.intersect(&shape.local_ray(ray))?));
+                _ => {
+                    let hit = |ray: &Ray| shape.closest::<false>(number, ray, &mut TraversalStats::default());
                     each_hit(rays, mask, hit, found);
                 }
             },
@@ -191,7 +191,7 @@ impl Tlas {
             Item::Shape(shape) => {
                 let met = match &shape.primitive {
                     Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), mask),
-                    other => rays.lanes_where(mask, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
+                    _ => rays.lanes_where(mask, |ray| shape.occluded(ray)),
                 };
                 if met != 0 {
                     obstacles.add(met, is_clear(number as usize));

@@ -105,7 +105,7 @@ impl ShapeBlock {
     pub fn takes(shape: &Instance) -> bool {
         match shape.primitive {
             Primitive::Sphere | Primitive::Rectangle | Primitive::Disk => true,
-            Primitive::Mesh(_) | Primitive::Cylinder => false,
+            Primitive::Mesh(_) | Primitive::Curves(_) | Primitive::Cylinder => false,
         }
     }
 

@@ -358,7 +358,7 @@ impl SceneShape {
         let kind = match &instance.primitive {
             Primitive::Rectangle => Kind::Rectangle,
             Primitive::Sphere => Kind::Sphere,
-            Primitive::Disk | Primitive::Cylinder => Kind::Other,
+            Primitive::Disk | Primitive::Cylinder | Primitive::Curves(_) => Kind::Other,
             Primitive::Mesh(blas) => {
                 let is_invertible = |mesh: &AffineMesh| (placed * mesh.placed).inverse().as_affine3a().is_finite();
                 if let Some(mesh) = blas.affine.as_ref().filter(|mesh| is_invertible(mesh)) {

@@ -89,7 +89,10 @@ impl Tlas {
     pub(crate) fn parametrised(&self, hit: &Hit, plain: SurfacePoint) -> SurfacePoint {
         let shape = self.shape_at(hit);
         let unflipped = shape.place().side * plain.geometric_normal;
-        let Parametrisation { uv, dp_du, dp_dv } = shape.parametrisation(hit, Vec3::ZERO, unflipped);
+        let Parametrisation { uv, dp_du, dp_dv } = match &shape.primitive {
+            Primitive::Mesh(blas) => shape.mesh_parametrisation(blas, hit, unflipped),
+            _ => Parametrisation::default(),
+        };
         SurfacePoint {
             uv,
             dp_du,
@@ -124,6 +127,7 @@ impl Instance {
             Primitive::Rectangle => rectangle::surface(hit.u, hit.v),
             Primitive::Disk => disk::surface(hit.u, hit.v),
             Primitive::Cylinder => cylinder::surface(&self.local_ray(ray), hit.t),
+            Primitive::Curves(curves) => curves.surface(&self.local_ray(ray), hit),
         };
         let place = self.place();
         let geometric = self.geometric_normal(&place, &local);
@@ -135,7 +139,7 @@ impl Instance {
         let Place { side, .. } = place;
         let parametrisation = match detail {
             Detail::Plain => Parametrisation::default(),
-            Detail::Parametrised => self.parametrisation(hit, local.position, geometric),
+            Detail::Parametrised => self.parametrisation(ray, hit, local.position, geometric),
         };
         SurfacePoint {
             position,
@@ -189,29 +193,44 @@ impl Instance {
         )
     }
 
-    /// The parametrisation, with derivatives in world space. `position` is local, `geometric` the unit normal in the
-    /// world.
+    /// [`Self::parametrisation`] of a mesh. `geometric` is the unit normal in the world.
     #[inline(never)]
-    fn parametrisation(&self, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
+    fn mesh_parametrisation(&self, blas: &Blas, hit: &Hit, geometric: Vec3) -> Parametrisation {
+        let mesh = blas.mesh();
+        let triangle = hit.primitive as usize;
+        let uvs = match mesh.triangles[triangle].map(|corner| mesh.uvs.get(corner as usize)) {
+            [Some(&a), Some(&b), Some(&c)] => Some([a, b, c]),
+            _ => None,
+        };
+        let local = triangle::parametrisation(mesh.corners(triangle), hit.u, hit.v, uvs);
+        if local.dp_du == Vec3::ZERO {
+            let (dp_du, dp_dv) = geometric.any_orthonormal_pair();
+            return Parametrisation { dp_du, dp_dv, ..local };
+        }
+        self.in_world(local)
+    }
+
+    /// The parametrisation at a hit of `ray`, with derivatives in world space. `position` is local, `geometric` the unit
+    /// normal in the world.
+    #[inline(never)]
+    fn parametrisation(&self, ray: &Ray, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
         let local = match &self.primitive {
-            Primitive::Mesh(blas) => {
-                let mesh = blas.mesh();
-                let triangle = hit.primitive as usize;
-                let uvs = match mesh.triangles[triangle].map(|corner| mesh.uvs.get(corner as usize)) {
-                    [Some(&a), Some(&b), Some(&c)] => Some([a, b, c]),
-                    _ => None,
-                };
-                triangle::parametrisation(mesh.corners(triangle), hit.u, hit.v, uvs)
+            Primitive::Mesh(blas) => return self.mesh_parametrisation(blas, hit, geometric),
+            Primitive::Curves(curves) => {
+                // The direction of the world's z axis, if the transform preserves angles.
+                let up = self.world_from_local.matrix3.transpose() * Vec3A::Z;
+                curves.parametrisation(&self.local_ray(ray), hit, up.into())
             }
             Primitive::Sphere => sphere::parametrisation(position),
             Primitive::Rectangle => rectangle::parametrisation(hit.u, hit.v),
             Primitive::Disk => disk::parametrisation(hit.u, hit.v),
             Primitive::Cylinder => cylinder::parametrisation(position),
         };
-        if local.dp_du == Vec3::ZERO && matches!(self.primitive, Primitive::Mesh(_)) {
-            let (dp_du, dp_dv) = geometric.any_orthonormal_pair();
-            return Parametrisation { dp_du, dp_dv, ..local };
-        }
+        self.in_world(local)
+    }
+
+    /// The same with derivatives in world space.
+    fn in_world(&self, local: Parametrisation) -> Parametrisation {
         Parametrisation {
             dp_du: self.world_from_local.transform_vector3(local.dp_du),
             dp_dv: self.world_from_local.transform_vector3(local.dp_dv),

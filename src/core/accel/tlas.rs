@@ -4,7 +4,6 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::edited_part::{EditedPart, FEWEST_EDITED};
@@ -334,11 +333,12 @@ impl Tlas {
 
     /// The memory of all hierarchies in bytes. A mesh that is in several groups is counted in each.
     fn bytes(&self) -> usize {
-        let meshes: HashMap<*const Blas, usize> = self
+        let meshes: HashMap<*const (), usize> = self
             .instances
             .iter()
             .filter_map(|instance| match &instance.primitive {
-                Primitive::Mesh(blas) => Some((Arc::as_ptr(blas), blas.bytes())),
+                Primitive::Mesh(blas) => Some((Arc::as_ptr(blas).cast(), blas.bytes())),
+                Primitive::Curves(curves) => Some((Arc::as_ptr(curves).cast(), curves.bytes())),
                 _ => None,
             })
             .collect();
@@ -358,14 +358,17 @@ impl Tlas {
     /// its hierarchy, and each shape of a block counts one.
     pub fn expected_work(&self) -> f64 {
         // The work of a mesh is computed once, however many instances it has.
-        let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
+        let mut of_mesh: HashMap<*const (), f64> = HashMap::new();
         let of_shape: Vec<f64> = self
             .instances
             .iter()
             .map(|instance| match &instance.primitive {
                 Primitive::Mesh(blas) => *of_mesh
-                    .entry(Arc::as_ptr(blas))
+                    .entry(Arc::as_ptr(blas).cast())
                     .or_insert_with(|| blas.bvh().expected_work(|_| 1.0)),
+                Primitive::Curves(curves) => *of_mesh
+                    .entry(Arc::as_ptr(curves).cast())
+                    .or_insert_with(|| curves.bvh().expected_work(|_| 1.0)),
                 _ => 1.0,
             })
             .collect();

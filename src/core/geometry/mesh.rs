@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::attribute::MeshAttribute;
 use super::mtl_map::MtlMaps;
+use super::strands::Strands;
 use super::triangle::is_regular;
 use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
@@ -37,6 +38,8 @@ pub struct MeshData {
     pub material_of_triangle: Vec<u16>,
     /// The materials of the file itself (OBJ's MTL), used by shapes without a bsdf.
     pub materials: Vec<MtlMaterial>,
+    /// The curves of a file of curves, which has no triangles.
+    pub strands: Strands,
     /// The memory reserved for the mesh and its acceleration structure.
     pub memory: Held,
 }
@@ -80,9 +83,9 @@ pub const TANGENT: &str = "vertex_tangent";
 pub const TANGENT_SIGN: &str = "vertex_tangent_sign";
 
 impl MeshData {
-    /// The bounding box of all vertices, including unused ones.
+    /// The bounding box of all vertices, including unused ones, and of all curves.
     pub fn bounds(&self) -> Aabb {
-        Aabb::from_points(self.positions.iter().copied())
+        Aabb::from_points(self.positions.iter().copied()).union(self.strands.bounds())
     }
 
     /// The corners of one triangle.
@@ -128,11 +131,13 @@ impl MeshData {
                 .iter()
                 .map(|attribute| attribute.values.heap_bytes())
                 .sum::<usize>()
+            + self.strands.heap_bytes()
     }
 
     /// Memory of the arrays and of the acceleration structure that rays will need, in bytes.
     pub fn memory_bytes(&self) -> u64 {
-        self.heap_bytes() as u64 + HIERARCHY_BYTES * self.triangles.len() as u64
+        let of_hierarchy = HIERARCHY_BYTES * self.triangles.len() as u64 + self.strands.hierarchy_bytes();
+        self.heap_bytes() as u64 + of_hierarchy
     }
 
     /// This mesh with smooth normals computed from its triangles, replacing its normals. Vertices that only share a

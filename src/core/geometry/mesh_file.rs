@@ -112,7 +112,10 @@ impl MeshMemory {
     pub fn hold(mut self, mut mesh: MeshData) -> Result<MeshData, MeshError> {
         let resized = self.reservation.resize(mesh.memory_bytes());
         resized.map_err(|shortage| MeshError::Memory {
-            what: format!("{} triangles", mesh.triangles.len()),
+            what: match mesh.strands.points.len() {
+                0 => format!("{} triangles", mesh.triangles.len()),
+                points => format!("{points} control points of curves"),
+            },
             shortage,
         })?;
         mesh.memory = self.reservation.into();

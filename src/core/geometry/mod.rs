@@ -1,6 +1,7 @@
 //! Shapes: ray intersection in the shape's own space, and the readers of mesh files.
 
 pub mod attribute;
+pub mod curve;
 pub mod cylinder;
 mod decimal;
 pub mod disk;
@@ -25,5 +26,6 @@ pub mod rectangle;
 pub mod serialized;
 pub mod solid;
 pub mod sphere;
+pub mod strands;
 pub mod triangle;
 pub mod vertex_normals;

@@ -111,6 +111,8 @@ impl SurfaceLight {
             Primitive::Cylinder => {
                 EmitterShape::Cylinder(CylinderLight::new(to_world, instance.local_from_world, side))
             }
+            // As in Mitsuba, curves cannot be lights.
+            Primitive::Curves(_) => return None,
             Primitive::Mesh(blas) => {
                 let triangles = TriangleLight::of_mesh(instance, blas.mesh(), slot, shines_both_ways);
                 match radiance {

@@ -10,6 +10,7 @@ use crate::accel::instance::Primitive;
 use crate::accel::node::{Child, RaySlabs};
 use crate::accel::shape_block::{Members, ShapeBlock};
 use crate::accel::tlas::{Item, Tlas};
+use crate::accel::traverse::TraversalStats;
 use crate::accel::triangle_block::TriangleBlock;
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
@@ -163,6 +164,12 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
             }
             Item::Block(block, members) => return self.visit_block(block, members, &ray),
         };
+        if !matches!(shape.primitive, Primitive::Mesh(_)) {
+            if let Some(hit) = shape.closest::<false>(item, &ray, &mut TraversalStats::default()) {
+                self.take(hit);
+            }
+            return;
+        }
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
             // A leaf of a linear list has many blocks.
@@ -177,8 +184,6 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
                 shape: item,
                 ..level
             });
-        } else if let Some(hit) = shape.primitive.intersect(&ray) {
-            self.take(Hit::of_shape(item, hit));
         }
     }
 

@@ -108,7 +108,7 @@ fn slab((item, shape): (u32, &Instance)) -> Option<Slab> {
             min: Vec3::new(-1.0, -1.0, 0.0),
             max: Vec3::new(1.0, 1.0, 0.0),
         },
-        Primitive::Sphere | Primitive::Cylinder => return None,
+        Primitive::Sphere | Primitive::Cylinder | Primitive::Curves(_) => return None,
     };
     let half = 0.5 * local.extent();
     let linear = shape.world_from_local.matrix3;
