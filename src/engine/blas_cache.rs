@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
+use bevy::math::Mat3;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use rayon::{ThreadPool, ThreadPoolBuildError};
@@ -12,7 +13,8 @@ use rayon::{ThreadPool, ThreadPoolBuildError};
 use super::control::WakeUp;
 use super::instances::solid_meshes::SolidMeshes;
 use super::run::text_of_panic;
-use crate::accel::{Blas, BvhStats, SplitMethod};
+use crate::accel::{Blas, BvhStats, CurveBlas, Primitive, SplitMethod};
+use crate::geometry::curve::Basis;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
@@ -29,16 +31,26 @@ pub(super) enum MeshKey {
         /// Whether the texture coordinates of the asset are flipped.
         upside_down: bool,
     },
+    Curves {
+        id: AssetId<TriangleMesh>,
+        basis: Basis,
+        /// The bits of the transform of control points that leaves radii alone, see [`stretch_of`].
+        ///
+        /// [`stretch_of`]: crate::geometry::strands::stretch_of
+        stretch: [u32; 9],
+    },
     Cube,
     Triangle,
     /// A building part, by its number among the parts in use.
     Solid(u64),
 }
 
-/// A mesh that can be rendered.
+/// A mesh, or the curves of a file, that can be rendered.
 #[derive(Clone, Debug)]
 pub(super) struct BuiltMesh {
-    pub blas: Arc<Blas>,
+    pub primitive: Primitive,
+    /// The transform that was applied to the control points of curves.
+    pub stretch: Mat3,
     pub stats: BvhStats,
     /// Materials its triangles refer to, at least 1.
     pub slots: u32,
@@ -50,6 +62,8 @@ pub(super) struct BuiltMesh {
 pub(super) enum BuildError {
     #[error("{triangles} triangles with flipped texture coordinates need {shortage}")]
     Memory { triangles: usize, shortage: Shortage },
+    #[error("{points} control points of curves that are scaled need {shortage}")]
+    MemoryOfCurves { points: usize, shortage: Shortage },
     #[error("no threads for building: {0}")]
     Threads(#[from] ThreadPoolBuildError),
     /// A fault of the program, with its message.
@@ -170,9 +184,10 @@ impl BlasCache {
     }
 
     /// Drops the finished hierarchies for which `is_used` is false.
-    pub fn retain(&mut self, is_used: impl Fn(&Arc<Blas>) -> bool) {
-        self.entries
-            .retain(|_, entry| entry.ticket.is_some() || entry.built.as_ref().is_none_or(|built| is_used(&built.blas)));
+    pub fn retain(&mut self, is_used: impl Fn(&Primitive) -> bool) {
+        self.entries.retain(|_, entry| {
+            entry.ticket.is_some() || entry.built.as_ref().is_none_or(|built| is_used(&built.primitive))
+        });
         let entries = &self.entries;
         self.solids
             .retain(|number| entries.contains_key(&MeshKey::Solid(number)));
@@ -198,7 +213,21 @@ impl BlasCache {
         if pending && policy.wait {
             self.wait_for(key);
         }
-        self.keep(key)
+        match self.keep(key).is_some() {
+            true => self.keep(key),
+            false => self.similar_curves(key),
+        }
+    }
+
+    /// The same curves with another stretch, which are shown until these are built.
+    fn similar_curves(&self, sought: MeshKey) -> Option<&BuiltMesh> {
+        let MeshKey::Curves { id, basis, .. } = sought else {
+            return None;
+        };
+        let is_similar =
+            |key: &MeshKey| matches!(key, MeshKey::Curves { id: its, basis: of, .. } if (*its, *of) == (id, basis));
+        let mut similar = self.entries.iter().filter(|(key, _)| is_similar(key));
+        similar.find_map(|(_, entry)| entry.built.as_ref())
     }
 
     fn start(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) {
@@ -207,7 +236,11 @@ impl BlasCache {
         let old = self.entries.remove(&key);
         let same_method = old.as_ref().is_some_and(|old| old.method == policy.method);
         let built = old.and_then(|old| old.built);
-        let similar = built.as_ref().filter(|_| same_method).map(|built| built.blas.clone());
+        let similar = built.as_ref().filter(|_| same_method);
+        let similar = similar.and_then(|built| match &built.primitive {
+            Primitive::Mesh(blas) => Some(blas.clone()),
+            _ => None,
+        });
         let mut entry = Entry {
             data: data.clone(),
             method: policy.method,
@@ -217,13 +250,12 @@ impl BlasCache {
             used: true,
         };
         let (data, method) = (data.clone(), policy.method);
-        let upside_down = matches!(key, MeshKey::Asset { upside_down: true, .. });
-        if data.triangles.len() <= SMALL {
-            entry.finish(build(data, upside_down, method, similar));
+        if data.triangles.len() + data.strands.points.len() <= SMALL {
+            entry.finish(build(key, data, method, similar));
         } else {
             let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
             let task = move || {
-                let result = build(data, upside_down, method, similar);
+                let result = build(key, data, method, similar);
                 // The receiver is gone when the application ends.
                 let _ = sender.send(Finished { key, ticket, result });
                 if let Some(wake) = wake_up.0 {
@@ -274,13 +306,21 @@ impl Entry {
 
 /// Builds a hierarchy. `similar` is the hierarchy of the mesh before its change, built by the same method.
 fn build(
+    key: MeshKey,
     mut data: Arc<MeshData>,
-    upside_down: bool,
     method: SplitMethod,
     similar: Option<Arc<Blas>>,
 ) -> Result<BuiltMesh, BuildError> {
     let begin = Instant::now();
-    if upside_down {
+    if let MeshKey::Curves { basis, stretch, .. } = key {
+        return build_curves(
+            data,
+            basis,
+            &Mat3::from_cols_array(&stretch.map(f32::from_bits)),
+            method,
+        );
+    }
+    if matches!(key, MeshKey::Asset { upside_down: true, .. }) {
         let flipped = data.with_flipped_tex_coords();
         let flipped = flipped.map_err(|shortage| {
             let triangles = data.triangles.len();
@@ -295,14 +335,41 @@ fn build(
         .map_or(1, |&highest| u32::from(highest) + 1);
     let slots = slots.max(data.materials.len() as u32);
     let refitted = || similar.and_then(|similar| similar.refit(data.clone()));
-    let blas = catch_unwind(AssertUnwindSafe(|| {
-        refitted().unwrap_or_else(|| Blas::build(data.clone(), method))
-    }))
-    .map_err(|payload| BuildError::Panic(text_of_panic(payload.as_ref())))?;
+    let blas = caught(|| refitted().unwrap_or_else(|| Blas::build(data.clone(), method)))?;
     Ok(BuiltMesh {
         stats: blas.stats(),
-        blas: Arc::new(blas),
+        primitive: Primitive::Mesh(Arc::new(blas)),
+        stretch: Mat3::IDENTITY,
         slots,
         build_ms: begin.elapsed().as_secs_f64() * 1e3,
     })
+}
+
+fn build_curves(
+    mut data: Arc<MeshData>,
+    basis: Basis,
+    stretch: &Mat3,
+    method: SplitMethod,
+) -> Result<BuiltMesh, BuildError> {
+    let begin = Instant::now();
+    if *stretch != Mat3::IDENTITY {
+        let stretched = data.with_stretched_strands(stretch).map_err(|shortage| {
+            let points = data.strands.points.len();
+            BuildError::MemoryOfCurves { points, shortage }
+        });
+        data = Arc::new(stretched?);
+    }
+    let curves = caught(|| CurveBlas::build(data, basis, method))?;
+    Ok(BuiltMesh {
+        stats: curves.stats(),
+        primitive: Primitive::Curves(Arc::new(curves)),
+        stretch: *stretch,
+        slots: 1,
+        build_ms: begin.elapsed().as_secs_f64() * 1e3,
+    })
+}
+
+/// The result of a build, or an error with the message of its panic.
+fn caught<T>(build: impl FnOnce() -> T) -> Result<T, BuildError> {
+    catch_unwind(AssertUnwindSafe(build)).map_err(|payload| BuildError::Panic(text_of_panic(payload.as_ref())))
 }

@@ -42,6 +42,7 @@ mod bsdf_plastic;
 mod bsdf_principled;
 mod bsdf_rough;
 mod clamp;
+mod curves;
 #[cfg(feature = "denoise")]
 mod denoise;
 mod diffuse_lobe;

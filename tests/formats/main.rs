@@ -6,6 +6,7 @@ mod gltf_support;
 mod meaning;
 
 mod bounded_work;
+mod curves;
 mod dialect;
 mod emitters;
 mod export;

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::build::SplitMethod;
@@ -24,8 +24,6 @@ use crate::math::{Aabb, Ray};
 pub struct CurveBlas {
     mesh: Arc<MeshData>,
     basis: Basis,
-    /// The control points, if they are not those of the mesh.
-    stretched: Option<Vec<Vec4>>,
     /// The number of all segments.
     segments: usize,
     /// The hierarchy over parts. Its order holds [`Piece`]s.
@@ -60,15 +58,12 @@ const MOST_HALVINGS: u32 = 3;
 const WORTH_HALVING: f32 = 0.8;
 
 impl CurveBlas {
-    /// Builds over the curves of `mesh`, after a linear transform of their control points that leaves radii alone.
-    /// B-splines of fewer than four points have no segments.
-    pub fn build(mesh: Arc<MeshData>, basis: Basis, stretch: &Mat3, method: SplitMethod) -> Self {
-        let stretched = (*stretch != Mat3::IDENTITY).then(|| mesh.strands.stretched(stretch));
+    /// Builds over the strands of `mesh`. B-splines of fewer than four points have no segments.
+    pub fn build(mesh: Arc<MeshData>, basis: Basis, method: SplitMethod) -> Self {
         let mut curves = Self {
             segments: mesh.strands.segment_count(basis),
             mesh,
             basis,
-            stretched,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
         };
         let starts: Vec<u32> = curves.strands().segments(basis).collect();
@@ -100,18 +95,14 @@ impl CurveBlas {
         &self.mesh
     }
 
+    #[inline(always)]
     fn strands(&self) -> &Strands {
         &self.mesh.strands
     }
 
     #[inline(always)]
-    fn points(&self) -> &[Vec4] {
-        self.stretched.as_deref().unwrap_or(&self.mesh.strands.points)
-    }
-
-    #[inline(always)]
     fn control_points<const N: usize>(&self, start: u32) -> [Vec4; N] {
-        let points = &self.points()[start as usize..];
+        let points = &self.strands().points[start as usize..];
         std::array::from_fn(|index| points[index])
     }
 
@@ -141,25 +132,31 @@ impl CurveBlas {
         &self.bvh
     }
 
-    /// Statistics of the hierarchy; `bytes` includes control points that are not those of the file.
+    /// Statistics of the hierarchy; `bytes` is without the control points.
     pub fn stats(&self) -> BvhStats {
-        let mut stats = self.bvh.stats();
-        stats.bytes = self.bytes();
-        stats
+        self.bvh.stats()
     }
 
-    /// The memory in bytes, without the mesh.
+    /// The memory of the hierarchy in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.bvh.bytes()
-            + self
-                .stretched
-                .as_ref()
-                .map_or(0, |points| size_of_val(points.as_slice()))
     }
 
     /// The number of all segments.
     pub fn segments(&self) -> usize {
         self.segments
+    }
+
+    /// Lines along the middle of the curves, for display. Of curves with more than `most` segments some are left out.
+    pub fn center_lines(&self, most: usize) -> Vec<[Vec3; 2]> {
+        let step = self.segments.div_ceil(most.max(1)).max(1);
+        let starts = self.strands().segments(self.basis).step_by(step);
+        starts
+            .map(|start| match self.basis {
+                Basis::BSpline => self.spline(start).ends(),
+                Basis::Linear => self.control_points::<2>(start).map(|point| point.truncate()),
+            })
+            .collect()
     }
 
     /// The nearest hit with t_min < t < t_max; `ray` is in local space.

@@ -140,10 +140,16 @@ impl Spline {
         }
     }
 
+    /// The point at the parameter `v` in [0, 1], and the radius there.
     #[inline(always)]
-    fn at(&self, v: f32) -> Vec4 {
+    pub fn at(&self, v: f32) -> Vec4 {
         let [a, b, c, d] = self.coefficients;
         a + v * (b + v * (c + v * d))
+    }
+
+    /// The places at which the segment begins and ends.
+    pub fn ends(&self) -> [Vec3; 2] {
+        [0.0, 1.0].map(|v| self.at(v).xyz())
     }
 
     /// The most by which positions and radii in an interval of this width are off the straight line between its ends.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 use super::attribute::MeshAttribute;
 use super::mtl_map::MtlMaps;
@@ -154,6 +154,15 @@ impl MeshData {
         let memory = memory::reserve(self.memory_bytes())?.into();
         let mut copy = Self { memory, ..self.clone() };
         copy.flip_tex_coords();
+        Ok(copy)
+    }
+
+    /// A copy whose strands have the positions of their control points transformed, as [`super::strands::stretch_of`]
+    /// says, and with memory reserved for itself and its acceleration structure.
+    pub fn with_stretched_strands(&self, by: &Mat3) -> Result<Self, Shortage> {
+        let memory = memory::reserve(self.memory_bytes())?.into();
+        let mut copy = Self { memory, ..self.clone() };
+        copy.strands.stretch(by);
         Ok(copy)
     }
 

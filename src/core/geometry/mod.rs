@@ -28,4 +28,5 @@ pub mod solid;
 pub mod sphere;
 pub mod strands;
 pub mod triangle;
+pub mod tube;
 pub mod vertex_normals;

@@ -4,7 +4,7 @@
 //! Further words of a line are ignored, as in Mitsuba. Whether the points are those of B-splines or of polylines is
 //! told by the shape that names the file.
 
-use glam::{Mat3, Vec3, Vec4, Vec4Swizzles};
+use glam::{Affine3A, DMat3, Mat3, Vec3, Vec4, Vec4Swizzles};
 
 use super::curve::Basis;
 use super::decimal::leading_f32;
@@ -95,14 +95,47 @@ impl Strands {
         self.firsts.binary_search(&point).is_ok()
     }
 
-    /// The control points after a linear transform of their positions. Radii stay.
-    pub(crate) fn stretched(&self, by: &Mat3) -> Vec<Vec4> {
-        self.points
-            .iter()
-            .map(|point| (*by * point.xyz()).extend(point.w))
-            .collect()
+    /// Transforms the positions of control points, not their radii.
+    pub(super) fn stretch(&mut self, by: &Mat3) {
+        for point in &mut self.points {
+            *point = (*by * point.xyz()).extend(point.w);
+        }
     }
 }
+
+/// The part of a transform that changes distances: the transform is a rotation and a translation after it. A transform
+/// of curves moves their control points and leaves their radii, as in Mitsuba, so that curves are traced after this
+/// part, and placed by the rest alone. It is rounded, so that curves that are moved or turned keep theirs.
+pub fn stretch_of(world_from_local: &Affine3A) -> Mat3 {
+    let linear = world_from_local.as_daffine3().matrix3;
+    let side = linear.determinant().signum();
+    // The rotation next to the transform (Higham, Computing the polar decomposition, 1986).
+    let mut rotation = side * linear;
+    for _ in 0..64 {
+        let next = 0.5 * (rotation + rotation.inverse().transpose());
+        let is_settled = next.abs_diff_eq(rotation, 1e-14);
+        rotation = next;
+        if is_settled {
+            break;
+        }
+    }
+    let stretch = rotation.transpose() * linear;
+    let largest = [stretch.x_axis, stretch.y_axis, stretch.z_axis].map(|axis| axis.abs().max_element());
+    let unit = (largest[0].max(largest[1]).max(largest[2]) * ROUNDED_TO)
+        .log2()
+        .ceil()
+        .exp2();
+    let rounded =
+        DMat3::from_cols_array(&stretch.to_cols_array().map(|number| (number / unit).round() * unit)).as_mat3();
+    // A transform that cannot be inverted has no such part, and its shape is left out.
+    match rounded.is_finite() && rounded.determinant() != 0.0 {
+        true => rounded,
+        false => Mat3::IDENTITY,
+    }
+}
+
+/// The unit to which a stretch is rounded, as a share of its largest number. Radii are off by as much.
+const ROUNDED_TO: f64 = 1.0 / 16384.0;
 
 /// Whether a text is a file of curves: its first word is a number, with which no other format begins.
 pub fn is_curve_file(bytes: &[u8]) -> bool {
@@ -271,6 +304,42 @@ mod tests {
         ];
         for (text, expected) in cases {
             assert_eq!(load(text), Err(expected.to_owned()));
+        }
+    }
+
+    #[test]
+    fn curves_that_are_turned_keep_their_stretch() {
+        let scales = [
+            Vec3::ONE,
+            Vec3::splat(2.5),
+            Vec3::new(1.0, -2.0, 3.0),
+            Vec3::splat(-1e-4),
+        ];
+        for scale in scales {
+            let scaled = Mat3::from_diagonal(scale);
+            for turns in 0..50 {
+                let turned = Mat3::from_euler(glam::EulerRot::XYZ, 0.3 * turns as f32, 1.7, -0.9 * turns as f32);
+                let stretch = stretch_of(&Affine3A::from_mat3_translation(turned * scaled, Vec3::ONE));
+                let same = match scale == Vec3::splat(scale.x) {
+                    true => scaled,
+                    // A mirror turned by half a turn about its axis is the same as all axes mirrored.
+                    false => stretch_of(&Affine3A::from_mat3(scaled)),
+                };
+                assert!(
+                    stretch.abs_diff_eq(same, 2.0 / 16384.0 * scale.abs().max_element()),
+                    "{stretch} {same}"
+                );
+                let rest = turned * scaled * stretch.inverse();
+                assert!((rest * rest.transpose()).abs_diff_eq(Mat3::IDENTITY, 1e-3) && rest.determinant() > 0.0);
+            }
+        }
+        assert_eq!(stretch_of(&Affine3A::from_rotation_x(0.7)), Mat3::IDENTITY);
+        for singular in [
+            Mat3::ZERO,
+            Mat3::from_diagonal(Vec3::new(1.0, 0.0, 1.0)),
+            Mat3::from_diagonal(Vec3::NAN),
+        ] {
+            assert_eq!(stretch_of(&Affine3A::from_mat3(singular)), Mat3::IDENTITY);
         }
     }
 

@@ -1,7 +1,11 @@
 //! Finds the mesh that a shape names, built or being built.
 
+use bevy::math::Affine3A;
+
 use crate::engine::authored::Authored;
 use crate::engine::blas_cache::{BlasCache, BuildPolicy, BuiltMesh, MeshKey};
+use crate::geometry::strands::stretch_of;
+use crate::scene::assets::triangle_mesh::basis_of;
 use crate::scene::{MeshHandle, Shape, ShapeKind};
 
 /// The mesh that a shape names.
@@ -14,6 +18,7 @@ pub(super) struct NamedMesh<'c> {
 
 pub(super) fn mesh_of<'c>(
     shape: &Shape,
+    to_world: &Affine3A,
     handle: Option<&MeshHandle>,
     authored: &Authored,
     cache: &'c mut BlasCache,
@@ -35,10 +40,17 @@ pub(super) fn mesh_of<'c>(
         }
         (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
             Some(mesh) => {
-                let key = MeshKey::Asset {
-                    id: handle.id(),
-                    shape_index: file.shape_index,
-                    upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
+                let key = match basis_of(file.format) {
+                    Some(basis) => MeshKey::Curves {
+                        id: handle.id(),
+                        basis,
+                        stretch: stretch_of(to_world).to_cols_array().map(f32::to_bits),
+                    },
+                    None => MeshKey::Asset {
+                        id: handle.id(),
+                        shape_index: file.shape_index,
+                        upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
+                    },
                 };
                 mesh.data(file.shape_index)
                     .and_then(|data| cache.get(key, data, policy))

@@ -154,7 +154,7 @@ impl Reading {
             });
             return None;
         }
-        let mesh = mesh_of(shape.shape, shape.mesh, authored, cache, policy);
+        let mesh = mesh_of(shape.shape, &shape.to_world.0, shape.mesh, authored, cache, policy);
         self.meshes_loading += u32::from(mesh.is_loading);
         let source = ShapeSource {
             order,

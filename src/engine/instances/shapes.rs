@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use super::named_mesh::mesh_of;
 use super::rebuild::Rebuild;
 use super::splice::{ListEdits, Piece, ShapeChanges, pieces};
-use crate::accel::{Blas, Instance, Primitive, ShapeEdits, Tlas};
+use crate::accel::{Instance, Primitive, ShapeEdits, Tlas};
 use crate::engine::authored::Authored;
 use crate::engine::blas_cache::{BlasCache, BuildPolicy};
 use crate::engine::detect::Touched;
@@ -137,7 +137,7 @@ impl Extracted {
         let entities = (0u32..).zip(&self.entity_of_instance[..in_world]);
         for (number, _) in entities.filter(|(_, entity)| changed.contains(*entity)) {
             let record = &self.layout.shapes[number as usize];
-            let mesh_before = matches!(record.primitive, Primitive::Mesh(_));
+            let mesh_before = hierarchy_of(&record.primitive).is_some();
             match now.remove(&record.entity).and_then(|edited| edited.packed) {
                 Some((instance, new)) if new.key() == record.key() => {
                     if !new.same_geometry(record) {
@@ -200,12 +200,9 @@ impl Extracted {
     }
 
     fn drop_unused_meshes(&self, cache: &mut BlasCache) {
-        let meshes = self.layout.shapes.iter().filter_map(|record| match &record.primitive {
-            Primitive::Mesh(mesh) => Some(Arc::as_ptr(mesh)),
-            _ => None,
-        });
-        let used: HashSet<*const Blas> = meshes.collect();
-        cache.retain(|mesh| used.contains(&Arc::as_ptr(mesh)));
+        let shapes = self.layout.shapes.iter();
+        let used: HashSet<*const ()> = shapes.filter_map(|record| hierarchy_of(&record.primitive)).collect();
+        cache.retain(|mesh| hierarchy_of(mesh).is_some_and(|mesh| used.contains(&mesh)));
     }
 
     /// Has the hierarchy built anew if so much has been edited that it is worth it.
@@ -286,6 +283,15 @@ impl Extracted {
     }
 }
 
+/// The identity of the hierarchy of a mesh or of curves.
+fn hierarchy_of(primitive: &Primitive) -> Option<*const ()> {
+    match primitive {
+        Primitive::Mesh(mesh) => Some(Arc::as_ptr(mesh).cast()),
+        Primitive::Curves(curves) => Some(Arc::as_ptr(curves).cast()),
+        _ => None,
+    }
+}
+
 fn triangles_of(primitive: &Primitive) -> u64 {
     match primitive {
         Primitive::Mesh(mesh) => mesh.mesh().triangles.len() as u64,
@@ -307,7 +313,7 @@ fn edited(entity: Entity, authored: &Authored, cache: &mut BlasCache, policy: &B
     if shape.member_of.is_some() || shape.instance_of.is_some() {
         return None;
     }
-    let mesh = mesh_of(shape.shape, shape.mesh, authored, cache, policy);
+    let mesh = mesh_of(shape.shape, &shape.to_world.0, shape.mesh, authored, cache, policy);
     let has_mesh = matches!(shape.shape.kind, ShapeKind::Mesh(_) | ShapeKind::Solid(_));
     if has_mesh && mesh.built.is_none() {
         return None;

@@ -1,7 +1,5 @@
 //! Shapes placed in the world.
 
-use std::sync::Arc;
-
 use bevy::math::{Affine3A, Mat3};
 use bevy::prelude::*;
 
@@ -47,22 +45,14 @@ impl InstanceRecord {
         (self.order, self.entity)
     }
 
-    /// Whether both have the same mesh.
+    /// Whether both have the same mesh, or are the same shape otherwise.
     pub fn is_of_same_mesh(&self, other: &Self) -> bool {
-        matches!((&self.primitive, &other.primitive), (Primitive::Mesh(a), Primitive::Mesh(b)) if Arc::ptr_eq(a, b))
+        self.primitive.is_same(&other.primitive)
     }
 
     /// Whether rays meet the same surface (the transform's inverse follows from the transform).
     pub fn same_geometry(&self, other: &Self) -> bool {
-        let same_primitive = match (&self.primitive, &other.primitive) {
-            (Primitive::Mesh(a), Primitive::Mesh(b)) => Arc::ptr_eq(a, b),
-            (Primitive::Sphere, Primitive::Sphere)
-            | (Primitive::Rectangle, Primitive::Rectangle)
-            | (Primitive::Disk, Primitive::Disk)
-            | (Primitive::Cylinder, Primitive::Cylinder) => true,
-            _ => false,
-        };
-        same_primitive
+        self.primitive.is_same(&other.primitive)
             && self.world_from_local == other.world_from_local
             && self.face_normals == other.face_normals
             && self.flip_normals == other.flip_normals
@@ -89,7 +79,7 @@ pub(in crate::engine) fn pack_instance(
     mesh: Option<&BuiltMesh>,
 ) -> Result<Option<(Instance, InstanceRecord)>, ShapeError> {
     let ShapeSource { shape, to_world, .. } = *source;
-    let mesh_primitive = || mesh.map(|mesh| Primitive::Mesh(mesh.blas.clone()));
+    let mesh_primitive = || mesh.map(|mesh| mesh.primitive.clone());
     let (primitive, world_from_local, face_normals) = match &shape.kind {
         ShapeKind::Sphere { center, radius } => {
             if radius.is_nan() || *radius <= 0.0 {
@@ -128,7 +118,15 @@ pub(in crate::engine) fn pack_instance(
             let local_from_unit = Affine3A::from_mat3_translation(Mat3::from_cols(u, v, normal), *a);
             (mesh_primitive(), to_world * local_from_unit, true)
         }
-        ShapeKind::Mesh(file) => (mesh_primitive(), to_world, file.face_normals),
+        ShapeKind::Mesh(file) => {
+            // The control points of curves have this part of the transform already.
+            let stretch = mesh.map_or(Mat3::IDENTITY, |mesh| mesh.stretch);
+            let world_from_local = match stretch == Mat3::IDENTITY {
+                true => to_world,
+                false => to_world * Affine3A::from_mat3(stretch.inverse()),
+            };
+            (mesh_primitive(), world_from_local, file.face_normals)
+        }
     };
     let Some(primitive) = primitive else {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Triangle meshes loaded from an OBJ, PLY or serialized file.
+//! Triangle meshes loaded from an OBJ, PLY or serialized file, and curves.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,18 +10,19 @@ use rayon::prelude::*;
 
 use crate::document::paths::settle_covered;
 use crate::files::{Access, FileError, LARGEST_NOTE};
+use crate::geometry::curve::Basis;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
-use crate::geometry::{obj, ply};
+use crate::geometry::{obj, ply, strands};
 use crate::math::Aabb;
 use crate::memory;
-use crate::scene::SceneAccess;
+use crate::scene::{MeshFormat, SceneAccess};
 
 /// The content of a mesh file: all of its shapes.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TriangleMesh {
-    /// One shape of an OBJ or PLY file, at least one of a serialized one.
+    /// One shape of an OBJ or PLY file or one of curves, at least one of a serialized one.
     pub shapes: Vec<MeshShape>,
     /// The other files it was read from (material libraries), absolute, including missing ones.
     pub dependencies: Vec<PathBuf>,
@@ -49,6 +50,34 @@ impl MeshShape {
     }
 }
 
+/// How the curves of a file of this format are made of control points; None for meshes.
+pub(crate) fn basis_of(format: MeshFormat) -> Option<Basis> {
+    match format {
+        MeshFormat::BSplineCurve => Some(Basis::BSpline),
+        MeshFormat::LinearCurve => Some(Basis::Linear),
+        MeshFormat::Obj | MeshFormat::Ply | MeshFormat::Serialized => None,
+    }
+}
+
+impl MeshShape {
+    /// The reason why it is not what a shape with a file of this format needs, if so.
+    pub(crate) fn misfit(&self, format: MeshFormat) -> Option<String> {
+        let strands = &self.data.strands;
+        match basis_of(format) {
+            None if strands.is_empty() => None,
+            None => Some("the file holds curves, not triangles".into()),
+            Some(_) if strands.is_empty() => Some("the file holds no curves".into()),
+            Some(basis) => {
+                let (points, line) = strands.shortest;
+                let least = basis.points();
+                ((points as usize) < least).then(|| {
+                    format!("line {line}: expected a curve of {least} control points or more, found one of {points}")
+                })
+            }
+        }
+    }
+}
+
 impl TriangleMesh {
     /// The mesh of a shape with this index in the file.
     pub fn data(&self, shape_index: u32) -> Option<&Arc<MeshData>> {
@@ -62,7 +91,7 @@ impl TriangleMesh {
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
 
-/// Loads OBJ, PLY and serialized files, recognised by their content.
+/// Loads OBJ, PLY and serialized files and those of curves, recognised by their content.
 #[derive(Default, TypePath)]
 pub(crate) struct MeshLoader {
     pub access: SceneAccess,
@@ -121,7 +150,7 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
     })
 }
 
-/// Reads an OBJ or PLY file. `path` is the file of the bytes. Material libraries are searched beside it, as far as
+/// Reads an OBJ or PLY file, or one of curves. `path` is the file of the bytes. Material libraries are searched beside it, as far as
 /// `access` permits, and the paths of their pictures become absolute.
 pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -129,6 +158,8 @@ pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<Tr
     let mut may_quote = access.may_quote(path);
     let loaded = if bytes.starts_with(b"ply") {
         ply::load_ply(bytes)
+    } else if strands::is_curve_file(bytes) {
+        strands::load_curves(bytes)
     } else {
         let loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);

@@ -105,6 +105,11 @@ impl Shape {
         }
     }
 
+    /// Whether it is made of curves, which cannot be lights.
+    pub fn is_of_curves(&self) -> bool {
+        matches!(&self.kind, ShapeKind::Mesh(file) if file.format.is_of_curves())
+    }
+
     /// Whether it is the transform of a folder, which has no surface, material or light.
     pub(crate) fn is_frame(&self) -> bool {
         self.kind == ShapeKind::Frame
@@ -116,8 +121,8 @@ impl Shape {
         match &self.kind {
             ShapeKind::Rectangle | ShapeKind::Cylinder { .. } => true,
             // Programs that write such files let v grow upwards.
-            ShapeKind::Mesh(file) => file.format != MeshFormat::Serialized && !file.flip_tex_coords,
-            // On these shapes v grows downwards, or around the centre.
+            ShapeKind::Mesh(file) => matches!(file.format, MeshFormat::Obj | MeshFormat::Ply) && !file.flip_tex_coords,
+            // On these shapes v grows downwards, or around the centre. On curves it grows along them.
             ShapeKind::Sphere { .. }
             | ShapeKind::Cube
             | ShapeKind::Disk
@@ -182,7 +187,7 @@ pub enum ShapeKind {
     },
     /// A wall, stairs or a prism.
     Solid(Solid),
-    /// The triangles of a file.
+    /// The triangles or the curves of a file.
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
     Instance,
@@ -197,7 +202,7 @@ impl ShapeKind {
     }
 
     /// The names of all plugins except groups.
-    pub const PLUGINS: [&'static str; 13] = [
+    pub const PLUGINS: [&'static str; 15] = [
         "sphere",
         "rectangle",
         "cube",
@@ -211,10 +216,12 @@ impl ShapeKind {
         "obj",
         "ply",
         "serialized",
+        "bsplinecurve",
+        "linearcurve",
     ];
 }
 
-/// A mesh in a file.
+/// A mesh in a file, or the curves of one.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     /// The absolute path.
@@ -230,7 +237,7 @@ pub struct MeshFile {
 }
 
 declare_names! {
-    /// The formats of mesh files.
+    /// The formats of mesh files, and of files of curves.
     #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum MeshFormat {
         /// Wavefront OBJ, with materials of MTL libraries.
@@ -240,10 +247,19 @@ declare_names! {
         Ply = "ply" => "PLY mesh",
         /// Mitsuba's own format, with several shapes to a file.
         Serialized = "serialized" => "serialized mesh",
+        /// Cubic B-splines with round cross-sections, as text with a control point in each line.
+        BSplineCurve = "bsplinecurve" => "B-spline curves",
+        /// Cones between spheres, from the same text.
+        LinearCurve = "linearcurve" => "linear curves",
     }
 }
 
 impl MeshFormat {
+    /// Whether the file has curves, which have neither vertex normals nor texture coordinates of their own.
+    pub fn is_of_curves(self) -> bool {
+        matches!(self, Self::BSplineCurve | Self::LinearCurve)
+    }
+
     /// The default of `flip_tex_coords`.
     pub(crate) fn flips_tex_coords(self) -> bool {
         self == Self::Obj

@@ -76,10 +76,14 @@ pub fn shape(
         ShapeKind::Mesh(file) => {
             let object = with_string(object(file.format.name()), "filename", &file_name(&file.path, folder));
             let object = match file.format {
+                MeshFormat::BSplineCurve | MeshFormat::LinearCurve => object,
                 MeshFormat::Serialized => with_integer(object, "shape_index", file.shape_index),
                 MeshFormat::Obj | MeshFormat::Ply => with_flag(object, "flip_tex_coords", file.flip_tex_coords),
             };
-            with_flag(object, "face_normals", file.face_normals)
+            match file.format.is_of_curves() {
+                true => object,
+                false => with_flag(object, "face_normals", file.face_normals),
+            }
         }
     };
     let object = with_flag(object, "flip_normals", shape.flip_normals);

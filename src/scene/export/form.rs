@@ -4,17 +4,22 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy::math::{Affine3A, Mat3A, Vec3};
+use bevy::math::{Affine3A, Mat3, Mat3A, Vec3};
 
 use super::messages::Messages;
 use crate::files::Access;
 use crate::geometry::attribute::AttributeDomain;
 use crate::geometry::mesh::MeshData;
+use crate::geometry::strands::stretch_of;
+use crate::geometry::tube::tubes;
 use crate::math::Frame;
 use crate::scene::assets::shape_mesh::shape_mesh;
-use crate::scene::assets::triangle_mesh::{TriangleMesh, load_mesh};
+use crate::scene::assets::triangle_mesh::{TriangleMesh, basis_of, load_mesh};
 use crate::scene::components::description::ShapeDescription;
 use crate::scene::{MeshFormat, ShapeKind};
+
+/// The most triangles in place of the curves of a file.
+const MOST_TRIANGLES: usize = 4_000_000;
 
 /// The vertex colours of a mesh: the name of its attribute, and a factor.
 pub(super) type Colors = Option<(String, f32)>;
@@ -85,7 +90,10 @@ impl<'a> Forms<'a> {
             ShapeKind::Instance | ShapeKind::Frame => return None,
             other => (other.clone(), Affine3A::IDENTITY),
         };
-        let key = format!("{plain:?}");
+        // A transform leaves the radii of curves alone.
+        let stretch = shape.shape.is_of_curves().then(|| stretch_of(&shape.to_world));
+        let shape_from_mesh = stretch.map_or(shape_from_mesh, |stretch| Affine3A::from_mat3(stretch.inverse()));
+        let key = format!("{plain:?}{stretch:?}");
         if let Some(known) = self.forms.get(&key) {
             let form = known.clone()?;
             return Some(Form {
@@ -94,6 +102,7 @@ impl<'a> Forms<'a> {
             });
         }
         let mesh = match &plain {
+            ShapeKind::Mesh(file) if stretch.is_some() => self.tubes_of_file(file, stretch, name, messages),
             ShapeKind::Mesh(file) => self.mesh_of_file(file, name, messages),
             other => shape_mesh(other).map(Arc::new),
         };
@@ -130,6 +139,28 @@ impl<'a> Forms<'a> {
             .flat_map(|data| &data.materials)
             .flat_map(|material| material.maps.iter());
         maps.map(|map| map.file.clone()).collect()
+    }
+
+    /// Tubes in place of the curves of a file, after this transform of their control points.
+    fn tubes_of_file(
+        &mut self,
+        file: &crate::scene::MeshFile,
+        stretch: Option<Mat3>,
+        name: &str,
+        messages: &mut Messages,
+    ) -> Option<Arc<MeshData>> {
+        let curves = self.mesh_of_file(file, name, messages)?;
+        let stretched = curves.with_stretched_strands(&stretch?).ok()?;
+        let tubes = tubes(&stretched.strands, basis_of(file.format)?, MOST_TRIANGLES);
+        match &tubes {
+            Some(_) => messages.note("shape", name, "the curves become tubes of triangles"),
+            None => messages.left_out(
+                "shape",
+                name,
+                format!("its curves would be more than {MOST_TRIANGLES} triangles"),
+            ),
+        }
+        tubes.map(Arc::new)
     }
 
     fn mesh_of_file(

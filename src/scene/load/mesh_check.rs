@@ -8,7 +8,7 @@ use crate::files::Access;
 use crate::scene::assets::parts_cache::is_part;
 use crate::scene::assets::triangle_mesh::{MeshShape, load_mesh};
 use crate::scene::components::missing::sentence;
-use crate::scene::{FileKind, SceneDescription, ShapeKind};
+use crate::scene::{FileKind, MeshFormat, SceneDescription, ShapeKind};
 
 /// Reads each mesh file of a shape, and reports problems at the first shape that names it: an error for an unreadable
 /// mesh, a warning for parts that were left out. `missing`: the severity of missing files. Returns the pictures
@@ -64,10 +64,13 @@ pub fn check_meshes(
             Err(error) if is_first => report(Severity::Error, "filename", error),
             Err(_) => {}
             Ok(shapes) => match shapes.get(mesh.shape_index as usize) {
-                Some(findings) => findings
-                    .warnings
-                    .iter()
-                    .for_each(|what| report(Severity::Warning, "filename", what)),
+                Some(findings) => {
+                    let warnings = findings.warnings.iter();
+                    warnings.for_each(|what| report(Severity::Warning, "filename", what));
+                    if let Some((_, what)) = findings.misfits.iter().find(|(format, _)| *format == mesh.format) {
+                        report(Severity::Error, "filename", what);
+                    }
+                }
                 None => {
                     let (index, count) = (mesh.shape_index, shapes.len());
                     let what = format!("there is no shape {index}: the file has {count}");
@@ -84,6 +87,8 @@ struct Findings {
     warnings: Vec<String>,
     /// The pictures named by its materials.
     pictures: Vec<PathBuf>,
+    /// The formats that it does not fit, with the reasons.
+    misfits: Vec<(MeshFormat, String)>,
 }
 
 impl From<MeshShape> for Findings {
@@ -91,6 +96,10 @@ impl From<MeshShape> for Findings {
         let maps = shape.data.materials.iter().flat_map(|material| material.maps.iter());
         Self {
             pictures: maps.map(|map| map.file.clone()).collect(),
+            misfits: MeshFormat::ALL
+                .into_iter()
+                .filter_map(|format| Some((format, shape.misfit(format)?)))
+                .collect(),
             warnings: shape.warnings,
         }
     }

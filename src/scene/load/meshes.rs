@@ -84,7 +84,10 @@ pub(in crate::scene) fn report_meshes(
         let asset = assets.get(id);
         if let Some(asset) = asset {
             match asset.shapes.get(index as usize) {
-                Some(shape) => warnings.extend(shape.warnings.iter().map(|warning| problem("filename", warning))),
+                Some(shape) => {
+                    warnings.extend(shape.warnings.iter().map(|warning| problem("filename", warning)));
+                    errors.extend(shape.misfit(mesh.format).map(|what| problem("filename", &what)));
+                }
                 None => {
                     let what = format!("there is no shape {index}: the file has {}", asset.shapes.len());
                     errors.push(problem("shape_index", &what));

@@ -18,9 +18,7 @@ use crate::scene::encode::objects::{self, FRAME};
 use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid};
 
 /// The shapes of Mitsuba, also of old versions, that this program lacks.
-const FOREIGN_SHAPES: [&str; 9] = [
-    "bsplinecurve",
-    "linearcurve",
+const FOREIGN_SHAPES: [&str; 7] = [
     "sdfgrid",
     "ellipsoids",
     "ellipsoidsmesh",
@@ -88,6 +86,12 @@ impl<'a> SceneReader<'a> {
         for (_, emitter) in emitters {
             if group.is_some() {
                 let message = "a shape of a shapegroup cannot be an emitter";
+                self.diagnostics.error(emitter.span, message);
+            } else if shape.is_of_curves() {
+                let message = format!(
+                    "{} cannot be an emitter: light is not sampled on curves",
+                    object.title()
+                );
                 self.diagnostics.error(emitter.span, message);
             } else if area_light.is_some() {
                 let message = format!("{} has an emitter already", object.title());
@@ -207,7 +211,7 @@ fn read_kind<'a>(reader: &mut Reader<'a, '_>, pictures: &mut PictureSearch) -> O
     Some((kind, None))
 }
 
-/// A mesh, with the name of its file, which is not searched yet.
+/// A mesh or curves, with the name of the file, which is not searched yet.
 fn read_mesh<'a>(reader: &mut Reader<'a, '_>, format: MeshFormat) -> (ShapeKind, Option<&'a str>) {
     let file_name = reader.string("filename");
     if file_name.is_none() && !reader.has("filename") {
@@ -217,9 +221,12 @@ fn read_mesh<'a>(reader: &mut Reader<'a, '_>, format: MeshFormat) -> (ShapeKind,
     }
     let mut mesh = MeshFile {
         format,
-        face_normals: reader.boolean_or("face_normals", false),
         ..MeshFile::default()
     };
+    if format.is_of_curves() {
+        return (ShapeKind::Mesh(mesh), file_name);
+    }
+    mesh.face_normals = reader.boolean_or("face_normals", false);
     if format == MeshFormat::Serialized {
         let index = reader.integer_in("shape_index", 0..=i64::from(u32::MAX));
         mesh.shape_index = index.unwrap_or(0) as u32;

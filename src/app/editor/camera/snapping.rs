@@ -92,7 +92,7 @@ impl Face {
                     .to_vec(),
                 is_edge: vec![true; 4],
             },
-            Primitive::Sphere | Primitive::Disk | Primitive::Cylinder => Self::default(),
+            Primitive::Sphere | Primitive::Disk | Primitive::Cylinder | Primitive::Curves(_) => Self::default(),
         };
         Self {
             corners: local

@@ -18,7 +18,7 @@ pub struct Solid {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// The bounds of a mesh.
+    /// The bounds of a mesh or of curves.
     Box(Aabb),
     Sphere,
     Square,
@@ -32,6 +32,7 @@ impl Solid {
         Self {
             form: match &instance.primitive {
                 Primitive::Mesh(blas) => Form::Box(blas.bounds()),
+                Primitive::Curves(curves) => Form::Box(curves.bounds()),
                 Primitive::Sphere => Form::Sphere,
                 Primitive::Rectangle => Form::Square,
                 Primitive::Disk => Form::Disk,

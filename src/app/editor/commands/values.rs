@@ -109,6 +109,9 @@ fn set_light(edit: &mut Edit, shape: Entity, light: Option<AreaLight>) -> Result
         return Ok(());
     };
     need_surface(edit, shape)?;
+    if edit.world.get::<Shape>(shape).is_some_and(Shape::is_of_curves) {
+        return Err("Curves cannot shine: light is not sampled on them.".into());
+    }
     if edit.world.get::<MemberOf>(shape).is_some() {
         return Err("Shapes that stand there as instances cannot shine.".into());
     }
@@ -144,7 +147,7 @@ fn carry_whole<C: PartialReflect>(before: &C, after: &C, other: &mut C) {
 fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others: &[Entity]) {
     let before = edit.world.get::<AreaLight>(shape).cloned();
     for &other in others.iter().filter(|other| **other != shape) {
-        if edit.world.get::<Shape>(other).is_none() {
+        if edit.world.get::<Shape>(other).is_none_or(Shape::is_of_curves) {
             continue;
         }
         let known = edit.world.get::<AreaLight>(other).cloned();

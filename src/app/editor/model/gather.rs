@@ -91,6 +91,7 @@ pub fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Solid(ref solid) => solid.plugin(),
         ShapeKind::Instance => "instance",
         ShapeKind::Frame => "group",
+        ShapeKind::Mesh(_) if shape.is_of_curves() => "curves",
         ShapeKind::Mesh(_) => "mesh",
     }
 }

@@ -144,6 +144,7 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     };
     mesh.data(file.shape_index).map(|data| InspectedMesh {
         triangles: data.triangles.len(),
+        curves: [data.strands.firsts.len(), data.strands.points.len()],
         has_materials: !data.materials.is_empty(),
     })
 }

@@ -111,7 +111,7 @@ pub(crate) fn find_leaks(
         .iter()
         .filter_map(|it| {
             let reason = match &it.shape.kind {
-                ShapeKind::Mesh(file) => {
+                ShapeKind::Mesh(file) if !file.format.is_of_curves() => {
                     let mesh = meshes.get(&it.mesh?.0)?.data(file.shape_index)?;
                     let count = leaks.bypass_change_detection().open_edges(mesh);
                     of_mesh(count?)?
@@ -136,6 +136,7 @@ fn of_kind(kind: &ShapeKind) -> Option<&'static str> {
         ShapeKind::Disk => Some("A disk has no inside."),
         ShapeKind::Triangle { .. } => Some("A triangle has no inside."),
         ShapeKind::Cylinder { .. } => Some("A cylinder has open ends."),
+        ShapeKind::Mesh(file) if file.format.is_of_curves() => Some("Rays pass through curves from within."),
         ShapeKind::Sphere { .. }
         | ShapeKind::Cube
         | ShapeKind::Solid(_)

@@ -208,6 +208,8 @@ pub struct InspectedGrid {
 pub struct InspectedMesh {
     /// The number of triangles of the file's mesh.
     pub triangles: usize,
+    /// The numbers of curves and of control points of a file of curves.
+    pub curves: [usize; 2],
     /// Whether the file names materials of its own.
     pub has_materials: bool,
 }

@@ -142,7 +142,7 @@ fn sections(
             medium_rows(ui, inspected, model, &mut state.media, commands);
         });
     }
-    if has_surface {
+    if has_surface && !inspected.shape.as_ref().is_some_and(Shape::is_of_curves) {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
             let is_flat = inspected.shape.as_ref().is_some_and(|shape| shape.kind.is_flat());
@@ -336,6 +336,13 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
             fields::note(ui, ("File", "kind.path"), file);
             if *shape_index > 0 {
                 fields::note(ui, "Shape", shape_index.to_string());
+            }
+            if format.is_of_curves() {
+                if let Some([curves, points]) = mesh.map(|mesh| mesh.curves) {
+                    fields::note(ui, "Curves", curves.to_string());
+                    fields::note(ui, "Control points", points.to_string());
+                }
+                return lightmap_scale(ui, shape);
             }
             if let Some(mesh) = mesh {
                 fields::note(ui, "Triangles", mesh.triangles.to_string());

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 
-use crate::accel::{Blas, BvhBox, BvhStats, Placement, Primitive, Tlas};
+use crate::accel::{BvhBox, BvhStats, Placement, Primitive, Tlas};
 use crate::app::editor::camera::screen::segment;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::words::figures::counted;
@@ -73,19 +73,21 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
 impl BoxList {
     /// Adds the boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are counted
     /// already.
-    fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const Blas>) {
+    fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const ()>) {
         self.count(&geometry.stats());
         geometry
             .bvh()
             .visit_boxes(|found| self.offer(&found, overlay, &Affine3A::IDENTITY, true));
         for instance in geometry.instances().iter() {
-            if let Primitive::Mesh(blas) = &instance.primitive {
-                if counted.insert(Arc::as_ptr(blas)) {
-                    self.count(&blas.stats());
-                }
-                blas.bvh()
-                    .visit_boxes(|found| self.offer(&found, overlay, &instance.world_from_local, false));
+            let (own, stats, bvh) = match &instance.primitive {
+                Primitive::Mesh(blas) => (Arc::as_ptr(blas).cast(), blas.stats(), blas.bvh()),
+                Primitive::Curves(curves) => (Arc::as_ptr(curves).cast(), curves.stats(), curves.bvh()),
+                _ => continue,
+            };
+            if counted.insert(own) {
+                self.count(&stats);
             }
+            bvh.visit_boxes(|found| self.offer(&found, overlay, &instance.world_from_local, false));
         }
     }
 
@@ -124,7 +126,10 @@ impl BoxList {
         };
         let filling = match self.mesh_leaves {
             0 => String::new(),
-            leaves => format!(", {:.1} triangles per leaf", self.triangles as f64 / leaves as f64),
+            leaves => format!(
+                ", {:.1} triangles or segments per leaf",
+                self.triangles as f64 / leaves as f64
+            ),
         };
         format!(
             "SAH cost {:.1} in all\n{shown}{filling}\n{}, {:.1} MB in all",

@@ -132,6 +132,7 @@ fn net(primitive: &Primitive) -> Vec<[Vec3; 2]> {
     match primitive {
         // The triangles of a mesh have edges of their own.
         Primitive::Mesh(_) => Vec::new(),
+        Primitive::Curves(curves) => curves.center_lines(MOST_LINES),
         Primitive::Sphere => {
             let parallels = [-60.0_f32, -30.0, 0.0, 30.0, 60.0].map(f32::to_radians);
             let parallels = parallels.into_iter().flat_map(|up| circle(up.cos(), up.sin()));

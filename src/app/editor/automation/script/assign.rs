@@ -142,11 +142,14 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
                 visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
             }
             ShapeKind::Solid(solid) => visitor.declared(solid),
-            ShapeKind::Mesh(mesh) => visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean),
+            ShapeKind::Mesh(mesh) if !mesh.format.is_of_curves() => {
+                visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean);
+            }
             ShapeKind::Rectangle
             | ShapeKind::Cube
             | ShapeKind::Disk
             | ShapeKind::Triangle { .. }
+            | ShapeKind::Mesh(_)
             | ShapeKind::Instance
             | ShapeKind::Frame => {}
         }

@@ -315,6 +315,9 @@ fn mesh_of(world: &World, entity: Entity, shape: &Shape, has_material: bool) -> 
     let loaded = handle.and_then(|handle| world.get_resource::<Assets<TriangleMesh>>()?.get(&handle.0));
     let data = loaded.and_then(|mesh| mesh.data(file.shape_index));
     let data = data.ok_or("has no mesh yet.")?;
+    if shape.is_of_curves() {
+        return Err("has texture coordinates along its curves alone.");
+    }
     if !has_material && !data.materials.is_empty() {
         return Err("has the materials of its file, which would be lost: give it a material first.");
     }
