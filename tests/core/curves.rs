@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use sunroom::accel::{CurveBlas, Instance, Placement, Primitive, RayLanes, SplitMethod, Tlas};
 use sunroom::geometry::curve::Basis;
+use sunroom::geometry::curve_file::load_curves;
 use sunroom::geometry::mesh::MeshData;
-use sunroom::geometry::strands::{Strands, load_curves};
+use sunroom::geometry::strands::Strands;
 use sunroom::math::{Ray, offset_origin};
 
 use crate::random::Random;
@@ -75,7 +76,7 @@ fn hierarchies_find_what_a_list_finds() {
                 }
             }
             assert!(
-                hits > if radius < 0.01 { 100 } else { 1500 },
+                hits > if radius < 0.01 { 50 } else { 1000 },
                 "{basis:?} {radius}: {hits}"
             );
         }
@@ -184,7 +185,7 @@ fn rays_that_leave_a_curve_do_not_meet_it_again() {
                         assert!(next.is_none(), "{basis:?} {radius} {scale} {distance} {hit:?} {next:?}");
                     }
                 }
-                assert!(hits > 500, "{hits}");
+                assert!(hits > 100, "{basis:?} {radius}: {hits}");
             }
         }
     }
@@ -207,7 +208,7 @@ fn a_group_of_curves_is_placed_with_its_cross_sections() {
     let grouped = Tlas::with_placements(Vec::new(), vec![group], vec![placement], SplitMethod::Sah);
     let alone = Tlas::build(vec![placed(curves, place)], SplitMethod::Sah);
     let mut hits = 0;
-    for _ in 0..4000 {
+    for _ in 0..8000 {
         let ray = ray(&mut random);
         let (Some(one), Some(other)) = (grouped.intersect(&ray), alone.intersect(&ray)) else {
             continue;
@@ -226,7 +227,8 @@ fn a_segment_of_hair_takes_little_memory() {
     let mut random = Random::new(6);
     let strands = strands(5000, 11, 0.001, &mut random);
     let text: String = (strands.points.iter().enumerate())
-        .map(|(index, Vec4 { x, y, z, w })| {
+        .map(|(index, point)| {
+            let [x, y, z, w] = point.to_array();
             let blank = if index % 11 == 0 { "\n" } else { "" };
             format!("{blank}{x} {y} {z} {w}\n")
         })
@@ -241,13 +243,16 @@ fn a_segment_of_hair_takes_little_memory() {
     assert_eq!(curves.segments(), 5000 * 8);
     let stats = curves.stats();
     let taken = (stats.bytes + strands.heap_bytes()) as u64;
-    // It is near 200 bytes.
-    assert!(
-        taken < 260 * curves.segments() as u64,
-        "{}",
-        taken as f64 / curves.segments() as f64
-    );
     assert!(taken < promised, "{taken} of {promised}");
+    // It is near 550 bytes where segments are cut into eight parts, and near 70 where there are too many for that.
+    assert!(stats.leaves > 7 * curves.segments(), "{}", stats.leaves);
+    assert!(taken < 600 * curves.segments() as u64, "{taken}");
+    let many = self::strands(60_000, 13, 0.001, &mut random);
+    let points = many.heap_bytes();
+    let curves = self::curves(many, Basis::BSpline, SplitMethod::Sah);
+    let stats = curves.stats();
+    assert_eq!(stats.leaves, curves.segments());
+    assert!(stats.bytes + points < 100 * curves.segments(), "{}", stats.bytes);
 }
 
 #[test]

@@ -64,11 +64,15 @@ fn transforms_move_control_points_and_leave_radii() {
     for (plugin, transform, expected) in cases {
         let transform = format!("<transform name='to_world'>{transform}</transform>");
         let found = workshop.covered(&curves(plugin, &transform));
-        assert!((found - expected).abs() < 0.02 * expected, "{plugin} {transform}: {found}, not {expected}");
+        assert!(
+            (found - expected).abs() < 0.02 * expected,
+            "{plugin} {transform}: {found}, not {expected}"
+        );
     }
     // An instance scales the cross-sections of its group as well.
     let group = format!("<shape type='shapegroup' id='g'>{}</shape>", curves("bsplinecurve", ""));
-    let instance = "<shape type='instance'><ref id='g'/><transform name='to_world'><scale x='0.5' y='1.5'/></transform></shape>";
+    let instance =
+        "<shape type='instance'><ref id='g'/><transform name='to_world'><scale x='0.5' y='1.5'/></transform></shape>";
     let found = workshop.covered(&[group.as_str(), instance].concat());
     let expected = 0.2 * 1.5 * (2.0 + 0.5);
     assert!((found - expected).abs() < 0.02 * expected, "{found}, not {expected}");
@@ -77,9 +81,21 @@ fn transforms_move_control_points_and_leave_radii() {
 #[test]
 fn what_is_wrong_with_a_file_is_told_with_its_line() {
     for (text, plugin, expected) in [
-        ("0 0 0 1\n1 0 0 x\n", "linearcurve", "line 2: expected a control point `x y z radius`, found `1 0 0 x`"),
-        ("0 0 0 1\n1 0 0 1\n", "bsplinecurve", "line 1: expected a curve of 4 control points or more, found one of 2"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "linearcurve", "the file holds no curves"),
+        (
+            "0 0 0 1\n1 0 0 x\n",
+            "linearcurve",
+            "line 2: expected a control point `x y z radius`, found `1 0 0 x`",
+        ),
+        (
+            "0 0 0 1\n1 0 0 1\n",
+            "bsplinecurve",
+            "line 1: expected a curve of 4 control points or more, found one of 2",
+        ),
+        (
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            "linearcurve",
+            "the file holds no curves",
+        ),
         (SPLINES, "obj", "the file holds curves, not triangles"),
     ] {
         let said = Workshop::with_curves(text).said(&curves(plugin, ""));
@@ -91,7 +107,7 @@ fn what_is_wrong_with_a_file_is_told_with_its_line() {
     let said = workshop.said(&curves("linearcurve", "<emitter type='area'/>"));
     assert!(said.contains("cannot be an emitter"), "{said}");
     let said = workshop.said(&curves("linearcurve", ""));
-    assert!(!said.contains("error") && !said.contains("warning: shape"), "{said}");
+    assert!(said.contains("no errors") && !said.contains("warning"), "{said}");
 }
 
 #[test]
@@ -100,8 +116,14 @@ fn curves_are_saved_as_they_were_read() {
     workshop.put("scene.xml", scene(&curves("bsplinecurve", "")));
     workshop.done(&["convert", "scene.xml", "--portable", "written.xml"]);
     let text = String::from_utf8(workshop.read("written.xml")).expect("text");
-    assert!(text.contains("type=\"bsplinecurve\"") && text.contains("curves.txt"), "{text}");
-    assert!(!text.contains("face_normals") && !text.contains("flip_tex_coords"), "{text}");
+    assert!(
+        text.contains("type=\"bsplinecurve\"") && text.contains("curves.txt"),
+        "{text}"
+    );
+    assert!(
+        !text.contains("face_normals") && !text.contains("flip_tex_coords"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -112,7 +134,10 @@ fn gltf_has_tubes_in_place_of_curves() {
     let output = workshop.sunroom(&["convert", "scene.xml", "scene.glb"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && said.contains("tubes of triangles"), "{said}");
-    workshop.put("tubes.xml", "<scene version='3.0.0'><include filename='scene.glb'/></scene>");
+    workshop.put(
+        "tubes.xml",
+        "<scene version='3.0.0'><include filename='scene.glb'/></scene>",
+    );
     workshop.done(&["render", "scene.glb", "-o", "picture.exr", "-q", "--spp", "64"]);
     let image = sunroom::texture::load_image(&workshop.read("picture.exr")).expect("a picture");
     assert!(image.width() > 0);
@@ -123,5 +148,12 @@ fn a_file_of_curves_is_a_mesh_without_triangles() {
     let workshop = Workshop::with_curves(SPLINES);
     let mesh = load_mesh(&workshop.path("curves.txt"), &sunroom::files::Access::everywhere()).expect("it is good");
     let data: &MeshData = mesh.data(0).expect("one shape");
-    assert_eq!((data.triangles.len(), data.strands.firsts.len(), data.strands.points.len()), (0, 2, 11));
+    assert_eq!(
+        (
+            data.triangles.len(),
+            data.strands.firsts.len(),
+            data.strands.points.len()
+        ),
+        (0, 2, 11)
+    );
 }

@@ -1,7 +1,8 @@
 //! Curves prepared for rays: a hierarchy over their segments.
 //!
-//! Thin segments fill little of their boxes, so long ones are cut into parts with boxes of their own. A leaf holds the
-//! number of a segment's first control point and of its part; control points stay in the order of the file.
+//! Thin segments fill little of their boxes, so they are cut into parts with boxes of their own, unless there are so
+//! many that the hierarchy would be far larger than caches. A leaf holds the number of a segment's first control point
+//! and of its part; control points stay in the order of the file.
 
 use std::sync::Arc;
 
@@ -13,10 +14,11 @@ use super::bvh::{Bvh, BvhStats};
 use super::collapse::NO_PRIMITIVE;
 use super::hit::{CurveHit, Hit};
 use super::traverse::TraversalStats;
-use crate::geometry::curve::{Basis, CurveRay, Part, RoundCone, SegmentHit, Spline};
+use crate::geometry::curve::{Basis, CurveRay, Part, SegmentHit, Spline};
 use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
-use crate::geometry::strands::Strands;
+use crate::geometry::round_cone::RoundCone;
+use crate::geometry::strands::{MOST_HALVINGS, Strands, halvings_of};
 use crate::math::{Aabb, Ray};
 
 /// The acceleration structure of the curves of one file, in their local space.
@@ -52,8 +54,6 @@ impl Piece {
 
 /// The most parts in a leaf.
 const LEAF_SIZE: usize = 1;
-/// The most times that a segment is halved, which four bits can tell.
-const MOST_HALVINGS: u32 = 3;
 /// A part is halved if the boxes of its halves have together less than this share of its own surface.
 const WORTH_HALVING: f32 = 0.8;
 
@@ -67,7 +67,9 @@ impl CurveBlas {
             bvh: Bvh::build(&[], method, LEAF_SIZE),
         };
         let starts: Vec<u32> = curves.strands().segments(basis).collect();
-        let pieces: Vec<Piece> = starts.par_iter().flat_map_iter(|&start| curves.pieces(start)).collect();
+        let halvings = halvings_of(curves.segments);
+        let of_segment = |&start: &u32| curves.pieces(start, halvings);
+        let pieces: Vec<Piece> = starts.par_iter().flat_map_iter(of_segment).collect();
         let bounds = |index: usize| curves.bounds_of(pieces[index]);
         let mut bvh = Bvh::over(pieces.len(), bounds, None, method, LEAF_SIZE);
         for entry in bvh.order.iter_mut().filter(|entry| **entry != NO_PRIMITIVE) {
@@ -77,14 +79,16 @@ impl CurveBlas {
         curves
     }
 
-    /// The parts of a segment.
-    fn pieces(&self, start: u32) -> impl Iterator<Item = Piece> + use<> {
+    /// The parts of a segment, which is halved up to `halvings` times.
+    fn pieces(&self, start: u32, halvings: u32) -> impl Iterator<Item = Piece> + use<> {
         let mut pieces = arrayvec::ArrayVec::<Piece, { 1 << MOST_HALVINGS }>::new();
         match self.basis {
             Basis::Linear => pieces.push(Piece::new(start, Part::WHOLE)),
             Basis::BSpline => {
                 let spline = self.spline(start);
-                divide(&spline, Part::WHOLE, &mut |part| pieces.push(Piece::new(start, part)));
+                divide(&spline, Part::WHOLE, halvings, &mut |part| {
+                    pieces.push(Piece::new(start, part))
+                });
             }
         }
         pieces.into_iter()
@@ -186,10 +190,18 @@ impl CurveBlas {
         let Some(prepared) = CurveRay::new(ray) else {
             return false;
         };
-        self.bvh.any(ray, |leaf| {
+        // From near to far: the first curves of dense hair hide the others.
+        let mut is_met = false;
+        let mut stats = TraversalStats::default();
+        self.bvh.closest::<false>(ray, &mut stats, |leaf, t_max| {
             let mut pieces = self.bvh.order[leaf].iter();
-            pieces.any(|&piece| self.meet(piece, &prepared, ray.t_max).is_some())
-        })
+            if pieces.any(|&piece| self.meet(piece, &prepared, *t_max).is_some()) {
+                is_met = true;
+                // Nothing is as near.
+                *t_max = f32::NEG_INFINITY;
+            }
+        });
+        is_met
     }
 
     /// The hit of a piece in the order of the leaves, with the first control point of its segment.
@@ -203,7 +215,9 @@ impl CurveBlas {
         let hit = match self.basis {
             Basis::BSpline => self.spline(start).intersect(piece.part(), ray, t_max)?,
             Basis::Linear => {
-                let (hit, place) = self.cone(start).intersect(ray, t_max)?;
+                let (hit, place) = self
+                    .cone(start)
+                    .intersect(ray, t_max, || self.strands().is_first(start))?;
                 if self.is_joined(start, hit.v < 0.5, place) {
                     return None;
                 }
@@ -244,13 +258,15 @@ impl CurveBlas {
     }
 }
 
-/// Calls `found` with the parts into which a segment is cut.
-fn divide(spline: &Spline, part: Part, found: &mut impl FnMut(Part)) {
+/// Calls `found` with the parts into which a part is cut, which is halved up to `halvings` times.
+fn divide(spline: &Spline, part: Part, halvings: u32, found: &mut impl FnMut(Part)) {
     let halves = part.halves();
     let area = |part| spline.bounds(part).half_area();
-    let is_worth = part.depth() < MOST_HALVINGS && halves.map(area).iter().sum::<f32>() < WORTH_HALVING * area(part);
+    let is_worth = halvings > 0 && halves.map(area).iter().sum::<f32>() < WORTH_HALVING * area(part);
     match is_worth {
-        true => halves.into_iter().for_each(|half| divide(spline, half, found)),
+        true => halves
+            .into_iter()
+            .for_each(|half| divide(spline, half, halvings - 1, found)),
         false => found(part),
     }
 }

@@ -1,6 +1,6 @@
-//! Finds the hits of rays with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]) or
-//! the curves of a file ([`CurveBlas`]), and one over the instances placed in the world ([`Tlas`]). In between, a group of shapes that is placed many times has its
-//! own.
+//! Finds the hits of rays with wide bounding volume hierarchies: one over each mesh's triangles ([`Blas`]) or the
+//! curves of a file ([`CurveBlas`]), and one over the instances placed in the world ([`Tlas`]). In between, a group of
+//! shapes that is placed many times has its own.
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 

@@ -210,8 +210,8 @@ impl Instance {
         self.in_world(local)
     }
 
-    /// The parametrisation at a hit of `ray`, with derivatives in world space. `position` is local, `geometric` the unit
-    /// normal in the world.
+    /// The parametrisation at a hit of `ray`, with derivatives in world space. `position` is local, `geometric` the
+    /// unit normal in the world.
     #[inline(never)]
     fn parametrisation(&self, ray: &Ray, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
         let local = match &self.primitive {

@@ -2,6 +2,7 @@
 
 pub mod attribute;
 pub mod curve;
+pub mod curve_file;
 pub mod cylinder;
 mod decimal;
 pub mod disk;
@@ -23,6 +24,7 @@ pub mod ply_write;
 mod polygon;
 pub mod primitives;
 pub mod rectangle;
+pub(crate) mod round_cone;
 pub mod serialized;
 pub mod solid;
 pub mod sphere;

@@ -14,7 +14,7 @@ use crate::geometry::curve::Basis;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
-use crate::geometry::{obj, ply, strands};
+use crate::geometry::{curve_file, obj, ply};
 use crate::math::Aabb;
 use crate::memory;
 use crate::scene::{MeshFormat, SceneAccess};
@@ -150,16 +150,16 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
     })
 }
 
-/// Reads an OBJ or PLY file, or one of curves. `path` is the file of the bytes. Material libraries are searched beside it, as far as
-/// `access` permits, and the paths of their pictures become absolute.
+/// Reads an OBJ or PLY file, or one of curves. `path` is the file of the bytes. Material libraries are searched beside
+/// it, as far as `access` permits, and the paths of their pictures become absolute.
 pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();
     let mut may_quote = access.may_quote(path);
     let loaded = if bytes.starts_with(b"ply") {
         ply::load_ply(bytes)
-    } else if strands::is_curve_file(bytes) {
-        strands::load_curves(bytes)
+    } else if curve_file::is_curve_file(bytes) {
+        curve_file::load_curves(bytes)
     } else {
         let loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);

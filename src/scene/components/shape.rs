@@ -110,6 +110,14 @@ impl Shape {
         matches!(&self.kind, ShapeKind::Mesh(file) if file.format.is_of_curves())
     }
 
+    /// The scale of its lightmap: 0 for curves, whose tubes would have more texels than all rooms.
+    pub(crate) fn scale_of_lightmap(&self) -> f32 {
+        match self.is_of_curves() {
+            true => 0.0,
+            false => self.lightmap_scale,
+        }
+    }
+
     /// Whether it is the transform of a folder, which has no surface, material or light.
     pub(crate) fn is_frame(&self) -> bool {
         self.kind == ShapeKind::Frame

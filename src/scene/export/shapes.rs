@@ -115,7 +115,7 @@ impl<'a> Shapes<'a> {
             name: branch.leaf,
             pose,
             mesh: Some(mesh),
-            lightmap_scale: Some(shape.shape.lightmap_scale),
+            lightmap_scale: Some(shape.shape.scale_of_lightmap()),
             ..Node::default()
         };
         let node = writer.add_node(node, branch.parent);

@@ -342,7 +342,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
                     fields::note(ui, "Curves", curves.to_string());
                     fields::note(ui, "Control points", points.to_string());
                 }
-                return lightmap_scale(ui, shape);
+                return false;
             }
             if let Some(mesh) = mesh {
                 fields::note(ui, "Triangles", mesh.triangles.to_string());

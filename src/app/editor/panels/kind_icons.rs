@@ -19,7 +19,7 @@ enum Part {
 use Part::{Ellipse, Line, Loop, Rays};
 
 /// The icons, each with the names of its kinds in the outliner and in the menu *Add*.
-const ICONS: [(&[&str], &[Part]); 27] = [
+const ICONS: [(&[&str], &[Part]); 28] = [
     (&["sphere"], &[Ellipse((0.0, 0.0), 5.0, 5.0)]),
     (
         &["rectangle"],
@@ -97,6 +97,15 @@ const ICONS: [(&[&str], &[Part]); 27] = [
         &[
             Loop(&[(0.0, -5.0), (5.5, 4.0), (-5.5, 4.0)]),
             Loop(&[(0.0, 4.0), (-2.75, -0.5), (2.75, -0.5)]),
+        ],
+    ),
+    // Three blades of grass.
+    (
+        &["curves"],
+        &[
+            Line(&[(-3.5, 5.0), (-4.5, 0.0), (-2.0, -5.0)]),
+            Line(&[(0.0, 5.0), (-1.0, 0.0), (1.5, -5.0)]),
+            Line(&[(3.5, 5.0), (2.5, 0.0), (5.0, -5.0)]),
         ],
     ),
     (

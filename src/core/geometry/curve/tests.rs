@@ -2,6 +2,7 @@ use glam::UVec2;
 
 use super::*;
 use crate::geometry::cylinder;
+use crate::geometry::round_cone::RoundCone;
 use crate::sampling::{RandomStream, Sampler, SequenceKind};
 
 const RAYS: usize = 20_000;
@@ -246,8 +247,8 @@ fn linear_segments_are_the_hull_of_their_spheres() {
             // Along the axis, where the quadratic degenerates.
             ray.dir = (spheres[1] - spheres[0]).xyz();
         }
-        let found =
-            CurveRay::new(&ray).and_then(|prepared| RoundCone::new(spheres).intersect(&prepared, f32::INFINITY));
+        let found = CurveRay::new(&ray)
+            .and_then(|prepared| RoundCone::new(spheres).intersect(&prepared, f32::INFINITY, || true));
         // Spheres are traced: steps of the distance never enter the hull.
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3().normalize_or_zero());
         let mut s = 0.0;
@@ -285,7 +286,10 @@ fn rays_from_within_pass() {
     let into = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::new(0.1, 0.0, -1.0));
     assert_eq!(meet(points, &into), None, "it is open at its ends");
     let cone = RoundCone::new([points[1], points[2]]);
-    assert!(cone.intersect(&CurveRay::new(&out).unwrap(), f32::INFINITY).is_none());
+    assert!(
+        cone.intersect(&CurveRay::new(&out).unwrap(), f32::INFINITY, || true)
+            .is_none()
+    );
 }
 
 #[test]
