@@ -65,7 +65,10 @@ fn hierarchies_find_what_a_list_finds() {
                 let expected = list.intersect(&ray);
                 hits += u32::from(expected.is_some());
                 for curves in [&median, &sah] {
-                    assert_eq!(curves.intersect(&ray), expected, "{basis:?} {radius} {ray:?}");
+                    // Where two segments meet, both may be as near in single precision.
+                    let found = curves.intersect(&ray);
+                    let nearest = expected.map(|hit| hit.t);
+                    assert_eq!(found.map(|hit| hit.t), nearest, "{basis:?} {radius} {ray:?}");
                     assert_eq!(curves.occluded(&ray), expected.is_some());
                     if let Some(hit) = expected {
                         let before = Ray { t_max: hit.t, ..ray };
