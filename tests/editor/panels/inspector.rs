@@ -106,6 +106,7 @@ fn what_has_no_material_is_grey_and_a_light_black_unless_its_file_has_some() {
     let mesh = |has_materials| Inspected {
         mesh: Some(InspectedMesh {
             triangles: 12,
+            curves: [0; 2],
             has_materials,
         }),
         ..lamp.clone()
