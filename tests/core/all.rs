@@ -58,6 +58,7 @@ mod generated_meshes;
 mod ghosts;
 mod gltf;
 mod gltf_animation;
+mod gltf_compressed;
 mod gltf_limits;
 mod gltf_meshes;
 mod guide;

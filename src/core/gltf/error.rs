@@ -46,6 +46,9 @@ pub enum GltfError {
     Accessor { index: usize, what: String },
     #[error("buffer view {index} reaches beyond its buffer")]
     View { index: usize },
+    /// A compressed buffer view.
+    #[error("buffer view {index} {what}")]
+    Unpack { index: usize, what: String },
     #[error("buffer {index} has {held} bytes where {promised} are promised")]
     Buffer { index: usize, held: usize, promised: usize },
     /// The file of a buffer does not have the checksum that was written with the glTF file.

@@ -77,6 +77,9 @@ impl Gltf {
     ) -> Result<LoadedMesh, GltfError> {
         let index = number as usize;
         let bad = |what: String| GltfError::Primitive { index, what };
+        if let Some(fault) = &primitive.fault {
+            return Err(bad(fault.clone()));
+        }
         let mut warnings = Vec::new();
         if self.leaves_targets_out(primitive, weights) {
             warnings.push(format!(

@@ -13,17 +13,21 @@
 mod accessor;
 mod allowances;
 mod animation;
+mod basis;
 mod camera;
+mod draco;
 mod emission;
 mod error;
 pub mod files;
 mod folders;
+mod guard;
 mod instances;
 mod lighting;
 mod lights;
 mod limits;
 mod material;
 mod mesh;
+mod meshopt;
 mod motion;
 mod nodes;
 mod objects;
@@ -34,6 +38,7 @@ mod skin;
 mod specular_glossiness;
 mod studio;
 mod texture;
+mod unpack;
 mod uri;
 pub mod write;
 mod zeros;
@@ -42,11 +47,15 @@ use std::borrow::Cow;
 
 pub use self::error::{GltfError, MissingParts, ReadFile};
 use self::schema::{Material, Root};
+use self::unpack::Store;
 use crate::memory::{self, Held};
 
 /// The extensions that a file may require.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -58,7 +67,9 @@ const SUPPORTED: [&str; 14] = [
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 
@@ -146,11 +157,12 @@ impl Gltf {
         if let Some(name) = root.extensions_required.iter().find(|name| !is_supported(name)) {
             return Err(GltfError::Extension(name.clone()));
         }
-        let zeros = zeros::count_zeros(&root);
-        needed = needed.saturating_add(zeros::zero_bytes(zeros));
-        memory.resize(needed).map_err(GltfError::Memory)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
-        for (index, buffer) in root.buffers.iter().enumerate() {
+        for ((index, buffer), is_placeholder) in root.buffers.iter().enumerate().zip(root.placeholders()) {
+            if is_placeholder {
+                buffers.push(Vec::new());
+                continue;
+            }
             let content = match (&buffer.uri, binary) {
                 (Some(uri), _) => match uri::content(uri, read) {
                     Err(error) if error.is_missing() => return Err(GltfError::Missing(root.missing_parts(read))),
@@ -174,6 +186,17 @@ impl Gltf {
             }
             buffers.push(content);
         }
+        let mut store = Store::new(buffers, needed, memory);
+        root.unpack(&mut store);
+        let Store {
+            buffers,
+            needed,
+            mut memory,
+            ..
+        } = store;
+        let zeros = zeros::count_zeros(&root);
+        let needed = needed.saturating_add(zeros::zero_bytes(zeros));
+        memory.resize(needed).map_err(GltfError::Memory)?;
         Ok(Self {
             moves: root.moves(),
             root,
@@ -191,6 +214,7 @@ impl Gltf {
     /// The bytes of a buffer view.
     fn view(&self, index: usize) -> Result<&[u8], GltfError> {
         let view = self.get("buffer view", &self.root.buffer_views, index)?;
+        self.check_unpacked(index, view)?;
         let buffer = self.get("buffer", &self.buffers, view.buffer)?;
         let end = view.byte_offset.checked_add(view.byte_length);
         end.and_then(|end| buffer.get(view.byte_offset..end))

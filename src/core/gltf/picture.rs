@@ -2,10 +2,11 @@
 //! off, normals scaled. The format has no products of textures, and metallic and roughness are separate pictures there.
 
 use glam::Vec3;
-use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgb32FImage};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgb32FImage};
 
-use super::{Gltf, GltfError, ReadFile};
+use super::{Gltf, GltfError, ReadFile, basis};
 use crate::color::{linear_from_srgb, srgb_from_linear};
+use crate::memory::Reservation;
 use crate::texture::decode_picture;
 
 /// A picture that a material has requested.
@@ -64,6 +65,11 @@ pub enum Made {
 }
 
 impl Made {
+    /// Whether the picture is that of the file.
+    fn is_unchanged(self) -> bool {
+        matches!(self, Self::Color([1.0, 1.0, 1.0]) | Self::Normals { scale: 1.0 })
+    }
+
     /// Whether the samples are numbers, not decoded from sRGB. Colours brighter than white are as well: otherwise
     /// Mitsuba warns of them.
     pub fn is_raw(&self) -> bool {
@@ -93,16 +99,8 @@ impl Gltf {
         let bytes = self.image_file(index, read)?;
         let image = self.root.images.get(index);
         let is_as_written = image.is_none_or(|image| self.root.is_as_written(&image.extras, &bytes));
-        let format = image::guess_format(&bytes).map_err(|error| bad(error.to_string()))?;
-        let extension = match format {
-            image::ImageFormat::Png => "png",
-            image::ImageFormat::Jpeg => "jpg",
-            _ => return Err(bad("is neither PNG nor JPEG".to_owned())),
-        };
-        if matches!(
-            picture.made,
-            Made::Color([1.0, 1.0, 1.0]) | Made::Normals { scale: 1.0 }
-        ) {
+        let kept = kept_extension(&bytes).filter(|_| picture.made.is_unchanged());
+        if let Some(extension) = kept {
             return Ok(PictureFile {
                 bytes: bytes.into_owned(),
                 extension,
@@ -110,8 +108,7 @@ impl Gltf {
                 pixels: 0,
             });
         }
-        let (image, _memory) =
-            decode_picture(&bytes, format, CONVERTED_BYTES).map_err(|error| bad(error.to_string()))?;
+        let (image, _memory) = decoded(&bytes).map_err(bad)?;
         let shining = match picture.made {
             Made::Light { of: Some(other), .. } if other != index => {
                 let bytes = self.image_file(other, read)?;
@@ -119,8 +116,7 @@ impl Gltf {
                     index: other,
                     what: error,
                 };
-                let format = image::guess_format(&bytes).map_err(|error| bad(error.to_string()))?;
-                Some(decode_picture(&bytes, format, CONVERTED_BYTES).map_err(|error| bad(error.to_string()))?)
+                Some(decoded(&bytes).map_err(bad)?)
             }
             _ => None,
         };
@@ -131,8 +127,8 @@ impl Gltf {
         );
         let pixels = u64::from(made.width()) * u64::from(made.height());
         let (format, extension) = match made {
-            DynamicImage::ImageRgb32F(_) => (image::ImageFormat::OpenExr, "exr"),
-            _ => (image::ImageFormat::Png, "png"),
+            DynamicImage::ImageRgb32F(_) => (ImageFormat::OpenExr, "exr"),
+            _ => (ImageFormat::Png, "png"),
         };
         let mut bytes = std::io::Cursor::new(Vec::new());
         made.write_to(&mut bytes, format)
@@ -143,6 +139,29 @@ impl Gltf {
             is_as_written,
             pixels,
         })
+    }
+}
+
+/// The extension of a file that other readers of the scene format know; None if it has to be converted.
+fn kept_extension(bytes: &[u8]) -> Option<&'static str> {
+    match image::guess_format(bytes).ok()? {
+        ImageFormat::Png => Some("png"),
+        ImageFormat::Jpeg => Some("jpg"),
+        _ => None,
+    }
+}
+
+/// The picture of a file, and the memory for it and for what is made of it.
+fn decoded(bytes: &[u8]) -> Result<(DynamicImage, Reservation), String> {
+    if basis::is_ktx2(bytes) {
+        return basis::decode(bytes, CONVERTED_BYTES);
+    }
+    let format = image::guess_format(bytes).map_err(|error| error.to_string())?;
+    match format {
+        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP => {
+            decode_picture(bytes, format, CONVERTED_BYTES).map_err(|error| error.to_string())
+        }
+        _ => Err("is neither PNG, JPEG, WebP nor KTX 2".to_owned()),
     }
 }
 
@@ -177,6 +196,7 @@ fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImag
         DynamicImage::ImageLuma16(grey.unwrap_or_default())
     };
     match made {
+        unchanged if unchanged.is_unchanged() => DynamicImage::ImageRgb8(image.to_rgb8()),
         Made::Color(factor) => {
             let mut linear = image.to_rgb32f();
             for pixel in linear.pixels_mut() {

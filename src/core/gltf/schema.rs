@@ -183,6 +183,27 @@ pub struct Primitive {
     pub mode: u32,
     #[serde(default)]
     pub targets: Vec<HashMap<String, usize>>,
+    #[serde(default)]
+    pub extensions: PrimitiveExtensions,
+    /// The reason why its compressed values cannot be read.
+    #[serde(skip)]
+    pub fault: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<DracoPrimitive>,
+}
+
+/// The buffer view with the Draco stream of a primitive, and the ids of attributes in it.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct DracoPrimitive {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub attributes: HashMap<String, u32>,
 }
 
 fn triangles() -> u32 {
@@ -195,6 +216,34 @@ pub struct Texture {
     pub source: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampler: Option<usize>,
+    /// Images of other formats. They are not written.
+    #[serde(skip_serializing)]
+    pub extensions: FurtherSources,
+}
+
+impl Texture {
+    /// The image: the PNG or JPEG picture if there is one, since it needs no conversion.
+    pub fn image(&self) -> Option<usize> {
+        let further = [&self.extensions.webp, &self.extensions.basis];
+        let further = further.into_iter().flatten().find_map(|further| further.source);
+        self.source.or(further)
+    }
+}
+
+/// The images of a texture in formats of extensions.
+#[derive(Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct FurtherSources {
+    #[serde(rename = "EXT_texture_webp")]
+    pub webp: Option<FurtherSource>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub basis: Option<FurtherSource>,
+}
+
+#[derive(Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct FurtherSource {
+    pub source: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -274,6 +323,21 @@ pub struct Accessor {
     pub sparse: Option<Sparse>,
 }
 
+impl Accessor {
+    /// The number of components of an element; None for an unknown type.
+    pub fn components(&self) -> Option<usize> {
+        Some(match self.kind.as_str() {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" | "MAT2" => 4,
+            "MAT3" => 9,
+            "MAT4" => 16,
+            _ => return None,
+        })
+    }
+}
+
 #[derive(Debug, Deserialize)]
 pub struct Sparse {
     pub count: usize,
@@ -298,7 +362,7 @@ pub struct SparseValues {
     pub byte_offset: usize,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BufferView {
     pub buffer: usize,
@@ -306,6 +370,34 @@ pub struct BufferView {
     pub byte_offset: usize,
     pub byte_length: usize,
     pub byte_stride: Option<usize>,
+    #[serde(default)]
+    pub extensions: BufferViewExtensions,
+    /// The reason why its compressed bytes cannot be read.
+    #[serde(skip)]
+    pub fault: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct BufferViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt: Option<CompressedView>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    pub later_meshopt: Option<CompressedView>,
+}
+
+/// The place of a compressed stream, and the elements in it.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct CompressedView {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: usize,
+    pub count: usize,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

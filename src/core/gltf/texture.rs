@@ -24,7 +24,7 @@ impl Builder<'_> {
     /// The image of a texture; None if the reference is invalid.
     fn image(&self, info: &TextureInfo) -> Option<(&Texture, usize)> {
         let texture = self.gltf.root.textures.get(info.index)?;
-        let image = texture.source.filter(|&image| image < self.gltf.root.images.len())?;
+        let image = texture.image().filter(|&image| image < self.gltf.root.images.len())?;
         Some((texture, image))
     }
 

@@ -136,7 +136,14 @@ impl GltfWriter {
     pub fn add_texture(&mut self, picture: usize, sampler: Sampler) -> usize {
         let sampler = (sampler != Sampler::default()).then(|| push_new(&mut self.root.samplers, sampler));
         let source = Some(picture);
-        push_new(&mut self.root.textures, Texture { source, sampler })
+        push_new(
+            &mut self.root.textures,
+            Texture {
+                source,
+                sampler,
+                ..Texture::default()
+            },
+        )
     }
 
     /// Adds a buffer view. `target`: its use on GPUs, by the numbers of the specification.
