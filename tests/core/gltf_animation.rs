@@ -328,9 +328,9 @@ fn what_is_not_read_is_named() {
     assert_eq!(
         imported.warnings,
         [
-            "animation 0 (smile): the morph weights of node 0 (face) are not read",
+            "animation 0 (smile): the morph weights of node 0 (face) stay as they are at 0 s",
             "animation 0 (smile): node 1 (fixed) has a matrix and stands still",
-            "`body` stands where its bones hold it at rest, and is not deformed by them",
+            "the skin of `body` is not there",
         ]
     );
 }
@@ -353,7 +353,7 @@ fn what_is_not_read_many_times_is_named_once() {
     assert_eq!(
         imported.warnings,
         [
-            "animation 0 (smile): the morph weights of node 0 (unnamed) are not read; so it is with 50 other channels",
+            "animation 0 (smile): the morph weights of node 0 (unnamed) stay as they are at 0 s; so it is with 50 other channels",
             "animation 2 (run) is left out: it drives the translation of node 0 (unnamed), as animation 1 (walk) does; so it is with another animation",
         ]
     );

@@ -4,6 +4,8 @@
 //! that an earlier one drives, is left out as a whole, because files hold alternatives ("walk", "run") as well as the
 //! parts of one motion.
 
+mod weights;
+
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
@@ -22,6 +24,8 @@ const LEAST_SCALE: f32 = 1e-4;
 pub(super) struct Animations {
     /// The curves of each node, by its index.
     pub nodes: HashMap<usize, Curves>,
+    /// The morph weights of each node at 0 s.
+    pub weights: HashMap<usize, Rc<[f32]>>,
     /// The parts that are left out.
     pub passed_over: PassedOver,
 }
@@ -108,6 +112,18 @@ impl Gltf {
                 });
                 continue;
             }
+            for channel in animation
+                .channels
+                .iter()
+                .filter(|channel| channel.target.path == "weights")
+            {
+                if let Some(node) = channel.target.node.filter(|node| !all.weights.contains_key(node))
+                    && let Ok(weights) = self.first_weights(node, animation, channel, &mut known)
+                    && !weights.is_empty()
+                {
+                    all.weights.insert(node, weights);
+                }
+            }
             for ((node, path), part) in parts {
                 drivers.insert((node, path), index);
                 let curves = all.nodes.entry(node).or_default();
@@ -151,13 +167,13 @@ impl Gltf {
                 continue;
             };
             if !["translation", "rotation", "scale"].contains(&path) {
-                let (kind, what) = match path {
-                    "weights" => (Kind::Weights, "morph weights"),
-                    _ => (Kind::Property, path),
+                let (kind, what, fate) = match path {
+                    "weights" => (Kind::Weights, "morph weights", "stay as they are at 0 s"),
+                    _ => (Kind::Property, path, "are not read"),
                 };
                 here.note(kind, || {
                     let (title, node) = (self.animation_title(number), self.node_title(index));
-                    format!("{title}: the {} of {node} are not read", short(what))
+                    format!("{title}: the {} of {node} {fate}", short(what))
                 });
                 continue;
             }

@@ -9,8 +9,8 @@ use crate::memory::{self, Reservation};
 /// The first bytes of every KTX 2 file.
 const START: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
-/// The width and the height, and the unpacked bytes of the largest level, by their places in the header (KTX 2.0, section
-/// 3).
+/// The width and the height, and the unpacked bytes of the largest level, by their places in the header (KTX 2.0,
+/// section 3).
 fn sizes(bytes: &[u8]) -> Option<[u64; 3]> {
     let side = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?).into());
     let level = u64::from_le_bytes(*bytes.get(96..)?.first_chunk()?);
@@ -33,14 +33,14 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
 pub(super) fn decode(bytes: &[u8], more_bytes: u64) -> Result<(DynamicImage, Reservation), String> {
     let [width, height, level] = sizes(bytes).ok_or("the KTX 2 file has no whole header")?;
     let pixels = width * height;
+    if pixels == 0 || pixels > MOST_PER_BYTE.saturating_mul(bytes.len() as u64) {
+        return Err(format!("the KTX 2 file cannot have {width} x {height} pixels"));
+    }
     // Blocks of 4 x 4 pixels have at most 16 bytes. A decoder would believe any number of them.
-    if level > 16 * width.div_ceil(4) * height.div_ceil(4) {
+    if level > 16u64.saturating_mul(width.div_ceil(4) * height.div_ceil(4)) {
         return Err(format!(
             "the KTX 2 file promises {level} bytes for {width} x {height} pixels"
         ));
-    }
-    if pixels == 0 || pixels > MOST_PER_BYTE.saturating_mul(bytes.len() as u64) {
-        return Err(format!("the KTX 2 file cannot have {width} x {height} pixels"));
     }
     let needed = pixels.saturating_mul(PIXEL_BYTES + more_bytes);
     let memory = memory::reserve(needed).map_err(|shortage| format!("{width} x {height} pixels need {shortage}"))?;

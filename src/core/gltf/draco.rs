@@ -1,6 +1,7 @@
 //! Unpacks primitives of KHR_draco_mesh_compression, with the decoder of the crate `draco-core`.
 //!
-//! The values of each attribute and the indices become buffer views, to which the accessors of the primitive are directed.
+//! The values of each attribute and the indices become buffer views, to which the accessors of the primitive are
+//! directed.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,7 +9,7 @@ use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder, Point
 
 use super::guard::guarded;
 use super::schema::{Accessor, DracoPrimitive, Primitive, Root};
-use super::unpack::Store;
+use super::store::Store;
 
 /// Bytes of memory that the decoder takes for each corner of a triangle, beside the values.
 const CORNER_BYTES: u64 = 64;
@@ -60,7 +61,7 @@ fn decode(root: &Root, primitive: &Primitive, draco: &DracoPrimitive, store: &mu
     let vertices = count(primitive.attributes.get("POSITION").copied()).ok_or("has no positions")?;
     let corners = count(primitive.indices).ok_or("has no indices")?;
     // A short stream may stand for very many equal values: the accessors say how many there are.
-    let bytes = draco.attributes.len() as u64 * vertices.saturating_mul(16);
+    let bytes = vertices.saturating_mul(16 * draco.attributes.len() as u64);
     store.reserve(bytes.saturating_add(corners.saturating_mul(CORNER_BYTES)))?;
     let stream = store.read(view.buffer, view.byte_offset, view.byte_length)?;
     let limits = DecodeLimits::default()

@@ -2,17 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec3;
-
 use super::is_supported;
 use super::material::title;
 use super::mesh::MeshValues;
 use super::scene::Builder;
 use super::schema::{Material, TextureInfo};
 use super::write::SHEEN_ROUGHNESS;
-
-/// The difference of the channels of a colour up to which it counts as grey.
-const GREY: f32 = 1e-3;
 
 /// The most elements that a warning names.
 const MOST_NAMES: usize = 5;
@@ -63,10 +58,6 @@ fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
         }
     };
     if let Some(coat) = extensions.clearcoat.as_ref().filter(|coat| coat.clearcoat_factor > 0.0) {
-        check(
-            coat.clearcoat_roughness_texture.is_some(),
-            "the roughness of its coat has no texture",
-        );
         let index = |texture: &Option<TextureInfo>| texture.as_ref().map(|texture| texture.index);
         check(
             index(&coat.clearcoat_normal_texture) != index(&material.normal_texture),
@@ -83,33 +74,57 @@ fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
         .filter(|sheen| sheen.sheen_color_factor != [0.0; 3])
     {
         check(
-            sheen.sheen_color_texture.is_some() || sheen.sheen_roughness_texture.is_some(),
-            "its sheen has no texture",
+            sheen.sheen_color_texture.is_some(),
+            "its sheen has the brightness of its texture, not the colour",
         );
         check(
-            !is_grey(sheen.sheen_color_factor.into()),
-            "its sheen has no colour, only the brightness of it",
-        );
-        check(
-            sheen.sheen_roughness_factor != SHEEN_ROUGHNESS,
+            sheen.sheen_roughness_factor != SHEEN_ROUGHNESS || sheen.sheen_roughness_texture.is_some(),
             "its sheen has a width of its own, whatever its roughness",
         );
     }
     if let Some(specular) = extensions.specular.as_ref() {
         check(
-            specular.specular_texture.is_some(),
+            specular.specular_texture.is_some() || specular.specular_color_texture.is_some(),
             "its specular reflection has no texture",
         );
-        let color = specular.specular_color_factor.map_or(Vec3::ONE, Vec3::from);
+    }
+    if let Some(layer) = extensions
+        .anisotropy
+        .as_ref()
+        .filter(|layer| layer.anisotropy_strength > 0.0)
+    {
         check(
-            !is_grey(color) || specular.specular_color_texture.is_some(),
-            "its specular reflection has no colour, only the brightness of the factor",
+            layer.anisotropy_rotation != 0.0 || layer.anisotropy_texture.is_some(),
+            "its highlights are stretched along the texture coordinates, and in no other direction",
         );
     }
-    if let Some(old) = &extensions.specular_glossiness {
+    if material.diffuse_transmission().is_some() {
         check(
-            old.specular_glossiness_texture.is_some(),
-            "its picture of specular colour and glossiness does not count",
+            material.transmission().is_some(),
+            "its matt light does not go through, because clear light does",
+        );
+        check(
+            extensions.volume.is_some() && material.transmission().is_none(),
+            "light goes through it as through a thin sheet, without its volume",
+        );
+    }
+    let film = extensions.iridescence.as_ref();
+    check(
+        film.is_some_and(|film| film.iridescence_factor > 0.0),
+        "its thin film has no colours (iridescence)",
+    );
+    let dispersion = extensions.dispersion.as_ref();
+    check(
+        dispersion.is_some_and(|given| given.dispersion > 0.0),
+        "all its colours are refracted alike (no dispersion)",
+    );
+    if let (Some((info, _)), Some(diffuse)) = (
+        material.specular_picture(),
+        material.pbr_metallic_roughness.base_color_texture.as_ref(),
+    ) {
+        check(
+            info.set() != diffuse.set() || info.extensions != diffuse.extensions,
+            "its specular picture gives no colour, because its pictures lie differently",
         );
     }
     check(
@@ -130,8 +145,4 @@ fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
         check(!has_picture, "alpha of vertices fades, and is not cut off");
     }
     limits
-}
-
-fn is_grey(color: Vec3) -> bool {
-    color.max_element() - color.min_element() <= GREY * color.max_element()
 }

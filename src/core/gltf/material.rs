@@ -74,7 +74,7 @@ impl Material {
     }
 
     /// Whether it is purely diffuse: no metal, no specular reflection and no further layers (KHR_materials_specular).
-    fn is_matt(&self) -> bool {
+    pub(super) fn is_matt(&self) -> bool {
         let extensions = &self.extensions;
         let specular = extensions.specular.as_ref();
         let coat = extensions.clearcoat.as_ref().map(|coat| coat.clearcoat_factor);
@@ -90,6 +90,9 @@ impl Material {
     pub(super) fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let pbr = &self.pbr_metallic_roughness;
         let coat = self.extensions.clearcoat.as_ref();
+        let anisotropy = self.extensions.anisotropy.as_ref();
+        let sheen = self.extensions.sheen.as_ref();
+        let passing = self.diffuse_transmission();
         let all = [
             pbr.base_color_texture.as_ref(),
             self.normal_texture.as_ref(),
@@ -98,6 +101,12 @@ impl Material {
             self.transmission()
                 .and_then(|layer| layer.transmission_texture.as_ref()),
             coat.and_then(|layer| layer.clearcoat_texture.as_ref()),
+            coat.and_then(|layer| layer.clearcoat_roughness_texture.as_ref()),
+            self.specular_picture().map(|(info, _)| info),
+            anisotropy.and_then(|layer| layer.anisotropy_texture.as_ref()),
+            passing.and_then(|layer| layer.diffuse_transmission_color_texture.as_ref()),
+            passing.and_then(|layer| layer.diffuse_transmission_texture.as_ref()),
+            sheen.and_then(|layer| layer.sheen_color_texture.as_ref()),
         ];
         all.into_iter().flatten()
     }
@@ -112,6 +121,14 @@ impl Gltf {
     }
 }
 
+/// What a surface has its look from.
+pub(super) struct Surface<'a> {
+    pub material: &'a Material,
+    pub mesh: MeshValues,
+    /// The name of the material in messages.
+    pub title: &'a str,
+}
+
 impl Builder<'_> {
     /// The bsdf of a primitive. `index`: the material, None for the default.
     pub(super) fn bsdf(&mut self, index: Option<usize>, mesh: MeshValues) -> Object {
@@ -122,10 +139,21 @@ impl Builder<'_> {
             .unwrap_or(&default);
         let title = title(index, material);
         self.report_limits(material, mesh, &title);
-        let mut bsdf = self.surface(material, mesh);
+        let surface = Surface {
+            material,
+            mesh,
+            title: &title,
+        };
+        let mut bsdf = self.surface(&surface);
         let mut is_two_sided = material.transmission().is_none() || bsdf.plugin == "diffuse";
+        if material.matt_sheet().is_some() {
+            is_two_sided = false;
+        } else if let Some(passing) = material.diffuse_transmission().filter(|_| is_two_sided) {
+            bsdf = self.with_passing_light(bsdf, passing, material);
+            is_two_sided = false;
+        }
         if material.is_thin() && bsdf.plugin != "diffuse" {
-            bsdf = self.with_metal(bsdf, material, mesh);
+            bsdf = self.with_metal(bsdf, &surface);
             // Pure metal transmits no light.
             is_two_sided = bsdf.plugin == "principled";
         }
@@ -146,8 +174,13 @@ impl Builder<'_> {
     }
 
     /// The bsdf of the surface, without wrappers such as masks.
-    fn surface(&mut self, material: &Material, mesh: MeshValues) -> Object {
-        let pbr = &material.pbr_metallic_roughness;
+    fn surface(&mut self, surface: &Surface) -> Object {
+        let (material, mesh) = (surface.material, surface.mesh);
+        if let Some(passing) = material.matt_sheet() {
+            let sheet = object(Category::Bsdf, "principledthin");
+            let sheet = self.with_base_color(sheet, "base_color", material, mesh);
+            return with_float(sheet, "diff_trans", passing.min(2.0));
+        }
         let plugin = if material.extensions.unlit.is_some() || material.is_matt() {
             "diffuse"
         } else if material.is_thin() {
@@ -159,19 +192,16 @@ impl Builder<'_> {
             return self.with_base_color(object(Category::Bsdf, plugin), "reflectance", material, mesh);
         }
         let mut bsdf = self.with_base_color(object(Category::Bsdf, plugin), "base_color", material, mesh);
-        let roughness = pbr.metallic_roughness_texture.as_ref();
-        bsdf = self.with_number(bsdf, "roughness", pbr.roughness_factor, roughness, 1);
+        bsdf = self.with_roughness(bsdf, surface);
         bsdf = with_float(bsdf, "eta", index_of_refraction(material));
+        bsdf = self.with_specular_tint(bsdf, surface);
         if let Some(transmission) = material.transmission() {
             let texture = transmission.transmission_texture.as_ref();
             bsdf = self.with_number(bsdf, "spec_trans", transmission.transmission_factor, texture, 0);
         }
-        if let Some(sheen) = &material.extensions.sheen {
-            bsdf = with_float(bsdf, "sheen", luminance(sheen.sheen_color_factor.into()));
-        }
+        bsdf = self.with_sheen(bsdf, surface);
         if plugin == "principled" {
-            let metallic = pbr.metallic_roughness_texture.as_ref();
-            bsdf = self.with_number(bsdf, "metallic", pbr.metallic_factor, metallic, 2);
+            bsdf = self.with_metallic(bsdf, material);
             bsdf = self.with_coat(bsdf, material);
         }
         bsdf
@@ -188,19 +218,57 @@ impl Builder<'_> {
         };
         let texture = coat.clearcoat_texture.as_ref();
         let bsdf = self.with_number(bsdf, "clearcoat", coat.clearcoat_factor, texture, 0);
-        let gloss = 1.0 - coat.clearcoat_roughness_factor.clamp(0.0, 1.0);
-        with_float(bsdf, "clearcoat_gloss", gloss)
+        let factor = coat.clearcoat_roughness_factor.clamp(0.0, 1.0);
+        let roughness = coat.clearcoat_roughness_texture.as_ref();
+        let gloss = Made::Complement { channel: 1, factor };
+        match roughness.and_then(|texture| self.bitmap("clearcoat_gloss", texture, gloss)) {
+            Some(bitmap) => with_child(bsdf, bitmap),
+            None => with_float(bsdf, "clearcoat_gloss", 1.0 - factor),
+        }
+    }
+
+    fn with_metallic(&mut self, bsdf: Object, material: &Material) -> Object {
+        let pbr = &material.pbr_metallic_roughness;
+        let metal = |diffuse, specular, of| Made::MetalOfSpecular { diffuse, specular, of };
+        match self.of_specular("metallic", material, metal) {
+            Some(bitmap) => with_child(bsdf, bitmap),
+            None => self.with_number(
+                bsdf,
+                "metallic",
+                pbr.metallic_factor,
+                pbr.metallic_roughness_texture.as_ref(),
+                2,
+            ),
+        }
+    }
+
+    /// A texture made of the pictures of specular and of diffuse colour; None if there is none of specular colour, or
+    /// if the two lie differently.
+    fn of_specular(
+        &mut self,
+        name: &str,
+        material: &Material,
+        made: impl Fn([f32; 3], [f32; 3], Option<usize>) -> Made,
+    ) -> Option<Object> {
+        let (info, _) = material.specular_picture()?;
+        let given = material.extensions.specular_glossiness.as_ref()?;
+        let [r, g, b, _] = given.diffuse_factor;
+        let of = match &given.diffuse_texture {
+            Some(diffuse) => Some(self.images_alike(info, diffuse)?.1),
+            None => None,
+        };
+        self.bitmap(name, info, made([r, g, b], given.specular_factor, of))
     }
 
     /// A thin surface blended with its opaque share of metal (appendix B.2).
-    fn with_metal(&mut self, thin: Object, material: &Material, mesh: MeshValues) -> Object {
+    fn with_metal(&mut self, thin: Object, surface: &Surface) -> Object {
+        let (material, mesh) = (surface.material, surface.mesh);
         let pbr = &material.pbr_metallic_roughness;
         if pbr.metallic_factor <= 0.0 {
             return thin;
         }
-        let roughness = pbr.metallic_roughness_texture.as_ref();
         let metal = self.with_base_color(object(Category::Bsdf, "principled"), "base_color", material, mesh);
-        let metal = self.with_number(metal, "roughness", pbr.roughness_factor, roughness, 1);
+        let metal = self.with_roughness(metal, surface);
         let metal = self.with_coat(with_float(metal, "metallic", 1.0), material);
         if pbr.metallic_factor >= 1.0 && pbr.metallic_roughness_texture.is_none() {
             return metal;
@@ -256,13 +324,17 @@ impl Builder<'_> {
             let colors = picture.into_iter().fold(mesh_attribute(VERTEX_COLOR, name), with_child);
             return with_child(bsdf, colors);
         }
+        let base = |diffuse, specular, of| Made::BaseOfSpecular { diffuse, specular, of };
+        if let Some(bitmap) = self.of_specular(name, material, base) {
+            return with_child(bsdf, bitmap);
+        }
         match texture.and_then(|texture| self.bitmap(name, texture, Made::Color([r, g, b]))) {
             Some(bitmap) => with_child(bsdf, bitmap),
             None => with_color(bsdf, name, Vec3::new(r, g, b)),
         }
     }
 
-    fn with_number(
+    pub(super) fn with_number(
         &mut self,
         bsdf: Object,
         name: &str,
@@ -303,10 +375,11 @@ fn index_of_refraction(material: &Material) -> f32 {
     // `principled` needs some refraction.
     const POSSIBLE: std::ops::RangeInclusive<f32> = 1.0001..=100.0;
     let clamped = |eta: f32| eta.clamp(*POSSIBLE.start(), *POSSIBLE.end());
-    let Some(specular) = &material.extensions.specular else {
-        return clamped(given);
-    };
     let of_index = ((given - 1.0) / (given + 1.0)).powi(2);
+    // An index of 0 stands for one without bounds: all light is reflected.
+    let Some(specular) = &material.extensions.specular else {
+        return clamped(if given == 0.0 { f32::INFINITY } else { given });
+    };
     let color = Vec3::from(specular.specular_color_factor.unwrap_or([1.0; 3])).max(Vec3::ZERO);
     let reflectance = luminance((of_index * color).min(Vec3::ONE)) * specular.specular_factor.clamp(0.0, 1.0);
     let amplitude = reflectance.sqrt();

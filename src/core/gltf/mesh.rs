@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 
 use super::allowances::MOST_MOVES;
+use super::pose::skinned;
 use super::schema::{Material, Mesh, Primitive, Root};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
@@ -57,7 +58,7 @@ impl Gltf {
         let mut before = number as usize;
         for mesh in &self.root.meshes {
             if let Some(found) = mesh.primitives.get(before) {
-                return self.read_primitive(number, found, &mesh.weights);
+                return self.read_primitive(number, found, &mesh.weights, None);
             }
             before -= mesh.primitives.len();
         }
@@ -68,12 +69,14 @@ impl Gltf {
         })
     }
 
-    /// Reads one mesh. `weights`: the morph weights at rest.
+    /// Reads one mesh. `weights`: the morph weights. `bones`: the transforms world from mesh by the bones, if they
+    /// deform it, which give a mesh in world space.
     pub(super) fn read_primitive(
         &self,
         number: u32,
         primitive: &Primitive,
         weights: &[f32],
+        bones: Option<&[Option<Mat4>]>,
     ) -> Result<LoadedMesh, GltfError> {
         let index = number as usize;
         let bad = |what: String| GltfError::Primitive { index, what };
@@ -99,6 +102,13 @@ impl Gltf {
         let used = used.as_deref();
         let mut positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
         self.morph("POSITION", primitive, weights, (vertices, used), &mut positions)?;
+        let bones = match bones {
+            Some(bones) => Some(self.vertex_bones(primitive, bones, (vertices, used))?),
+            None => None,
+        };
+        if let Some(bones) = &bones {
+            skinned(&mut positions, bones, false);
+        }
         if let Some(slot) = positions.iter().position(|position| !position.is_finite()) {
             let vertex = used.map_or(slot, |used| used[slot] as usize);
             return Err(bad(format!("the position of vertex {vertex} is not finite")));
@@ -131,6 +141,9 @@ impl Gltf {
             None => Vec::new(),
         };
         self.morph("NORMAL", primitive, weights, (vertices, used), &mut normals)?;
+        if let Some(bones) = &bones {
+            skinned(&mut normals, bones, true);
+        }
         let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
             Some(accessor) => into_vectors(self.vectors::<2>(accessor, "VEC2", used)?),
             None => Vec::new(),
@@ -148,7 +161,7 @@ impl Gltf {
             && !normals.is_empty()
             && let Some(accessor) = per_vertex("TANGENT")?
         {
-            self.add_tangents(accessor, used, &mut attributes)?;
+            self.add_tangents(accessor, used, bones.as_deref(), &mut attributes)?;
         }
         let mut mesh = MeshData {
             triangles,
@@ -208,9 +221,14 @@ impl Gltf {
         &self,
         accessor: usize,
         used: Option<&[u32]>,
+        bones: Option<&[Mat4]>,
         attributes: &mut Vec<MeshAttribute>,
     ) -> Result<(), GltfError> {
-        let tangents = self.vectors::<4>(accessor, "VEC4", used)?;
+        let mut tangents = self.vectors::<4>(accessor, "VEC4", used)?;
+        for (tangent, bone) in tangents.iter_mut().zip(bones.into_iter().flatten()) {
+            let [x, y, z, sign] = *tangent;
+            *tangent = bone.transform_vector3(Vec3::new(x, y, z)).extend(sign).to_array();
+        }
         let unit = |[x, y, z, _]: &[f32; 4]| unit(Vec3::new(*x, *y, *z));
         let Some(directions) = tangents.iter().map(unit).collect::<Option<Vec<Vec3>>>() else {
             return Ok(());
@@ -304,7 +322,7 @@ impl Primitive {
 const MOVED: [&str; 2] = ["POSITION", "NORMAL"];
 
 /// The morph targets of a primitive with nonzero weights.
-fn weighted<'a>(
+pub(super) fn weighted<'a>(
     primitive: &'a Primitive,
     weights: &'a [f32],
 ) -> impl Iterator<Item = (&'a HashMap<String, usize>, f32)> {
@@ -313,11 +331,17 @@ fn weighted<'a>(
 }
 
 impl Root {
-    /// The number of vectors in the morph targets with nonzero weights.
+    /// The number of vectors in the morph targets with nonzero weights, of all meshes and of nodes with weights of
+    /// their own.
     pub(super) fn moves(&self) -> usize {
-        let targets = self.meshes.iter().flat_map(|mesh| {
+        let of_meshes = self.meshes.iter().map(|mesh| (mesh, mesh.weights.as_slice()));
+        let of_nodes = self.nodes.iter().filter_map(|node| {
+            let mesh = self.meshes.get(node.mesh?)?;
+            Some((mesh, node.weights.as_deref()?))
+        });
+        let targets = of_meshes.chain(of_nodes).flat_map(|(mesh, weights)| {
             let primitives = mesh.primitives.iter();
-            primitives.flat_map(|primitive| weighted(primitive, &mesh.weights))
+            primitives.flat_map(move |primitive| weighted(primitive, weights))
         });
         let accessors = targets.flat_map(|(target, _)| MOVED.iter().filter_map(|name| target.get(*name)));
         let counts = accessors.filter_map(|&index| Some(self.accessors.get(index)?.count));
@@ -329,32 +353,6 @@ impl Gltf {
     /// Whether morph targets of a primitive are left out, because the file has too many.
     pub(super) fn leaves_targets_out(&self, primitive: &Primitive, weights: &[f32]) -> bool {
         self.moves > MOST_MOVES && weighted(primitive, weights).next().is_some()
-    }
-
-    /// Adds the morph targets at rest to the values of the `used` ones of a mesh's `vertices`.
-    pub(super) fn morph(
-        &self,
-        name: &str,
-        primitive: &Primitive,
-        weights: &[f32],
-        (vertices, used): (usize, Option<&[u32]>),
-        values: &mut [Vec3],
-    ) -> Result<(), GltfError> {
-        if values.is_empty() || self.moves > MOST_MOVES {
-            return Ok(());
-        }
-        for (target, weight) in weighted(primitive, weights) {
-            let Some(&accessor) = target.get(name) else {
-                continue;
-            };
-            if self.accessor(accessor)?.count == vertices {
-                let moved: Vec<Vec3> = into_vectors(self.vectors::<3>(accessor, "VEC3", used)?);
-                for (value, by) in values.iter_mut().zip(moved) {
-                    *value += weight * by;
-                }
-            }
-        }
-        Ok(())
     }
 }
 

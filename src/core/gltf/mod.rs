@@ -2,8 +2,8 @@
 //!
 //! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and
 //! [`scene`] says in the scene format how they belong together. Nothing here draws or knows entities. Animations of
-//! nodes become key frames; those of skins and morph targets are not read: meshes have their shape at rest, skinned
-//! ones at the place where their bones hold them then.
+//! nodes become key frames; those of skins and morph targets are not: meshes have the shape that these give them at 0
+//! s.
 //!
 //! The crate `gltf` is not used. It rejects files that load here (positions without bounds, animations without
 //! channels, required quantization or clearcoat), knows neither clearcoat, sheen, instances nor hidden nodes, and its
@@ -15,6 +15,7 @@ mod allowances;
 mod animation;
 mod basis;
 mod camera;
+mod combine;
 mod draco;
 mod emission;
 mod error;
@@ -22,6 +23,7 @@ pub mod files;
 mod folders;
 mod guard;
 mod instances;
+mod layers;
 mod lighting;
 mod lights;
 mod limits;
@@ -32,10 +34,12 @@ mod motion;
 mod nodes;
 mod objects;
 mod picture;
+mod pose;
 pub mod scene;
 mod schema;
 mod skin;
 mod specular_glossiness;
+mod store;
 mod studio;
 mod texture;
 mod unpack;
@@ -47,19 +51,24 @@ use std::borrow::Cow;
 
 pub use self::error::{GltfError, MissingParts, ReadFile};
 use self::schema::{Material, Root};
-use self::unpack::Store;
+use self::store::{COPIES, Store};
 use crate::memory::{self, Held};
 
-/// The extensions that a file may require.
-const SUPPORTED: [&str; 19] = [
+/// The extensions that a file may require. Of iridescence and dispersion only a warning remains, but a file is better
+/// opened without them than not at all.
+const SUPPORTED: [&str; 23] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
@@ -117,9 +126,6 @@ fn json_bytes(json: &[u8]) -> u64 {
 
 /// Bytes of a value that is no object, with its name.
 const VALUE_BYTES: u64 = 64;
-
-/// The number of copies of a buffer: itself, a mesh made of it, and the file of that mesh.
-const COPIES: u64 = 3;
 
 impl Gltf {
     /// Whether bytes are a GLB or glTF JSON file, rather than XML.

@@ -108,15 +108,17 @@ impl Gltf {
     pub fn placed_meshes(&self) -> Result<Vec<(Arc<MeshData>, Affine3A)>, GltfError> {
         let first = self.first_primitives();
         let mut allowance = MeshAllowance::of(self);
-        let mut known: BTreeMap<u32, Option<Arc<MeshData>>> = BTreeMap::new();
+        let mut known: BTreeMap<(u32, Option<usize>), Option<Arc<MeshData>>> = BTreeMap::new();
         let mut placed = Vec::new();
         let mut instances_left = MOST_INSTANCES;
         let mut repeats = RepeatAllowance::default();
-        let nodes = self.placed_nodes(&self.animations())?;
-        let rest = self.rest_poses(&nodes);
+        let animations = self.animations();
+        let nodes = self.placed_nodes(&animations)?;
+        let skins = self.skins(&nodes);
         for place in nodes.nodes {
             let node = self.get("node", &self.root.nodes, place.index)?;
-            let pose = Affine3A::from_mat4(self.pose_of_skin(node, &rest).unwrap_or(place.world));
+            let shape = self.pose(place.index, node, &skins, &animations);
+            let pose = Affine3A::from_mat4(skins.place(node).unwrap_or(place.world));
             let Some(mesh) = node.mesh.filter(|_| is_invertible(&pose)) else {
                 continue;
             };
@@ -138,11 +140,14 @@ impl Gltf {
                     if allowance.is_spent() {
                         return None;
                     }
-                    let mesh = self.read_primitive(number, primitive, &about.weights).ok()?.mesh;
+                    let weights = shape.weights.as_deref().unwrap_or(&about.weights);
+                    let read = self.read_primitive(number, primitive, weights, shape.bones.as_deref());
+                    let mesh = read.ok()?.mesh;
                     allowance.spend(&mesh);
                     Some(Arc::new(mesh))
                 };
-                let mesh = known.entry(number).or_insert_with(read);
+                let own = shape.is_own().then_some(place.index);
+                let mesh = known.entry((number, own)).or_insert_with(read);
                 if let Some(mesh) = mesh {
                     let poses = &poses[..repeats.spend(number, poses.len())];
                     placed.extend(poses.iter().map(|pose| (mesh.clone(), *pose)));

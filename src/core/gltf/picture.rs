@@ -4,8 +4,9 @@
 use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgb32FImage};
 
+use super::combine::{Stretch, StretchImages, combined, from_specular};
 use super::{Gltf, GltfError, ReadFile, basis};
-use crate::color::{linear_from_srgb, srgb_from_linear};
+use crate::color::{linear_from_srgb, luminance, srgb_from_linear};
 use crate::memory::Reservation;
 use crate::texture::decode_picture;
 
@@ -52,6 +53,28 @@ pub enum Made {
     Color([f32; 3]),
     /// Numbers: a channel times a factor.
     Channel { channel: usize, factor: f32 },
+    /// Numbers: 1 less a channel times a factor.
+    Complement { channel: usize, factor: f32 },
+    /// Numbers: the luminance of a colour times a factor (of the linear value).
+    Brightness([f32; 3]),
+    /// Numbers: a parameter of stretched facets. `factors`: of the roughness and of the strength.
+    Stretched {
+        part: Stretch,
+        images: StretchImages,
+        factors: [f32; 2],
+    },
+    /// The base colour (sRGB) of a picture of specular colour and of another one of diffuse colour.
+    BaseOfSpecular {
+        diffuse: [f32; 3],
+        specular: [f32; 3],
+        of: Option<usize>,
+    },
+    /// Numbers: the metallic of the same.
+    MetalOfSpecular {
+        diffuse: [f32; 3],
+        specular: [f32; 3],
+        of: Option<usize>,
+    },
     /// Numbers: the opacity from alpha.
     Alpha(Alpha),
     /// Emission as sRGB: a colour times the opacity, and times another image, if there is one.
@@ -65,6 +88,18 @@ pub enum Made {
 }
 
 impl Made {
+    /// The second image.
+    fn second(self) -> Option<usize> {
+        match self {
+            Self::Light { of, .. } | Self::BaseOfSpecular { of, .. } | Self::MetalOfSpecular { of, .. } => of,
+            Self::Stretched {
+                images: StretchImages::Both(image),
+                ..
+            } => Some(image),
+            _ => None,
+        }
+    }
+
     /// Whether the picture is that of the file.
     fn is_unchanged(self) -> bool {
         matches!(self, Self::Color([1.0, 1.0, 1.0]) | Self::Normals { scale: 1.0 })
@@ -75,7 +110,14 @@ impl Made {
     pub fn is_raw(&self) -> bool {
         match self {
             Self::Color(factor) | Self::Light { color: factor, .. } => factor.iter().any(|&factor| factor > 1.0),
-            Self::Channel { .. } | Self::Alpha(_) | Self::Normals { .. } => true,
+            Self::BaseOfSpecular { .. } => false,
+            Self::Channel { .. }
+            | Self::Complement { .. }
+            | Self::Brightness(_)
+            | Self::Stretched { .. }
+            | Self::MetalOfSpecular { .. }
+            | Self::Alpha(_)
+            | Self::Normals { .. } => true,
         }
     }
 }
@@ -109,22 +151,16 @@ impl Gltf {
             });
         }
         let (image, _memory) = decoded(&bytes).map_err(bad)?;
-        let shining = match picture.made {
-            Made::Light { of: Some(other), .. } if other != index => {
-                let bytes = self.image_file(other, read)?;
-                let bad = |error: String| GltfError::Image {
-                    index: other,
-                    what: error,
-                };
-                Some(decoded(&bytes).map_err(bad)?)
+        let other = picture.made.second();
+        let second = match other.filter(|other| *other != index) {
+            Some(index) => {
+                let bytes = self.image_file(index, read)?;
+                Some(decoded(&bytes).map_err(|what| GltfError::Image { index, what })?)
             }
-            _ => None,
+            None => None,
         };
-        let made = make(
-            &image,
-            shining.as_ref().map_or(&image, |(image, _)| image),
-            picture.made,
-        );
+        let second = second.as_ref().map(|(image, _)| image);
+        let made = make(&image, second.or(other.map(|_| &image)), picture.made);
         let pixels = u64::from(made.width()) * u64::from(made.height());
         let (format, extension) = match made {
             DynamicImage::ImageRgb32F(_) => (ImageFormat::OpenExr, "exr"),
@@ -187,13 +223,20 @@ fn encoded(linear: Rgb32FImage, made: Made) -> DynamicImage {
     DynamicImage::ImageRgb16(encoded.unwrap_or_default())
 }
 
-/// `shining`: the second image of [`Made::Light`].
-fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImage {
+/// `second`: the second image, if the picture is made of two.
+fn make(image: &DynamicImage, second: Option<&DynamicImage>, made: Made) -> DynamicImage {
+    let grey_of = |width: u32, height: u32, values: Vec<f32>| {
+        let pixels = values.into_iter().map(unit).collect();
+        let grey: Option<ImageBuffer<Luma<u16>, _>> = ImageBuffer::from_raw(width, height, pixels);
+        DynamicImage::ImageLuma16(grey.unwrap_or_default())
+    };
     let grey = |of: &dyn Fn([f32; 4]) -> f32| {
         let source = image.to_rgba32f();
-        let pixels = source.pixels().map(|pixel| unit(of(pixel.0))).collect();
-        let grey: Option<ImageBuffer<Luma<u16>, _>> = ImageBuffer::from_raw(source.width(), source.height(), pixels);
-        DynamicImage::ImageLuma16(grey.unwrap_or_default())
+        let values = source.pixels().map(|pixel| of(pixel.0)).collect();
+        grey_of(source.width(), source.height(), values)
+    };
+    let colors = |(width, height, values): (u32, u32, Vec<f32>)| {
+        encoded(ImageBuffer::from_raw(width, height, values).unwrap_or_default(), made)
     };
     match made {
         unchanged if unchanged.is_unchanged() => DynamicImage::ImageRgb8(image.to_rgb8()),
@@ -206,26 +249,28 @@ fn make(image: &DynamicImage, shining: &DynamicImage, made: Made) -> DynamicImag
             }
             encoded(linear, made)
         }
-        Made::Light { color, of, alpha } => {
-            let shares = image.to_rgba32f();
-            let colors = shining.to_rgb32f();
-            // The size of one of the two, for which memory is reserved: the larger width and the larger height together
-            // may be far too many pixels.
-            let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
-            let (width, height) = match of {
-                Some(_) if pixels(colors.dimensions()) > pixels(shares.dimensions()) => colors.dimensions(),
-                _ => shares.dimensions(),
-            };
-            // The corresponding texel of an image of another size.
-            let place = |at: u32, of: u32, size: u32| (u64::from(at) * u64::from(size) / u64::from(of.max(1))) as u32;
-            let linear = ImageBuffer::from_fn(width, height, |x, y| {
-                let (across, down) = (place(x, width, shares.width()), place(y, height, shares.height()));
-                let share = alpha.of(shares.get_pixel(across, down).0[3]).max(0.0);
-                let (across, down) = (place(x, width, colors.width()), place(y, height, colors.height()));
-                let texel = of.map_or([1.0; 3], |_| colors.get_pixel(across, down).0.map(linear_from_srgb));
-                Rgb(std::array::from_fn(|channel| color[channel] * share * texel[channel]))
-            });
-            encoded(linear, made)
+        Made::Light { color, alpha, .. } => colors(combined(image, second, |first, [r, g, b, _]| {
+            let light = Vec3::from(color) * Vec3::new(r, g, b).map(linear_from_srgb);
+            (alpha.of(first[3]).max(0.0) * light).to_array()
+        })),
+        Made::BaseOfSpecular { diffuse, specular, .. } => colors(combined(image, second, |first, second| {
+            from_specular(diffuse.into(), specular.into(), first, second)
+                .0
+                .to_array()
+        })),
+        Made::MetalOfSpecular { diffuse, specular, .. } => {
+            let metal = |first, second| [from_specular(diffuse.into(), specular.into(), first, second).1];
+            let (width, height, values) = combined(image, second, metal);
+            grey_of(width, height, values)
+        }
+        Made::Stretched { part, images, factors } => {
+            let facets = |first, second| [part.of(images, factors, first, second)];
+            let (width, height, values) = combined(image, second, facets);
+            grey_of(width, height, values)
+        }
+        Made::Complement { channel, factor } => grey(&|pixel| 1.0 - factor * pixel[channel.min(3)]),
+        Made::Brightness(factor) => {
+            grey(&|[r, g, b, _]| luminance(Vec3::from(factor) * Vec3::new(r, g, b).map(linear_from_srgb)))
         }
         Made::Channel { channel, factor } => grey(&|pixel| factor * pixel[channel.min(3)]),
         Made::Alpha(alpha) => grey(&|pixel| alpha.of(pixel[3])),

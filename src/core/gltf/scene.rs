@@ -14,6 +14,7 @@ use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::{KnownPicture, Picture};
+use super::pose::Pose;
 use super::schema::{Node, Primitive};
 use super::{Gltf, GltfError, plain_character, studio};
 use crate::document::write::check_finite;
@@ -27,7 +28,7 @@ const LONGEST_NAME: usize = 256;
 
 /// Names the parts of the scene that are stored in files of their own. Each method is called once for each part.
 pub trait References {
-    /// The shape for a mesh of the file.
+    /// The shape for a mesh of the file. Meshes that have a shape of their own at a node get further numbers.
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
     /// The name of a picture's file; `index` counts the pictures.
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError>;
@@ -55,8 +56,9 @@ pub(super) struct Builder<'a> {
     warned: HashSet<String>,
     /// For each mesh the number of its first primitive.
     first_primitives: Vec<u32>,
-    /// The meshes by the number of the primitive; None for unreadable ones.
-    meshes: BTreeMap<u32, Option<KnownMesh>>,
+    /// The meshes by the number of the primitive, and the node if they have a shape of their own there; None for
+    /// unreadable ones.
+    meshes: BTreeMap<(u32, Option<usize>), Option<KnownMesh>>,
     mesh_allowance: MeshAllowance,
     repeats: RepeatAllowance,
     /// The pictures, by a text that describes them.
@@ -82,6 +84,10 @@ pub(super) struct Builder<'a> {
     pub(super) groups: Vec<Object>,
     /// The folder of the current node.
     folder: Rc<str>,
+    /// The shape of the current node's mesh.
+    pose: Pose,
+    /// The number of the next mesh with a shape of its own.
+    next_posed: u32,
     pub(super) shapes: Vec<Object>,
     pub(super) lighting: Lighting,
     pub(super) bounds: Aabb,
@@ -126,6 +132,8 @@ impl Gltf {
             emitters: Vec::new(),
             groups: Vec::new(),
             folder: "".into(),
+            pose: Pose::default(),
+            next_posed: self.mesh_count(),
             shapes: Vec::new(),
             lighting: Lighting::default(),
             bounds: Aabb::EMPTY,
@@ -138,17 +146,16 @@ impl Gltf {
         let passed_over = animations.passed_over.clone().sentences();
         let warnings = passed_over.chain(placed.warnings.iter().cloned());
         warnings.for_each(|warning| builder.warn(warning));
-        let rest = self.rest_poses(&placed);
-        builder.warn_of_deformation(&placed, &rest);
+        let skins = self.skins(&placed);
+        builder.warn_of_moving_bones(&placed, &skins);
         let folders = builder.folders(&placed)?;
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;
             if about.places_something() {
                 let placement = self.placement(&placed, &animations, place, &mut builder.allowance)?;
                 builder.folder = folders[place].path.clone();
-                let of_mesh = self
-                    .pose_of_skin(about, &rest)
-                    .map(|pose| Placement::still(affine(pose)));
+                let of_mesh = skins.place(about).map(|pose| Placement::still(affine(pose)));
+                builder.pose = self.pose(node.index, about, &skins, &animations);
                 builder.node(node.index, about, placement, of_mesh)?;
             }
         }
@@ -195,7 +202,7 @@ impl Builder<'_> {
     ) -> Result<(), GltfError> {
         let gltf = self.gltf;
         if let (Some(mesh), Some(place)) = (node.mesh, of_mesh.and_then(|place| self.possible(index, place))) {
-            self.mesh(node, mesh, &place)?;
+            self.mesh((index, node), mesh, &place)?;
         }
         let mesh = node.mesh.filter(|_| node.skin.is_none());
         if mesh.is_none() && node.camera.is_none() && node.extensions.light.is_none() {
@@ -210,11 +217,11 @@ impl Builder<'_> {
             let shapes = gltf.pieces(mesh) * instances.as_ref().map_or(1, Vec::len);
             self.allowance.spend(shapes.saturating_mul(placement.keys.len()))?;
             match instances {
-                None => self.mesh(node, mesh, &placement)?,
+                None => self.mesh((index, node), mesh, &placement)?,
                 Some(poses) => {
                     for pose in poses {
                         if let Some(place) = self.possible(index, placement.of_inner(pose)) {
-                            self.mesh(node, mesh, &place)?;
+                            self.mesh((index, node), mesh, &place)?;
                         }
                     }
                 }
@@ -254,7 +261,7 @@ impl Builder<'_> {
         Some(placement)
     }
 
-    fn mesh(&mut self, node: &Node, mesh: usize, placement: &Placement) -> Result<(), GltfError> {
+    fn mesh(&mut self, (index, node): (usize, &Node), mesh: usize, placement: &Placement) -> Result<(), GltfError> {
         let gltf = self.gltf;
         let about = gltf.get("mesh", &gltf.root.meshes, mesh)?;
         let name = node.name.as_deref().or(about.name.as_deref()).unwrap_or("mesh");
@@ -271,7 +278,7 @@ impl Builder<'_> {
                 ));
                 return Ok(());
             }
-            let Some(mesh) = self.known_mesh(number, primitive, &about.weights, name)? else {
+            let Some(mesh) = self.known_mesh((number, index), primitive, &about.weights, name)? else {
                 continue;
             };
             let map = Affine3A::from_mat4(placement.world);
@@ -323,12 +330,14 @@ impl Builder<'_> {
     /// The mesh of a primitive; None (reported, with the name) if it cannot be read.
     fn known_mesh(
         &mut self,
-        number: u32,
+        (number, node): (u32, usize),
         primitive: &Primitive,
         weights: &[f32],
         name: &str,
     ) -> Result<Option<KnownMesh>, GltfError> {
-        if let Some(known) = self.meshes.get(&number) {
+        let pose = self.pose.clone();
+        let key = (number, pose.is_own().then_some(node));
+        if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
         }
         if self.mesh_allowance.is_spent() {
@@ -336,12 +345,21 @@ impl Builder<'_> {
             self.warn(what.to_owned());
             return Ok(None);
         }
-        let known = match self.gltf.read_primitive(number, primitive, weights) {
+        let weights = pose.weights.as_deref().unwrap_or(weights);
+        let known = match self
+            .gltf
+            .read_primitive(number, primitive, weights, pose.bones.as_deref())
+        {
             Ok(loaded) => {
+                let file = match key {
+                    (number, None) => number,
+                    _ => self.next_posed,
+                };
+                self.next_posed += u32::from(file == self.next_posed);
                 self.mesh_allowance.spend(&loaded.mesh);
                 loaded.warnings.into_iter().for_each(|warning| self.warn(warning));
                 Some(KnownMesh {
-                    shape: self.references.shape(number, &loaded.mesh)?,
+                    shape: self.references.shape(file, &loaded.mesh)?,
                     bounds: loaded.mesh.bounds(),
                     values: MeshValues {
                         colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
@@ -356,7 +374,7 @@ impl Builder<'_> {
                 None
             }
         };
-        self.meshes.insert(number, known.clone());
+        self.meshes.insert(key, known.clone());
         Ok(known)
     }
 

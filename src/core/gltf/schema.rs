@@ -117,6 +117,8 @@ pub struct Node {
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
     pub camera: Option<usize>,
+    /// The weights of the morph targets at this node, which replace those of the mesh.
+    pub weights: Option<Vec<f32>>,
     pub extensions: NodeExtensions,
 }
 

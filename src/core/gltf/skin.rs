@@ -1,104 +1,194 @@
-//! The placement of skinned meshes. Their node does not place them (glTF 2.0, section 3.7.3.3), but their bones do: at
-//! rest each vertex moves from the bind pose of its bones to their rest pose.
+//! The bones and the morph weights of meshes (glTF 2.0, sections 3.7.2.2 and
+//! 3.7.3). Both are those at 0 s of the animations.
+//!
+//! The node of a skinned mesh does not place it, but its bones do. Where all of them agree, they place the mesh as a
+//! node would; where they do not, each vertex goes along with its own bones, and the mesh that results is in world
+//! space.
 
-use glam::Mat4;
+use std::collections::BTreeSet;
+use std::rc::Rc;
 
-use super::Gltf;
+use glam::{Mat4, Vec3};
+
+use super::allowances::MOST_MOVES;
+use super::animation::Animations;
 use super::limits::first_names;
-use super::nodes::PlacedNodes;
+use super::mesh::{into_vectors, weighted};
+use super::nodes::{PlacedNode, PlacedNodes};
+use super::pose::{Pose, Skins};
 use super::scene::Builder;
-use super::schema::{Node, Skin};
+use super::schema::{Node, Primitive, Skin};
+use super::{Gltf, GltfError};
 
 /// The largest difference of two bone poses that count as equal, relative to the largest number of one.
 const SAME_POSE: f32 = 1e-3;
 
-/// The poses of the nodes of the scene at rest, world from local.
-pub(super) struct RestPoses(Vec<Option<Mat4>>);
+/// The most transforms of bones of all skins together.
+const MOST_BONES: usize = 1 << 22;
 
 impl Gltf {
-    pub(super) fn rest_poses(&self, placed: &PlacedNodes) -> RestPoses {
-        let mut poses = vec![None; self.root.nodes.len()];
-        if self.root.skins.is_empty() {
-            return RestPoses(poses);
-        }
-        // Parents come first.
+    /// The skins of the nodes of the scene.
+    pub(super) fn skins(&self, placed: &PlacedNodes) -> Skins {
+        let mut skins = Skins::default();
+        let mut poses: Vec<Option<&PlacedNode>> = vec![None; self.root.nodes.len()];
         for node in &placed.nodes {
-            let above = node.parent.and_then(|parent| poses[placed.nodes[parent].index]);
-            let local = self.root.nodes.get(node.index).map_or(Mat4::IDENTITY, Node::local);
-            poses[node.index] = Some(above.unwrap_or(Mat4::IDENTITY) * local);
+            poses[node.index] = Some(node);
         }
-        RestPoses(poses)
+        let nodes = placed.nodes.iter().filter_map(|place| self.root.nodes.get(place.index));
+        let used: BTreeSet<usize> = nodes.filter_map(|node| node.skin).collect();
+        let mut left = MOST_BONES;
+        for index in used {
+            let Some(skin) = self.root.skins.get(index) else {
+                continue;
+            };
+            left = left.saturating_sub(skin.joints.len());
+            let bones: Vec<Option<Mat4>> = match left {
+                0 => Vec::new(),
+                _ => self.bones(skin, &poses),
+            };
+            let mut known = bones.iter().flatten();
+            let first = known.next();
+            match first {
+                Some(first) if known.all(|pose| is_same(*first, *pose)) => {
+                    skins.placing.insert(index, *first);
+                }
+                Some(_) => {
+                    skins.deforming.insert(index, bones.into());
+                }
+                None => {}
+            }
+            let moves = |joint: &usize| poses.get(*joint).copied().flatten().is_some_and(|node| node.moves);
+            if skin.joints.iter().any(moves) {
+                skins.moving.insert(index);
+            }
+        }
+        skins
     }
 
-    /// The pose of a node's mesh by its bones; None if it has no skin. At rest all bones of most meshes agree.
-    /// Otherwise the first one counts, which is usually the root of the others.
-    pub(super) fn pose_of_skin(&self, node: &Node, rest: &RestPoses) -> Option<Mat4> {
-        // A missing skin has no bones.
-        let skin = self.root.skins.get(node.skin?);
-        let pose = skin.and_then(|skin| self.pose_of_root(skin, rest));
-        Some(pose.filter(Mat4::is_finite).unwrap_or(Mat4::IDENTITY))
-    }
-
-    /// The transform from the mesh to the world by the first bone.
-    fn pose_of_root(&self, skin: &Skin, rest: &RestPoses) -> Option<Mat4> {
-        self.poses_of_bones(skin, rest, 1).first().copied()?
-    }
-
-    /// The transforms from the mesh to the world by the first `count` bones. None for bones outside the scene.
-    fn poses_of_bones(&self, skin: &Skin, rest: &RestPoses, count: usize) -> Vec<Option<Mat4>> {
-        let joints = &skin.joints[..count.min(skin.joints.len())];
-        let used: Vec<u32> = (0..).take(joints.len()).collect();
+    /// The transforms from the mesh to the world by the bones. None for bones outside of the scene.
+    fn bones(&self, skin: &Skin, poses: &[Option<&PlacedNode>]) -> Vec<Option<Mat4>> {
+        let used: Vec<u32> = (0..).take(skin.joints.len()).collect();
         let bound = skin.inverse_bind_matrices;
         let bound = bound.and_then(|accessor| self.vectors::<16>(accessor, "MAT4", Some(&used)).ok());
-        let pose = |(number, &joint): (usize, &usize)| {
-            let bone = rest.0.get(joint).copied().flatten()?;
+        let pose = |(number, joint): (usize, &usize)| {
+            let bone = poses.get(*joint).copied().flatten()?.world;
             let from_mesh = bound.as_ref().map(|bound| Mat4::from_cols_array(&bound[number]));
             Some(bone * from_mesh.unwrap_or(Mat4::IDENTITY))
         };
-        joints.iter().enumerate().map(pose).collect()
+        skin.joints.iter().enumerate().map(pose).collect()
     }
 
-    /// Whether the bones of a skin deform a mesh: they may be animated, or they disagree at rest.
-    fn deforms(&self, skin: &Skin, rest: &RestPoses) -> bool {
-        let poses = self.poses_of_bones(skin, rest, usize::MAX);
-        let is_same = |one: Mat4, other: Mat4| {
-            let size = one
-                .to_cols_array()
-                .into_iter()
-                .fold(1.0, |size: f32, number| size.max(number.abs()));
-            one.abs_diff_eq(other, SAME_POSE * size)
-        };
-        let mut poses = poses.into_iter().flatten();
-        let first = poses.next();
-        !self.root.animations.is_empty() || first.is_some_and(|first| !poses.all(|pose| is_same(first, pose)))
+    /// The shape of the mesh of a node.
+    pub(super) fn pose(&self, index: usize, node: &Node, skins: &Skins, animations: &Animations) -> Pose {
+        let animated = animations.weights.get(&index).cloned();
+        Pose {
+            weights: animated.or_else(|| node.weights.clone().map(Rc::from)),
+            bones: node.skin.and_then(|skin| skins.deforming.get(&skin).cloned()),
+        }
+    }
+
+    /// The transform of each used vertex of a primitive by the bones, world from mesh.
+    pub(super) fn vertex_bones(
+        &self,
+        primitive: &Primitive,
+        bones: &[Option<Mat4>],
+        (vertices, used): (usize, Option<&[u32]>),
+    ) -> Result<Vec<Mat4>, GltfError> {
+        let mut sums = vec![(Mat4::ZERO, 0.0); used.map_or(vertices, <[u32]>::len)];
+        for set in 0.. {
+            let accessor = |name: &str| primitive.attributes.get(&format!("{name}_{set}")).copied();
+            let (Some(joints), Some(weights)) = (accessor("JOINTS"), accessor("WEIGHTS")) else {
+                break;
+            };
+            for index in [joints, weights] {
+                if self.accessor(index)?.count != vertices {
+                    let what = format!("has another number of bones than the {vertices} vertices");
+                    return Err(GltfError::Accessor { index, what });
+                }
+            }
+            let joints = self.vectors::<4>(joints, "VEC4", used)?;
+            let weights = self.vectors::<4>(weights, "VEC4", used)?;
+            for ((sum, total), (joints, weights)) in sums.iter_mut().zip(joints.iter().zip(&weights)) {
+                for (joint, weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
+                    if let Some(bone) = bones.get(*joint as usize).copied().flatten() {
+                        *sum += *weight * bone;
+                        *total += *weight;
+                    }
+                }
+            }
+        }
+        // A vertex without bones goes along with the first one.
+        let first = bones.iter().flatten().next().copied().unwrap_or(Mat4::IDENTITY);
+        let mean = |(sum, total): (Mat4, f32)| if total > 0.0 { sum * total.recip() } else { first };
+        Ok(sums.into_iter().map(mean).collect())
+    }
+}
+
+fn is_same(one: Mat4, other: Mat4) -> bool {
+    let numbers = one.to_cols_array().into_iter();
+    let size = numbers.fold(1.0, |size: f32, number| size.max(number.abs()));
+    one.abs_diff_eq(other, SAME_POSE * size)
+}
+
+impl Gltf {
+    /// Adds the morph targets to the values of the `used` ones of a mesh's `vertices`.
+    pub(super) fn morph(
+        &self,
+        name: &str,
+        primitive: &Primitive,
+        weights: &[f32],
+        (vertices, used): (usize, Option<&[u32]>),
+        values: &mut [Vec3],
+    ) -> Result<(), GltfError> {
+        if values.is_empty() || self.moves > MOST_MOVES {
+            return Ok(());
+        }
+        for (target, weight) in weighted(primitive, weights) {
+            let Some(&accessor) = target.get(name) else {
+                continue;
+            };
+            if self.accessor(accessor)?.count == vertices {
+                let moved: Vec<Vec3> = into_vectors(self.vectors::<3>(accessor, "VEC3", used)?);
+                for (value, by) in values.iter_mut().zip(moved) {
+                    *value += weight * by;
+                }
+            }
+        }
+        Ok(())
     }
 }
 
 impl Builder<'_> {
-    /// Warns of meshes that would be deformed.
-    pub(super) fn warn_of_deformation(&mut self, placed: &PlacedNodes, rest: &RestPoses) {
+    /// Warns of meshes whose bones move, and of skins that are not there.
+    pub(super) fn warn_of_moving_bones(&mut self, placed: &PlacedNodes, skins: &Skins) {
         let gltf = self.gltf;
-        let skins = gltf.root.skins.iter();
-        let deforming: Vec<bool> = skins.map(|skin| gltf.deforms(skin, rest)).collect();
         let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
-        let is_deformed = |node: &&Node| {
+        let is_moved = |node: &&Node| {
             let skin = node.skin.filter(|_| node.mesh.is_some());
-            skin.is_some_and(|skin| deforming.get(skin).copied().unwrap_or(true))
+            skin.is_some_and(|skin| skins.moving.contains(&skin))
         };
-        let deformed: Vec<&Node> = nodes.filter(is_deformed).collect();
+        let moved: Vec<&Node> = nodes.clone().filter(is_moved).collect();
+        let count = gltf.root.skins.len();
+        let lost: Vec<&Node> = nodes
+            .filter(|node| node.skin.is_some_and(|skin| skin >= count))
+            .collect();
         let name = |node: &&Node| {
             let mesh = node.mesh.and_then(|mesh| gltf.root.meshes.get(mesh));
             let name = node.name.clone().or_else(|| mesh?.name.clone());
             format!("`{}`", name.as_deref().unwrap_or("mesh"))
         };
-        let names = first_names(&deformed, name);
-        match deformed.len() {
+        let names = first_names(&moved, name);
+        if !lost.is_empty() {
+            let names = first_names(&lost, name);
+            self.warn(format!("the skin of {names} is not there"));
+        }
+        match moved.len() {
             0 => {}
             1 => self.warn(format!(
-                "{names} stands where its bones hold it at rest, and is not deformed by them"
+                "{names} has the shape that its bones give it at 0 s, and stands still"
             )),
             _ => self.warn(format!(
-                "{names} stand where their bones hold them at rest, and are not deformed by them"
+                "{names} have the shapes that their bones give them at 0 s, and stand still"
             )),
         }
     }

@@ -6,21 +6,34 @@
 
 use glam::Vec3;
 
-use super::schema::{Material, Pbr, Specular, SpecularGlossiness};
+use super::schema::{Material, Pbr, Specular, SpecularGlossiness, TextureInfo};
 use crate::color::luminance;
 
 /// The reflectance of dielectrics at normal incidence.
 const DIELECTRIC: f32 = 0.04;
 
 impl Material {
-    /// Converts the material to metallic-roughness, unless the file gives that as well.
+    /// Converts the material to metallic-roughness, unless the file gives that as well. Of the archived extension only
+    /// what has a specular picture is kept.
     pub(super) fn settle(&mut self) {
         let is_given = !self.pbr_metallic_roughness.is_usual();
-        if let Some(given) = self.extensions.specular_glossiness.as_ref().filter(|_| !is_given) {
-            let (pbr, specular) = converted(given);
-            self.pbr_metallic_roughness = pbr;
-            self.extensions.specular = specular;
+        let Some(given) = self.extensions.specular_glossiness.take().filter(|_| !is_given) else {
+            return;
+        };
+        let (pbr, specular) = converted(&given);
+        self.pbr_metallic_roughness = pbr;
+        // Where nothing is mirrored, the picture says nothing.
+        let picture = given.specular_glossiness_texture.as_ref();
+        match picture.filter(|_| given.specular_factor != [0.0; 3]) {
+            Some(_) => self.extensions.specular_glossiness = Some(given),
+            None => self.extensions.specular = specular,
         }
+    }
+
+    /// The picture of specular colour and glossiness, and the factor on the glossiness.
+    pub(super) fn specular_picture(&self) -> Option<(&TextureInfo, f32)> {
+        let given = self.extensions.specular_glossiness.as_ref()?;
+        Some((given.specular_glossiness_texture.as_ref()?, given.glossiness_factor))
     }
 }
 
@@ -37,18 +50,11 @@ impl Pbr {
 fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
     let [r, g, b, alpha] = given.diffuse_factor;
     let (diffuse, mirrored) = (Vec3::new(r, g, b), Vec3::from(given.specular_factor));
-    let rest = 1.0 - mirrored.max_element().clamp(0.0, 1.0);
-    let (dark, bright) = (luminance(diffuse), luminance(mirrored));
-    let metallic = match given.diffuse_texture.is_none() && bright > DIELECTRIC {
-        true => share_of_metal(dark * rest / (1.0 - DIELECTRIC), bright),
-        false => 0.0,
+    let bright = luminance(mirrored);
+    let (base, metallic) = match given.diffuse_texture.is_none() && given.specular_glossiness_texture.is_none() {
+        true => metallic_look(diffuse, mirrored),
+        false => (diffuse.clamp(Vec3::ZERO, Vec3::ONE), 0.0),
     };
-    // The base colour required by the dielectric part, and that by the metal.
-    let of_diffuse = diffuse / (1.0 - metallic).max(1e-3);
-    let of_metal = (mirrored - DIELECTRIC * (1.0 - metallic)) / metallic.max(1e-3);
-    let base = of_diffuse
-        .lerp(of_metal, metallic * metallic)
-        .clamp(Vec3::ZERO, Vec3::ONE);
     let pbr = Pbr {
         base_color_factor: base.extend(alpha).to_array(),
         base_color_texture: given.diffuse_texture.clone(),
@@ -63,6 +69,21 @@ fn converted(given: &SpecularGlossiness) -> (Pbr, Option<Specular>) {
         specular_color_texture: None,
     });
     (pbr, specular)
+}
+
+/// The base colour and the metallic for a diffuse and a specular colour.
+pub(super) fn metallic_look(diffuse: Vec3, mirrored: Vec3) -> (Vec3, f32) {
+    let rest = 1.0 - mirrored.max_element().clamp(0.0, 1.0);
+    let (dark, bright) = (luminance(diffuse), luminance(mirrored));
+    let metallic = match bright > DIELECTRIC {
+        true => share_of_metal(dark * rest / (1.0 - DIELECTRIC), bright),
+        false => 0.0,
+    };
+    // The base colour required by the dielectric part, and that by the metal.
+    let of_diffuse = diffuse / (1.0 - metallic).max(1e-3);
+    let of_metal = (mirrored - DIELECTRIC * (1.0 - metallic)) / metallic.max(1e-3);
+    let base = of_diffuse.lerp(of_metal, metallic * metallic);
+    (base.clamp(Vec3::ZERO, Vec3::ONE), metallic)
 }
 
 /// The metallic share m for which the base colour c = `diffuse` / (1 - m), as a metal's, gives the reflectance

@@ -28,6 +28,11 @@ impl Builder<'_> {
         Some((texture, image))
     }
 
+    /// The index of the image of a texture; None if the reference is invalid.
+    pub(super) fn image_of(&self, info: &TextureInfo) -> Option<usize> {
+        Some(self.image(info)?.1)
+    }
+
     fn look(&self, info: &TextureInfo) -> Look {
         let texture = self.gltf.root.textures.get(info.index);
         let sampler = texture

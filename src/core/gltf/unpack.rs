@@ -1,79 +1,12 @@
 //! Compressed parts of a file: buffer views (EXT_meshopt_compression, KHR_meshopt_compression) and primitives
-//! (KHR_draco_mesh_compression). They are unpacked once, into buffers of their own, so that everything else reads them like
-//! parts that were never compressed.
+//! (KHR_draco_mesh_compression). They are unpacked once, into buffers of their own, so that everything else reads them
+//! like parts that were never compressed.
 
 use super::schema::{BufferView, CompressedView, Root};
-use super::{COPIES, GltfError, draco, meshopt};
-use crate::memory::Reservation;
-
-/// More bytes that compressed parts may have in sum than the buffers, and the factor on the bytes of the buffers. Parts of
-/// sound files do not overlap. If they could, a small file would be unpacked again and again.
-const MORE_BYTES: u64 = 1 << 20;
-const FACTOR: u64 = 2;
-
-/// The buffers of a file with the memory that is reserved for them.
-pub(super) struct Store {
-    pub buffers: Vec<Vec<u8>>,
-    /// The reserved bytes.
-    pub needed: u64,
-    pub memory: Reservation,
-    /// The compressed bytes that may still be read.
-    left: u64,
-}
-
-impl Store {
-    pub fn new(buffers: Vec<Vec<u8>>, needed: u64, memory: Reservation) -> Self {
-        let bytes: u64 = buffers.iter().map(|buffer| buffer.len() as u64).sum();
-        Self {
-            buffers,
-            needed,
-            memory,
-            left: FACTOR * bytes + MORE_BYTES,
-        }
-    }
-
-    /// Reserves memory for this many more bytes of a buffer, and of what is made of it.
-    pub fn reserve(&mut self, bytes: u64) -> Result<(), String> {
-        let needed = self.needed.saturating_add(COPIES.saturating_mul(bytes));
-        self.memory
-            .resize(needed)
-            .map_err(|shortage| format!("needs {shortage}"))?;
-        self.needed = needed;
-        Ok(())
-    }
-
-    /// The compressed bytes at a place of a buffer.
-    pub fn read(&mut self, buffer: usize, offset: usize, length: usize) -> Result<&[u8], String> {
-        let end = offset.checked_add(length);
-        let bytes = self
-            .buffers
-            .get(buffer)
-            .zip(end)
-            .and_then(|(bytes, end)| bytes.get(offset..end));
-        let bytes = bytes.ok_or("has compressed bytes beyond its buffer")?;
-        self.left = self
-            .left
-            .checked_sub(length as u64)
-            .ok_or("shares its compressed bytes with too many others")?;
-        Ok(bytes)
-    }
-
-    /// Adds a buffer, and returns a view of all of it.
-    pub fn add(&mut self, bytes: Vec<u8>) -> BufferView {
-        self.buffers.push(bytes);
-        BufferView::of_buffer(self.buffers.len() - 1, &self.buffers[self.buffers.len() - 1])
-    }
-}
+use super::store::Store;
+use super::{GltfError, draco, meshopt};
 
 impl BufferView {
-    fn of_buffer(buffer: usize, bytes: &[u8]) -> Self {
-        Self {
-            buffer,
-            byte_length: bytes.len(),
-            ..Self::default()
-        }
-    }
-
     fn compressed(&self) -> Option<&CompressedView> {
         let extensions = &self.extensions;
         extensions.meshopt.as_ref().or(extensions.later_meshopt.as_ref())

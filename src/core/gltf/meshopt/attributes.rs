@@ -1,6 +1,7 @@
-//! The codec of elements of any size: differences of bytes between consecutive elements, in blocks of up to 256 elements.
+//! The codec of elements of any size: differences of bytes between consecutive elements, in blocks of up to 256
+//! elements.
 
-use super::{Fault, HEADER, Reader, SHORT, difference};
+use super::stream::{Fault, HEADER, Reader, SHORT, difference};
 
 /// The most elements of a block.
 const BLOCK: usize = 256;
@@ -9,8 +10,8 @@ const GROUP: usize = 16;
 /// The most bytes of a block.
 const BLOCK_BYTES: usize = 8192;
 
-/// The bits of a difference in a group by the two bits of the group's header: those of version 0, and of the two modes of
-/// version 1 in which there is a header.
+/// The bits of a difference in a group by the two bits of the group's header: those of version 0, and of the two modes
+/// of version 1 in which there is a header.
 const BITS_BEFORE: [u32; 4] = [0, 2, 4, 8];
 const BITS: [[u32; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 

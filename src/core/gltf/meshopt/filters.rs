@@ -1,6 +1,6 @@
 //! The filters by which elements are packed for the codec of attributes.
 
-use super::Fault;
+use super::stream::Fault;
 
 /// Unpacks elements of `stride` bytes in place.
 pub fn apply(filter: &str, stride: usize, bytes: &mut [u8]) -> Result<(), Fault> {
@@ -40,8 +40,8 @@ fn each_of_four(bytes: &mut [u8], unpack: impl Fn([i16; 4]) -> [i16; 4]) {
     });
 }
 
-/// A unit vector from its octahedral projection. The third number is 1 in the number of bits of the others; the fourth is
-/// kept.
+/// A unit vector from its octahedral projection. The third number is 1 in the number of bits of the others; the fourth
+/// is kept.
 fn octahedral([x, y, one, last]: [i16; 4], largest: f32) -> [i16; 4] {
     let [x, y] = [x, y].map(|number| f32::from(number) / f32::from(one));
     let z = 1.0 - x.abs() - y.abs();
@@ -52,8 +52,8 @@ fn octahedral([x, y, one, last]: [i16; 4], largest: f32) -> [i16; 4] {
     [x, y, z, last]
 }
 
-/// A unit quaternion from all but its largest component. The fourth number is 1 in the number of bits of the others, but
-/// for two bits that say which component is the largest.
+/// A unit quaternion from all but its largest component. The fourth number is 1 in the number of bits of the others,
+/// but for two bits that say which component is the largest.
 fn quaternion([x, y, z, one]: [i16; 4]) -> [i16; 4] {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / f32::from(one | 3);
     let [x, y, z] = [x, y, z].map(|number| f32::from(number) * scale);
@@ -69,7 +69,8 @@ fn exponential(word: i32) -> f32 {
     mantissa as f32 * 2.0f32.powi(exponent)
 }
 
-/// Red, green, blue and alpha from luma, chroma (orange, green) and alpha, whose highest bit says how many bits there are.
+/// Red, green, blue and alpha from luma, chroma (orange, green) and alpha, whose highest bit says how many bits there
+/// are.
 fn color([y, co, cg, alpha]: [i32; 4], largest: f32) -> [u16; 4] {
     let bits = 32 - alpha.max(1).leading_zeros();
     let most = (1 << bits) - 1;

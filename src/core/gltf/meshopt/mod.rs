@@ -1,24 +1,19 @@
 //! Decodes buffer views of EXT_meshopt_compression, and of KHR_meshopt_compression, whose streams may have a later
 //! version.
 //!
-//! The streams and filters are those of the specification of KHR_meshopt_compression, appendices A and B. Decoders in C++
-//! exist; this one is in safe code, and takes time and memory in proportion to the numbers that it returns.
+//! The streams and filters are those of the specification of KHR_meshopt_compression, appendices A and B. Decoders in
+//! C++ exist; this one is in safe code, and takes time and memory in proportion to the numbers that it returns.
 
 mod attributes;
 mod filters;
 mod indices;
+mod stream;
 
+use self::stream::Fault;
 use super::schema::CompressedView;
 
-/// The reason why a stream cannot be decoded.
-pub(super) type Fault = &'static str;
-
-const SHORT: Fault = "its compressed stream is too short";
-const LONG: Fault = "its compressed stream is longer than its data";
-const HEADER: Fault = "its compressed stream begins with an unknown version";
-
-/// The elements of a view, tightly packed: `count` of them with `byte_stride` bytes each. The memory that they take has to
-/// be reserved before.
+/// The elements of a view, tightly packed: `count` of them with `byte_stride` bytes each. The memory that they take has
+/// to be reserved before.
 pub(super) fn decode(stream: &[u8], view: &CompressedView) -> Result<Vec<u8>, Fault> {
     let (count, stride) = (view.count, view.byte_stride);
     let filter = view.filter.as_deref().unwrap_or("NONE");
@@ -47,49 +42,9 @@ fn packed(indices: &[u32], stride: usize) -> Result<Vec<u8>, Fault> {
     }
 }
 
-/// The unread part of a stream.
-struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
-        let (taken, rest) = self.0.split_at_checked(count).ok_or(SHORT)?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn byte(&mut self) -> Result<u8, Fault> {
-        Ok(self.take(1)?[0])
-    }
-
-    /// A number of one to five bytes, of which each holds seven bits (LEB128).
-    fn number(&mut self) -> Result<u32, Fault> {
-        let mut number = 0;
-        for shift in (0..35).step_by(7) {
-            let byte = u32::from(self.byte()?);
-            number |= (byte & 0x7f) << shift;
-            if byte < 0x80 {
-                return Ok(number);
-            }
-        }
-        Err("a number of its compressed stream is too long")
-    }
-
-    /// An error unless all is read.
-    fn finish(self) -> Result<(), Fault> {
-        match self.0.is_empty() {
-            true => Ok(()),
-            false => Err(LONG),
-        }
-    }
-}
-
-/// The signed difference for which an unsigned number stands: 0, -1, 1, -2, 2 and so on.
-fn difference(number: u32) -> u32 {
-    (number >> 1) ^ 0u32.wrapping_sub(number & 1)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::stream::SHORT;
     use super::*;
 
     fn bytes(hex: &str) -> Vec<u8> {
@@ -147,10 +102,10 @@ mod tests {
             .collect();
         for stream in [
             // Version 0, and version 1 with differences of bytes and of words.
-            "a00a0eeeeeeeeeeeeeeeeeeee0000000000000100800000070002060a0e12161a1e22262a2e32363aff0000003e42464a07\
+            "a00a0eeeeeeeeeeeeeeeeeee0000000000000100800000070002060a0e12161a1e22262a2e32363aff0000003e42464a07\
              0002060a0e12161a1e22262a2e32363aff0000004042464a0700b8b8b8bab8b8b8b8b8bab8b8b8b8b8ff000000bab8b8b8\
              0700e1e1dfe1e1dfe1e1dfe1e1dfe1dfe1ff000000e1dfe1e10a0464646466464646466400000000000000000000000000\
-             000000000000000000000000000000000000000000e80300000000003f",
+             000000000000000000000000000000000000e80300000000003f",
             "a1f19f020eeeeeeeeeeeeeee0f000e0e0e0e011000020002060a0e12161a1e22262a2e32363a3e42464a0002060a0e1216\
              1a1e22262a2e32363a4042464a00b8b8b8bab8b8b8b8b8bab8b8b8b8b8bab8b8b800e1e1dfe1e1dfe1e1dfe1e1dfe1dfe1\
              e1dfe1e10204646464664646460f00040606040000000000000000000000000000e80300000000003f0000",

@@ -75,6 +75,19 @@ pub struct MaterialExtensions {
     /// The specular reflection of dielectrics.
     #[serde(rename = "KHR_materials_specular", skip_serializing_if = "Option::is_none")]
     pub specular: Option<Specular>,
+    /// The stretch of highlights.
+    #[serde(rename = "KHR_materials_anisotropy", skip_serializing_if = "Option::is_none")]
+    pub anisotropy: Option<Anisotropy>,
+    /// Matt light that goes through the surface.
+    #[serde(
+        rename = "KHR_materials_diffuse_transmission",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub diffuse_transmission: Option<DiffuseTransmission>,
+    #[serde(rename = "KHR_materials_iridescence", skip_serializing)]
+    pub(in crate::gltf) iridescence: Option<Iridescence>,
+    #[serde(rename = "KHR_materials_dispersion", skip_serializing)]
+    pub(in crate::gltf) dispersion: Option<Dispersion>,
     /// A colour without shading.
     #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
     pub unlit: Option<Value>,
@@ -186,6 +199,61 @@ pub struct Sheen {
     /// A factor on it, in the alpha channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sheen_roughness_texture: Option<TextureInfo>,
+}
+
+/// KHR_materials_anisotropy.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Anisotropy {
+    /// 0 to 1. Facets are widened along the tangent.
+    pub anisotropy_strength: f32,
+    /// Radians, counter-clockwise from the tangent.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub anisotropy_rotation: f32,
+    /// The direction in red and green, and a factor on the strength in blue.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anisotropy_texture: Option<TextureInfo>,
+}
+
+/// KHR_materials_diffuse_transmission.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct DiffuseTransmission {
+    /// The share of matt light that is transmitted, 0 to 1.
+    pub diffuse_transmission_factor: f32,
+    /// A factor on it, in the alpha channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_transmission_texture: Option<TextureInfo>,
+    /// Linear Rec. 709.
+    pub diffuse_transmission_color_factor: [f32; 3],
+    /// A factor on it, sRGB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_transmission_color_texture: Option<TextureInfo>,
+}
+
+impl Default for DiffuseTransmission {
+    fn default() -> Self {
+        Self {
+            diffuse_transmission_factor: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color_factor: [1.0; 3],
+            diffuse_transmission_color_texture: None,
+        }
+    }
+}
+
+/// KHR_materials_iridescence, as far as it is needed for a warning.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Iridescence {
+    pub iridescence_factor: f32,
+}
+
+/// KHR_materials_dispersion.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Dispersion {
+    pub dispersion: f32,
 }
 
 /// KHR_materials_specular.

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::gltf::schema::is_usual;
 pub use crate::gltf::schema::{
-    Clearcoat, EmissiveStrength, IndexOfRefraction, MaterialExtensions, Pbr, Sheen, Specular, TextureExtensions,
-    TextureInfo, TextureTransform, Transmission, Volume,
+    Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, IndexOfRefraction, MaterialExtensions, Pbr, Sheen,
+    Specular, TextureExtensions, TextureInfo, TextureTransform, Transmission, Volume,
 };
 
 /// A material.

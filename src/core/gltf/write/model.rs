@@ -305,7 +305,12 @@ impl Root {
         let is_transformed = |info: &TextureInfo| info.extensions.transform.is_some();
         let all = [
             ("KHR_lights_punctual", !self.extensions.lights.lights.is_empty()),
+            ("KHR_materials_anisotropy", of(&|has| has.anisotropy.is_some())),
             ("KHR_materials_clearcoat", of(&|has| has.clearcoat.is_some())),
+            (
+                "KHR_materials_diffuse_transmission",
+                of(&|has| has.diffuse_transmission.is_some()),
+            ),
             (
                 "KHR_materials_emissive_strength",
                 of(&|has| has.emissive_strength.is_some()),
