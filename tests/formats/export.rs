@@ -404,7 +404,9 @@ fn materials_keep_their_parameters() {
       <bsdf type="twosided" id="matt"><bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.4, 0.6"/></bsdf></bsdf>
       <bsdf type="twosided" id="lacquer"><bsdf type="principled"><rgb name="base_color" value="0.3, 0.5, 0.1"/><float name="metallic" value="0.25"/>
         <float name="roughness" value="0.4"/><float name="eta" value="1.8"/><float name="sheen" value="0.3"/><float name="clearcoat" value="0.75"/>
-        <float name="clearcoat_gloss" value="0.9"/></bsdf></bsdf>
+        <float name="clearcoat_gloss" value="0.9"/><float name="anisotropic" value="0.5"/><float name="spec_tint" value="0.6"/>
+        <float name="sheen_tint" value="0.4"/></bsdf></bsdf>
+      <bsdf type="principledthin" id="leaf"><rgb name="base_color" value="0.3, 0.5, 0.1"/><float name="diff_trans" value="0.8"/></bsdf>
       <bsdf type="principled" id="frosted"><rgb name="base_color" value="0.9, 0.8, 0.7"/><float name="roughness" value="0.2"/>
         <float name="spec_trans" value="0.8"/><float name="eta" value="1.33"/></bsdf>
       <bsdf type="principledthin" id="film"><rgb name="base_color" value="0.9, 0.8, 0.7"/><float name="roughness" value="0.2"/>
@@ -416,7 +418,7 @@ fn materials_keep_their_parameters() {
         <rgb name="specular_reflectance" value="0.9, 0.8, 0.7"/></bsdf></bsdf>
       <bsdf type="mask" id="veil"><float name="opacity" value="0.25"/><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf>"#;
     let names = [
-        "matt", "lacquer", "frosted", "film", "glass", "chrome", "brushed", "veil",
+        "matt", "lacquer", "leaf", "frosted", "film", "glass", "chrome", "brushed", "veil",
     ];
     let shapes: String = names
         .iter()
@@ -452,6 +454,9 @@ fn materials_keep_their_parameters() {
         (&lacquer.clearcoat, 0.75),
         (&lacquer.clearcoat_gloss, 0.9),
         (&lacquer.spec_trans, 0.0),
+        (&lacquer.anisotropic, 0.5),
+        (&lacquer.spec_tint, 0.6),
+        (&lacquer.sheen_tint, 0.4),
     ] {
         is(number(parameter), expected);
     }
@@ -464,6 +469,13 @@ fn materials_keep_their_parameters() {
         frosted.base_color.constant().expect("a colour"),
         Vec3::new(0.9, 0.8, 0.7),
     );
+    match front(&after, "leaf") {
+        Material::PrincipledThin(thin) => {
+            is(number(&thin.diff_trans), 0.8);
+            is(number(&thin.spec_trans), 0.0);
+        }
+        other => panic!("{other:?}"),
+    }
     match front(&after, "film") {
         Material::PrincipledThin(thin) => {
             is(number(&thin.spec_trans), 0.6);
@@ -655,7 +667,7 @@ fn what_is_lost_is_said_with_its_name() {
         <shape type="sphere"><bsdf type="roughconductor" id="gold"><string name="material" value="Au"/></bsdf></shape>
         <shape type="sphere"><bsdf type="plastic" id="paint"/></shape>
         <shape type="sphere"><bsdf type="hair" id="fur"/></shape>
-        <shape type="sphere"><bsdf type="principled" id="satin"><float name="anisotropic" value="0.5"/><float name="spec_tint" value="1"/></bsdf></shape>
+        <shape type="sphere"><bsdf type="principled" id="satin"><float name="flatness" value="0.5"/></bsdf></shape>
         <shape type="sphere"><bsdf type="blendbsdf" id="rust"><float name="weight" value="0.5"/><bsdf type="diffuse"/><bsdf type="conductor"/></bsdf></shape>
         <shape type="rectangle" id="sheet"><bsdf type="diffuse"/></shape>"#,
     );
@@ -674,8 +686,7 @@ fn what_is_lost_is_said_with_its_name() {
         "material `gold`: the index of refraction becomes the colour",
         "material `paint`: the clear layer",
         "material `fur`: a rough surface",
-        "material `satin`: the roughness is the same in all directions",
-        "material `satin`: the mirror image is not tinted",
+        "material `satin`: the surface is not flatter than matt",
         "material `rust`: the two materials inside become one",
         "shape `sheet`: the back, which is black here",
     ] {

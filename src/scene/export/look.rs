@@ -18,7 +18,13 @@ pub(super) struct Look {
     pub index: f32,
     /// A factor on the reflectance of dielectrics. At 0 the surface is diffuse.
     pub specular: f32,
+    /// The colour of the reflection of dielectrics, over its brightness.
+    pub specular_tint: Rgb,
     pub sheen: Rgb,
+    /// The stretch of highlights along the first tangent, as `principled` has it.
+    pub anisotropic: f32,
+    /// The share of matt light that is transmitted.
+    pub passing: f32,
     pub clearcoat: Level,
     pub clearcoat_roughness: f32,
     /// The normal map, as raw numbers.
@@ -57,7 +63,10 @@ impl Look {
             is_thick: false,
             index: 1.5,
             specular: 0.0,
+            specular_tint: Rgb::ONE,
             sheen: Rgb::ZERO,
+            anisotropic: 0.0,
+            passing: 0.0,
             clearcoat: Level::number(0.0),
             clearcoat_roughness: 0.0,
             normals: None,
@@ -94,7 +103,10 @@ impl Look {
             is_thick: self.is_thick || other.is_thick,
             index: nearer(self.index, other.index),
             specular: nearer(self.specular, other.specular),
+            specular_tint: self.specular_tint.lerp(other.specular_tint, weight),
             sheen: self.sheen.lerp(other.sheen, weight),
+            anisotropic: nearer(self.anisotropic, other.anisotropic),
+            passing: nearer(self.passing, other.passing),
             clearcoat: self.clearcoat.mixed(other.clearcoat, weight),
             clearcoat_roughness: nearer(self.clearcoat_roughness, other.clearcoat_roughness),
             gltf_tangents: if weight > 0.5 {

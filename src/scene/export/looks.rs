@@ -1,6 +1,7 @@
 //! Converts materials of the scene to the terms of glTF. Properties without counterpart are left out or approximated,
 //! and noted.
 
+use super::layers::tinted;
 use super::level::{Level, Map};
 use super::look::{Appearance, Look};
 use super::messages::Messages;
@@ -377,18 +378,9 @@ impl Looks<'_, '_> {
             PrincipledIndex::Specular(specular) => eta_from_specular(specular),
             PrincipledIndex::Eta(eta) => eta,
         };
-        for (parameter, what) in [
-            (&given.anisotropic, "the roughness is the same in all directions"),
-            (&given.spec_tint, "the mirror image is not tinted"),
-            (&given.sheen_tint, "the sheen is not tinted"),
-            (&given.flatness, "the surface is not flatter than matt"),
-        ] {
-            let has_sheen = given.sheen != Parameter::Constant(0.0);
-            let matters = !std::ptr::eq(parameter, &given.sheen_tint) || has_sheen;
-            if *parameter != Parameter::Constant(0.0) && matters {
-                self.lose(name, what);
-            }
-        }
+        self.lose_flatness(&given.flatness, name);
+        let base = Level::of_color(&given.base_color);
+        let sheen = self.sheen(&base, &given.sheen, &given.sheen_tint, name);
         let clearcoat = Level::of_number(&given.clearcoat);
         let gloss = self.uniform(
             &given.clearcoat_gloss,
@@ -396,7 +388,9 @@ impl Looks<'_, '_> {
             name,
         );
         Look {
-            base: Level::of_color(&given.base_color),
+            specular_tint: self.specular_tint(&base, &given.spec_tint, name),
+            anisotropic: self.anisotropic(&given.anisotropic, &given.roughness, name),
+            base,
             metallic: Level::of_number(&given.metallic),
             roughness: Level::of_number(&given.roughness),
             transmission: Level::of_number(&given.spec_trans),
@@ -406,7 +400,7 @@ impl Looks<'_, '_> {
                 false => self.possible_index(index, name),
             },
             specular: 1.0,
-            sheen: Rgb::splat(self.uniform(&given.sheen, "the sheen is the mean of the texture", name)),
+            sheen,
             clearcoat_roughness: if clearcoat.is(0.0) { 0.0 } else { 1.0 - gloss },
             clearcoat,
             ..Look::matt(Level::number(1.0))
@@ -414,26 +408,67 @@ impl Looks<'_, '_> {
     }
 
     fn principled_thin(&mut self, given: &PrincipledThin, name: &str) -> Look {
-        for (parameter, what) in [
-            (&given.anisotropic, "the roughness is the same in all directions"),
-            (&given.spec_tint, "the mirror image is not tinted"),
-            (&given.flatness, "the surface is not flatter than matt"),
-            (&given.diff_trans, "no matt light leaves on the other side"),
-        ] {
-            if *parameter != Parameter::Constant(0.0) {
-                self.lose(name, what);
+        self.lose_flatness(&given.flatness, name);
+        let base = Level::of_color(&given.base_color);
+        let sheen = self.sheen(&base, &given.sheen, &given.sheen_tint, name);
+        // Clear light goes through in glTF before matt light does.
+        let is_matt = given.spec_trans == Parameter::Constant(0.0);
+        let passing = match given.diff_trans.constant().filter(|passing| is_matt || *passing == 0.0) {
+            Some(passing) => 0.5 * passing.clamp(0.0, 2.0),
+            None => {
+                self.lose(name, "no matt light leaves on the other side");
+                0.0
             }
-        }
+        };
         let index = self.uniform(&given.eta, "the index of refraction is the mean of the texture", name);
         Look {
-            base: Level::of_color(&given.base_color),
+            specular_tint: self.specular_tint(&base, &given.spec_tint, name),
+            anisotropic: self.anisotropic(&given.anisotropic, &given.roughness, name),
+            base,
             roughness: Level::of_number(&given.roughness),
             transmission: Level::of_number(&given.spec_trans),
             index: self.possible_index(index, name),
-            specular: 1.0,
-            sheen: Rgb::splat(self.uniform(&given.sheen, "the sheen is the mean of the texture", name)),
+            // A matt sheet mirrors nothing.
+            specular: if passing > 0.0 { 0.0 } else { 1.0 },
+            passing,
+            sheen,
             is_two_sided: true,
             ..Look::matt(Level::number(1.0))
+        }
+    }
+
+    fn lose_flatness(&mut self, flatness: &Parameter<f32>, name: &str) {
+        if *flatness != Parameter::Constant(0.0) {
+            self.lose(name, "the surface is not flatter than matt");
+        }
+    }
+
+    fn sheen(&mut self, base: &Level, sheen: &Parameter<f32>, tint: &Parameter<f32>, name: &str) -> Rgb {
+        if *sheen == Parameter::Constant(0.0) {
+            return Rgb::ZERO;
+        }
+        let color = tinted(base, tint).unwrap_or_else(|| {
+            self.lose(name, "the sheen is not tinted");
+            Rgb::ONE
+        });
+        color * self.uniform(sheen, "the sheen is the mean of the texture", name)
+    }
+
+    fn specular_tint(&mut self, base: &Level, tint: &Parameter<f32>, name: &str) -> Rgb {
+        tinted(base, tint).unwrap_or_else(|| {
+            self.lose(name, "the mirror image is not tinted");
+            Rgb::ONE
+        })
+    }
+
+    fn anisotropic(&mut self, anisotropic: &Parameter<f32>, roughness: &Parameter<f32>, name: &str) -> f32 {
+        match (anisotropic.constant(), roughness.constant()) {
+            (Some(0.0), _) => 0.0,
+            (Some(stretch), Some(_)) => stretch.clamp(0.0, 1.0),
+            _ => {
+                self.lose(name, "the roughness is the same in all directions");
+                0.0
+            }
         }
     }
 

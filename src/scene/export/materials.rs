@@ -11,11 +11,10 @@ use super::pictures::{Pictures, Planes};
 use crate::color::Rgb;
 use crate::files::Access;
 use crate::geometry::mesh::MtlMaterial;
+use crate::gltf::write::GltfWriter;
 use crate::gltf::write::material::{
-    Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, Sheen, Specular, TextureInfo,
-    Transmission, Volume,
+    Clearcoat, EmissiveStrength, IndexOfRefraction, Material, MaterialExtensions, TextureInfo, Transmission, Volume,
 };
-use crate::gltf::write::{GltfWriter, SHEEN_ROUGHNESS};
 use crate::scene::assets::mtl_picture::mtl_picture;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::{AreaLight, Coefficients, Parameter, ShapeKind, Texture};
@@ -312,7 +311,7 @@ impl MaterialWriter<'_, '_> {
             ..Material::default()
         };
         let mut colors = None;
-        let (base, base_factor) = match look.base {
+        let (base, base_factor) = match look.base.clone() {
             Level::Varying(Varying {
                 texture: Texture::MeshAttribute { name, scale, times },
                 factor,
@@ -325,7 +324,7 @@ impl MaterialWriter<'_, '_> {
             }
             level => parts(self.without_attribute(level, "the colour")),
         };
-        let (opacity, opacity_factor) = parts(self.without_attribute(look.opacity, "the opacity"));
+        let (opacity, opacity_factor) = parts(self.without_attribute(look.opacity.clone(), "the opacity"));
         let pbr = &mut material.pbr_metallic_roughness;
         let base_color = base_factor.clamp(Rgb::ZERO, Rgb::ONE);
         pbr.base_color_factor = base_color.extend(opacity_factor.x.clamp(0.0, 1.0)).to_array();
@@ -343,8 +342,8 @@ impl MaterialWriter<'_, '_> {
         let pbr = &mut material.pbr_metallic_roughness;
         pbr.base_color_texture = texture.map(|(info, _)| info);
 
-        let (roughness, roughness_factor) = parts(self.without_attribute(look.roughness, "the roughness"));
-        let (metallic, metallic_factor) = parts(self.without_attribute(look.metallic, "the metallic"));
+        let (roughness, roughness_factor) = parts(self.without_attribute(look.roughness.clone(), "the roughness"));
+        let (metallic, metallic_factor) = parts(self.without_attribute(look.metallic.clone(), "the metallic"));
         pbr_numbers(&mut material, roughness_factor, metallic_factor);
         let planes = Planes {
             channels: [None, roughness, metallic, None],
@@ -353,7 +352,7 @@ impl MaterialWriter<'_, '_> {
         let texture = self.texture(planes);
         material.pbr_metallic_roughness.metallic_roughness_texture = texture.map(|(info, _)| info);
 
-        if let Some(Level::Varying(normals)) = look.normals {
+        if let Some(Level::Varying(normals)) = look.normals.clone() {
             let planes = Planes {
                 color: Some(normals),
                 ..Planes::default()
@@ -361,21 +360,12 @@ impl MaterialWriter<'_, '_> {
             material.normal_texture = self.texture(planes).map(|(info, _)| info);
         }
         let extensions = &mut material.extensions;
-        if look.specular < 1.0 {
-            extensions.specular = Some(Specular {
-                specular_factor: look.specular,
-                ..Specular::default()
-            });
-        }
+        extensions.anisotropy = look.anisotropy_layer(&mut material.pbr_metallic_roughness);
+        extensions.diffuse_transmission = look.passing_layer(&material.pbr_metallic_roughness);
+        extensions.specular = look.specular_layer();
+        extensions.sheen = look.sheen_layer();
         if look.index != USUAL_INDEX && look.specular > 0.0 {
             extensions.ior = Some(IndexOfRefraction { ior: look.index });
-        }
-        if look.sheen != Rgb::ZERO {
-            extensions.sheen = Some(Sheen {
-                sheen_color_factor: look.sheen.clamp(Rgb::ZERO, Rgb::ONE).to_array(),
-                sheen_roughness_factor: SHEEN_ROUGHNESS,
-                ..Sheen::default()
-            });
         }
         self.layers(
             look.transmission,

@@ -6,6 +6,7 @@
 mod error;
 mod form;
 mod in_use;
+mod layers;
 mod level;
 mod lights;
 mod look;

@@ -44,7 +44,7 @@ struct Decoder<'a> {
 pub fn triangles(stream: &[u8], count: usize) -> Result<Vec<u32>, Fault> {
     /// The bytes of the table at the end.
     const TABLE: usize = 16;
-    if count % 3 != 0 {
+    if !count.is_multiple_of(3) {
         return Err("its compressed triangles have no whole number");
     }
     let mut reader = Reader(stream);

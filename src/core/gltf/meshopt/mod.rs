@@ -19,7 +19,7 @@ pub(super) fn decode(stream: &[u8], view: &CompressedView) -> Result<Vec<u8>, Fa
     let filter = view.filter.as_deref().unwrap_or("NONE");
     match view.mode.as_str() {
         "ATTRIBUTES" => {
-            if stride % 4 != 0 || !(4..=256).contains(&stride) {
+            if !stride.is_multiple_of(4) || !(4..=256).contains(&stride) {
                 return Err("its compressed elements have an impossible size");
             }
             let mut bytes = attributes::decode(stream, count, stride)?;
