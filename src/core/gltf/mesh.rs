@@ -163,7 +163,7 @@ impl Gltf {
         {
             self.add_tangents(accessor, used, bones.as_deref(), &mut attributes)?;
         }
-        let mut mesh = MeshData {
+        let mesh = MeshData {
             triangles,
             positions,
             normals,
@@ -171,14 +171,7 @@ impl Gltf {
             attributes,
             ..MeshData::default()
         };
-        let mut found = Warnings::default();
-        replace_not_finite(&mut mesh, &mut found);
-        complete_normals(&mut mesh, &mut found);
-        // The file that is made of the mesh has normals.
-        mesh.has_computed_normals = false;
-        let found = found.finish().into_iter();
-        warnings.extend(found.map(|sentence| format!("primitive {index}: {sentence}")));
-        Ok(LoadedMesh { mesh, warnings })
+        Ok(completed(mesh, index, warnings))
     }
 
     /// Adds linear vertex colours, and their alpha if it is used.
@@ -256,6 +249,18 @@ impl Gltf {
             .map_or([1.0; 4], |look| look.pbr_metallic_roughness.base_color_factor);
         Vec3::new(factor[0], factor[1], factor[2])
     }
+}
+
+/// A mesh without missing and impossible values, with warnings of these.
+fn completed(mut mesh: MeshData, index: usize, mut warnings: Vec<String>) -> LoadedMesh {
+    let mut found = Warnings::default();
+    replace_not_finite(&mut mesh, &mut found);
+    complete_normals(&mut mesh, &mut found);
+    // The file that is made of the mesh has normals.
+    mesh.has_computed_normals = false;
+    let found = found.finish().into_iter();
+    warnings.extend(found.map(|sentence| format!("primitive {index}: {sentence}")));
+    LoadedMesh { mesh, warnings }
 }
 
 pub(super) fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
