@@ -76,6 +76,7 @@ mod merging;
 mod meshes;
 mod motion;
 mod outer_walls;
+mod patterns;
 mod probes;
 mod projected_light;
 mod reach;

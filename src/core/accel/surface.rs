@@ -70,6 +70,15 @@ impl Tlas {
         (its * own.inverse()).transform_point3(place.as_dvec3()).as_vec3()
     }
 
+    /// The transform of the shape at `hit` to the world.
+    pub(crate) fn world_from_shape(&self, hit: &Hit) -> Affine3A {
+        match self.transforms_at(hit) {
+            Some([Some(placement), Some(shape)]) => placement * shape,
+            Some([_, Some(shape)]) => shape,
+            _ => Affine3A::IDENTITY,
+        }
+    }
+
     /// The transforms of the placement, if the hit is in one, and of the shape. None if no shape has these numbers.
     fn transforms_at(&self, hit: &Hit) -> Option<[Option<Affine3A>; 2]> {
         let Some(place) = (hit.instance as usize).checked_sub(self.instances.len()) else {

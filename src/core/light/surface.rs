@@ -233,6 +233,7 @@ impl SurfaceLight {
                 triangle: hit.primitive,
                 barycentric: Vec3::new(1.0 - x - y, x, y),
             }),
+            object: None,
         }
     }
 

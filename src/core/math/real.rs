@@ -164,6 +164,9 @@ pub trait Word:
 {
     /// The same value in every lane.
     fn splat(value: u32) -> Self;
+
+    /// The product modulo 2^32.
+    fn wrapping_mul(self, other: Self) -> Self;
 }
 
 /// A vector or a colour of either form: [`Vec3`] or `Vec3Lanes`.

@@ -13,7 +13,7 @@ use crate::material::{MaterialId, MaterialTable, Scattering, Single};
 use crate::math::Ray;
 use crate::medium::{MediumInterface, MediumTable};
 use crate::shading::TransportMode;
-use crate::texture::{MeshPoint, TexturePoint, TextureTable};
+use crate::texture::{MeshPoint, ObjectPoint, TexturePoint, TextureTable};
 
 /// The data of a scene for light transport. A clone copies six pointers and a few numbers.
 #[derive(Clone, Debug)]
@@ -86,7 +86,19 @@ impl RenderScene {
                 triangle: hit.primitive,
                 barycentric: Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v),
             }),
+            object: self.textures.projects().then(|| self.object_point(hit, point)),
         }
+    }
+
+    /// The place on the shape at `hit`, whose surface is `point`.
+    #[inline(never)]
+    fn object_point(&self, hit: &Hit, point: &SurfacePoint) -> ObjectPoint {
+        ObjectPoint::new(
+            &self.geometry.world_from_shape(hit),
+            point.position,
+            point.geometric_normal,
+            [point.dp_du, point.dp_dv],
+        )
     }
 
     /// The slot a ray has hit.

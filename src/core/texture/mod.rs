@@ -4,6 +4,7 @@
 //! either constant or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
 
 mod bitmap;
+mod box_projection;
 mod checkerboard;
 mod exr_color;
 mod exr_file;
@@ -12,7 +13,10 @@ mod image_file;
 mod image_header;
 mod jpeg_file;
 mod mesh_attribute;
+pub mod pattern;
 mod pfm_file;
+mod slope;
+mod value;
 
 use glam::{Vec2, Vec3};
 
@@ -20,6 +24,7 @@ use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 
 pub use bitmap::{Bitmap, Filter, Wrap};
+pub use box_projection::{BoxProjection, ObjectPoint, Up};
 pub use checkerboard::Checkerboard;
 pub(crate) use exr_file::{is_exr, read_exr_parts, reserve_exr};
 pub use image::{Image, Samples, Transfer};
@@ -27,6 +32,8 @@ pub(crate) use image_file::decode_picture;
 pub use image_file::load_image;
 pub use image_header::ImageFileError;
 pub use mesh_attribute::MeshAttribute;
+use pattern::{Bricks, Cells, Mix, Noise, Ramp, Wood};
+use value::TextureValue;
 
 /// An index into a [`TextureTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -48,12 +55,19 @@ pub struct TexturePoint<'a> {
     pub uv: Vec2,
     /// The point on the mesh, if the surface is one, at which mesh attributes are interpolated.
     pub mesh: Option<MeshPoint<'a>>,
+    /// The place on the shape for box projection; None where there is no shape, and if no texture of the scene needs
+    /// it. Box projections then take uv.
+    pub object: Option<ObjectPoint>,
 }
 
 impl TexturePoint<'_> {
-    /// A point without a mesh.
+    /// A point without a mesh and without a place on a shape.
     pub fn of_uv(uv: Vec2) -> Self {
-        Self { uv, mesh: None }
+        Self {
+            uv,
+            mesh: None,
+            object: None,
+        }
     }
 }
 
@@ -77,25 +91,48 @@ pub enum Texture {
     Checkerboard(Checkerboard),
     /// Values stored with a mesh.
     MeshAttribute(MeshAttribute),
+    /// Gradient noise.
+    Noise(Noise),
+    /// Cells around scattered points.
+    Cells(Cells),
+    /// Bricks, tiles and boards with joints.
+    Bricks(Bricks),
+    /// The grain of wood.
+    Wood(Wood),
+    /// Colours by a value.
+    Ramp(Ramp),
+    /// Two textures by a third.
+    Mix(Mix),
+    /// Another texture by the place on the shape.
+    BoxProjection(BoxProjection),
 }
 
 /// All textures of a scene. A texture may only refer to others before it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TextureTable {
     textures: Vec<Texture>,
+    /// Whether any of them is a box projection.
+    projects: bool,
 }
 
 impl TextureTable {
     /// A table whose [`TextureId`]s are the positions in `textures`.
     pub fn new(textures: Vec<Texture>) -> Self {
-        Self { textures }
+        let projects = textures
+            .iter()
+            .any(|texture| matches!(texture, Texture::BoxProjection(_)));
+        Self { textures, projects }
     }
 
     /// The same table with one more texture, and the id of that.
     pub fn with(&self, texture: Texture) -> (Self, TextureId) {
         let id = TextureId(self.textures.len() as u32);
-        let textures = self.textures.iter().cloned().chain([texture]).collect();
-        (Self { textures }, id)
+        (Self::new(self.textures.iter().cloned().chain([texture]).collect()), id)
+    }
+
+    /// Whether any texture asks for the place on the shape.
+    pub(crate) fn projects(&self) -> bool {
+        self.projects
     }
 
     /// Returns the texture of an id; None for an id of another table.
@@ -116,24 +153,12 @@ impl TextureTable {
         self.color(parameter, at).max(Rgb::ZERO)
     }
 
-    /// The parameter's number at a point. A colour picture gives its luminance; a colour of a checkerboard gives its
+    /// The parameter's number at a point. A colour picture gives its luminance; a colour inside another texture gives its
     /// mean, as a single colour does when a scene is read.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,
             Parameter::Texture(id) => self.float_of(id, at),
-        }
-    }
-
-    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, for bump maps. Zero except for bilinear
-    /// bitmaps, as in Mitsuba.
-    pub(crate) fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
-        match parameter {
-            Parameter::Constant(_) => Vec2::ZERO,
-            Parameter::Texture(id) => match &self.textures[id.0 as usize] {
-                Texture::Bitmap(bitmap) => bitmap.gradient(at.uv),
-                Texture::Checkerboard(_) | Texture::MeshAttribute(_) => Vec2::ZERO,
-            },
         }
     }
 
@@ -151,8 +176,17 @@ impl TextureTable {
                     let times = attribute.times.map(Parameter::Texture);
                     attribute.mean() * times.map_or(Rgb::ONE, |times| self.mean_color(times))
                 }
+                _ => self.sampled_mean(id),
             },
         }
+    }
+
+    /// The mean of a few points of the unit square.
+    fn sampled_mean(&self, id: TextureId) -> Rgb {
+        const SIDE: u32 = 16;
+        let place = |i: u32| Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
+        let places = (0..SIDE * SIDE).map(|i| TexturePoint::of_uv(place(i)));
+        places.map(|at| self.color_of(id, &at)).sum::<Rgb>() / (SIDE * SIDE) as f32
     }
 
     fn color_of(&self, id: TextureId, at: &TexturePoint) -> Rgb {
@@ -163,16 +197,29 @@ impl TextureTable {
                 let times = attribute.times.map_or(Rgb::ONE, |times| self.color_of(times, at));
                 times * attribute.color(at.mesh)
             }
+            other => self.pattern(other, at),
         }
     }
 
     fn float_of(&self, id: TextureId, at: &TexturePoint) -> f32 {
         match &self.textures[id.0 as usize] {
-            Texture::Checkerboard(checkerboard) => match checkerboard.number(at.uv) {
-                Parameter::Constant(color) => color.element_sum() / 3.0,
-                Parameter::Texture(nested) => self.float_of(nested, at),
-            },
+            Texture::Checkerboard(checkerboard) => f32::nested(self, checkerboard.number(at.uv), at),
             Texture::Bitmap(_) | Texture::MeshAttribute(_) => luminance(self.color_of(id, at)),
+            other => self.pattern(other, at),
+        }
+    }
+
+    /// The value of a texture that treats colours and numbers alike.
+    fn pattern<V: TextureValue>(&self, texture: &Texture, at: &TexturePoint) -> V {
+        match texture {
+            Texture::Noise(noise) => noise.value(self, at),
+            Texture::Cells(cells) => cells.value(self, at),
+            Texture::Bricks(bricks) => bricks.value(self, at),
+            Texture::Wood(wood) => wood.value(self, at),
+            Texture::Ramp(ramp) => ramp.value(self, at),
+            Texture::Mix(mix) => mix.value(self, at),
+            Texture::BoxProjection(projection) => V::nested(self, projection.input, &projection.point(at)),
+            Texture::Bitmap(_) | Texture::Checkerboard(_) | Texture::MeshAttribute(_) => V::of_color(Rgb::ZERO),
         }
     }
 }

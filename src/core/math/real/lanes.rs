@@ -149,6 +149,11 @@ impl Word for WordLanes {
     fn splat(value: u32) -> Self {
         WordLanes::splat(value)
     }
+
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        self * other
+    }
 }
 
 impl Vector<Lanes> for Vec3Lanes {

@@ -128,6 +128,11 @@ impl Word for u32 {
     fn splat(value: u32) -> Self {
         value
     }
+
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        u32::wrapping_mul(self, other)
+    }
 }
 
 impl Vector<f32> for Vec3 {
