@@ -92,20 +92,8 @@ fn attributes_of_materials(authored: &Authored) -> EntityHashMap<BTreeSet<String
 }
 
 fn add_attributes(texture: &Texture, names: &mut BTreeSet<String>) {
-    match texture {
-        Texture::MeshAttribute { name, times, .. } => {
-            names.insert(name.clone());
-            if let Some(times) = times {
-                add_attributes(times, names);
-            }
-        }
-        Texture::Checkerboard { color0, color1, .. } => {
-            for color in [color0, color1] {
-                if let Parameter::Texture(texture) = &**color {
-                    add_attributes(texture, names);
-                }
-            }
-        }
-        Texture::Bitmap(_) => {}
+    if let Texture::MeshAttribute { name, .. } = texture {
+        names.insert(name.clone());
     }
+    texture.for_each_nested(&mut |nested| add_attributes(nested, names));
 }

@@ -47,6 +47,7 @@ pub use components::parameters::{
     SunPosition,
 };
 pub(crate) use components::parameters::{Declared, ParameterMut, ParameterRef};
+pub use components::pattern::{Choice, Pattern, Stop};
 pub use components::sensor::{Crop, Film, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use components::settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use components::shape::{MeshFile, MeshFormat, Shape, ShapeKind};
@@ -59,7 +60,7 @@ pub use components::texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Text
 pub use components::unit::LengthUnit;
 pub(crate) use components::unit::decimal;
 pub use components::wall_openings::Opening;
-pub use components::{aperture, carry_over, description, euler, medium};
+pub use components::{aperture, carry_over, description, euler, medium, pattern};
 pub(crate) use components::{folders, free_name, names, parameters, texture_parameters, wall_openings};
 pub use edits::insert;
 pub(crate) use edits::key_edits::{edit_keys, integrator_keys_after, keys_after, place_path};

@@ -156,6 +156,10 @@ impl Checker<'_> {
             | ParameterMut::Distribution(_)
             | ParameterMut::Picture(_)
             | ParameterMut::OptionalTexture(_)
+            | ParameterMut::Nested(_)
+            | ParameterMut::Placing(_)
+            | ParameterMut::Choice(_)
+            | ParameterMut::Stops(_)
             | ParameterMut::VolumeShare(VolumeParameter::Grid(_)) => {}
         }
     }

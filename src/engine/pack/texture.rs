@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
+use crate::scene::assets::packed_pattern::packed_pattern;
 use crate::scene::assets::texture_map::packed_bitmap;
 use crate::scene::{Bitmap, Parameter, Texture};
 use crate::texture::{self, Checkerboard, Image, TextureId};
@@ -60,6 +61,7 @@ impl<'a> TexturePacker<'a> {
                 scale: *scale,
                 times: times.as_deref().map(|times| self.id(times)),
             }),
+            Texture::Pattern(pattern) => packed_pattern(pattern, &mut |nested| self.id(nested)),
         };
         let place = self.packed.len() as u32;
         self.known.push(texture.clone());
@@ -107,7 +109,7 @@ fn alike(texture: &Texture) -> u64 {
     match texture {
         Texture::Bitmap(bitmap) => bitmap.path.hash(&mut hasher),
         Texture::MeshAttribute { name, .. } => name.hash(&mut hasher),
-        Texture::Checkerboard { .. } => {}
+        Texture::Checkerboard { .. } | Texture::Pattern(_) => {}
     }
     hasher.finish()
 }

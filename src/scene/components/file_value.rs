@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Affine2, Vec3};
 
 use super::medium::{self, ALBEDO, Coefficients, SIGMA_S, SIGMA_T, VolumeParameter};
 use super::parameter_info::ParameterInfo;
@@ -11,6 +11,7 @@ use super::parameters::{
     EUMELANIN, FOV, FOV_AXIS, Ior, K, PHEOMELANIN, PRINCIPLED_ETA, ParameterRef, PrincipledIndex, Roughness, SIGMA_A,
     SPECULAR, SunPosition,
 };
+use super::pattern::Stop;
 use super::texture::{Parameter, Texture};
 use super::wall_openings::Opening;
 use crate::color::Rgb;
@@ -34,6 +35,8 @@ pub(crate) enum FileValue<'p> {
     VolumeNumber(&'p VolumeParameter<f32>),
     Numbers(&'p [f32]),
     Openings(&'p [Opening]),
+    Placing(&'p Affine2),
+    Stops(&'p [Stop]),
 }
 
 impl<'p> FileValue<'p> {
@@ -135,6 +138,10 @@ impl<'p> ParameterRef<'p> {
             Self::VolumeShare(share) => meet(info, FileValue::VolumeNumber(share)),
             Self::Values(values) => meet(info, FileValue::Numbers(values)),
             Self::Openings(openings) => meet(info, FileValue::Openings(openings)),
+            Self::Nested(color) => meet(info, FileValue::Color(color)),
+            Self::Placing(to_uv) => meet(info, FileValue::Placing(to_uv)),
+            Self::Choice(choice) => meet(info, FileValue::Name(choice.name())),
+            Self::Stops(stops) => meet(info, FileValue::Stops(stops)),
         }
     }
 }

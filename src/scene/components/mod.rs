@@ -26,6 +26,7 @@ pub(crate) mod names;
 pub(super) mod object_state;
 pub(super) mod parameter_info;
 pub(crate) mod parameters;
+pub mod pattern;
 pub(super) mod presence;
 pub mod sensor;
 pub mod settings;

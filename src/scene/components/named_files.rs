@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use super::parameters::ParameterMut;
-use crate::scene::{
-    AreaLight, Declared, Emitter, Material, Medium, Parameter, ParameterInfo, Shape, ShapeKind, Texture,
-};
+use crate::scene::{AreaLight, Declared, Emitter, Material, Medium, ParameterInfo, Shape, ShapeKind, Texture};
 
 /// A thing with file paths.
 pub(crate) trait NamesFiles {
@@ -48,21 +46,10 @@ fn of_parameter(info: &'static ParameterInfo, value: ParameterMut, meet: &mut dy
 }
 
 fn of_texture(texture: &mut Texture, meet: &mut dyn FnMut(&mut PathBuf)) {
-    match texture {
-        Texture::Bitmap(bitmap) => meet(&mut bitmap.path),
-        Texture::Checkerboard { color0, color1, .. } => {
-            for color in [color0, color1] {
-                if let Parameter::Texture(inside) = &mut **color {
-                    of_texture(inside, meet);
-                }
-            }
-        }
-        Texture::MeshAttribute { times, .. } => {
-            if let Some(times) = times {
-                of_texture(times, meet);
-            }
-        }
+    if let Texture::Bitmap(bitmap) = texture {
+        meet(&mut bitmap.path);
     }
+    texture.for_each_nested_mut(&mut |nested| of_texture(nested, meet));
 }
 
 #[cfg(test)]

@@ -3,12 +3,14 @@
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use bevy::math::Affine2;
 use bevy::prelude::*;
 
 use super::declare::declare_parameters;
 use super::fov_axis::FovAxis;
 use super::medium::{Coefficients, VolumeParameter};
 use super::parameter_info::ParameterInfo;
+use super::pattern::{Choice, Stop};
 use super::texture::{Parameter, Texture};
 use super::wall_openings::Opening;
 use crate::color::Rgb;
@@ -93,6 +95,14 @@ kinds! {
     Count(u32),
     /// The openings of a wall.
     Openings(Vec<Opening>),
+    /// A colour or a texture inside a texture, without bounds.
+    Nested(Parameter<Rgb>),
+    /// The uv transform of a texture.
+    Placing(Affine2),
+    /// One of a few names.
+    Choice(Choice),
+    /// The colours of a ramp.
+    Stops(Vec<Stop>),
 }
 
 /// A value with declared parameters, in the order of the declaration.

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use bevy::math::Affine2;
 use bevy::prelude::*;
 
+use super::parameters::{Declared, ParameterMut};
+use super::pattern::{Choice, Pattern};
 use crate::color::Rgb;
 
 /// A parameter that is constant or varies over the surface.
@@ -56,43 +58,38 @@ impl<T> Parameter<T> {
         let Some((square, rest)) = place.split() else {
             return self.set_picture(picture);
         };
-        match self {
-            Self::Texture(Texture::Checkerboard { color0, color1, .. }) => {
-                let inside = if square == 0 { color0 } else { color1 };
-                inside.set_picture_at(rest, picture);
-            }
-            Self::Texture(Texture::MeshAttribute { times: Some(times), .. }) => {
-                let mut inside = Parameter::<Rgb>::Texture((**times).clone());
-                inside.set_picture_at(rest, picture);
-                if let Parameter::Texture(texture) = inside {
-                    **times = texture;
-                }
-            }
-            _ => {}
+        if let Self::Texture(texture) = self {
+            texture.for_nested(square, &mut |nested| nested.set_picture_at(rest, picture.clone()));
         }
     }
 }
 
-/// A place within nested checkerboards: the choices between their two colours, outermost first, as binary digits below
-/// a leading one.
+/// A place within nested textures: the choices among the parameters of each that may be textures, outermost first, as
+/// octal digits below a leading one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SquarePath(u32);
+pub struct SquarePath(u64);
+
+/// The bits of a digit.
+const DIGIT: u32 = 3;
 
 impl SquarePath {
     /// The parameter itself.
     pub const WHOLE: Self = Self(1);
 
-    /// The first (0) or the second (1) colour of the checkerboard at this place. Places beyond 31 checkerboards are not
-    /// distinguished.
+    /// The parameter number `square` of the texture at this place, as the two colours (0 and 1) of a checkerboard.
+    /// Places beyond 21 textures are not distinguished.
     pub fn within(self, square: u32) -> Self {
-        self.0.checked_mul(2).map_or(self, |place| Self(place | square))
+        self.0
+            .checked_mul(1 << DIGIT)
+            .map_or(self, |place| Self(place | u64::from(square)))
     }
 
-    /// The colour in the outermost checkerboard, and the place from there; None for the parameter itself.
+    /// The number in the outermost texture, and the place from there; None for the parameter itself.
     fn split(self) -> Option<(u32, Self)> {
-        let digits = self.0.checked_ilog2()?.checked_sub(1)?;
-        let leading = 1 << digits;
-        Some(((self.0 >> digits) & 1, Self((self.0 & (leading - 1)) | leading)))
+        let digits = (self.0.checked_ilog2()? / DIGIT).checked_sub(1)?;
+        let leading = 1 << (DIGIT * digits);
+        let first = (self.0 >> (DIGIT * digits)) & ((1 << DIGIT) - 1);
+        Some((first as u32, Self((self.0 & (leading - 1)) | leading)))
     }
 }
 
@@ -143,6 +140,8 @@ pub enum Texture {
         /// Another factor, a texture.
         times: Option<Box<Self>>,
     },
+    /// A procedural texture.
+    Pattern(Box<Pattern>),
 }
 
 /// A picture with its filter, wrapping and uv transform.
@@ -212,46 +211,108 @@ impl Texture {
             Self::Bitmap(_) => "bitmap",
             Self::Checkerboard { .. } => "checkerboard",
             Self::MeshAttribute { .. } => "mesh_attribute",
+            Self::Pattern(pattern) => pattern.plugin(),
         }
     }
 
-    /// Calls `meet` with the uv transform of every picture and checkerboard, nested ones included.
-    pub fn for_each_placing(&mut self, meet: &mut impl FnMut(&mut Affine2)) {
+    /// Calls `meet` with every texture directly inside it.
+    pub(crate) fn for_each_nested<'t>(&'t self, meet: &mut dyn FnMut(&'t Self)) {
         match self {
-            Self::Bitmap(bitmap) => meet(&mut bitmap.to_uv),
-            Self::Checkerboard { color0, color1, to_uv } => {
-                meet(to_uv);
-                for color in [color0, color1] {
-                    if let Parameter::Texture(texture) = &mut **color {
-                        texture.for_each_placing(meet);
-                    }
-                }
-            }
-            Self::MeshAttribute { times, .. } => {
-                if let Some(times) = times {
-                    times.for_each_placing(meet);
-                }
-            }
-        }
-    }
-
-    /// Calls `meet` with every picture, nested ones included.
-    pub fn for_each_bitmap(&self, meet: &mut impl FnMut(&Bitmap)) {
-        match self {
-            Self::Bitmap(bitmap) => meet(bitmap),
+            Self::Bitmap(_) => {}
             Self::Checkerboard { color0, color1, .. } => {
                 for color in [color0, color1] {
                     if let Parameter::Texture(texture) = &**color {
-                        texture.for_each_bitmap(meet);
+                        meet(texture);
                     }
                 }
             }
+            Self::MeshAttribute { times, .. } => times.iter().for_each(|times| meet(times)),
+            Self::Pattern(pattern) => pattern.for_each_nested(meet),
+        }
+    }
+
+    /// Calls `meet` with every texture directly inside it, mutable.
+    pub(crate) fn for_each_nested_mut(&mut self, meet: &mut dyn FnMut(&mut Self)) {
+        match self {
+            Self::Bitmap(_) => {}
+            Self::Checkerboard { color0, color1, .. } => {
+                for color in [color0, color1] {
+                    if let Parameter::Texture(texture) = &mut **color {
+                        meet(texture);
+                    }
+                }
+            }
+            Self::MeshAttribute { times, .. } => times.iter_mut().for_each(|times| meet(times)),
+            Self::Pattern(pattern) => pattern.for_each_nested_mut(meet),
+        }
+    }
+
+    /// Calls `meet` with the parameter of this number among those that may be textures.
+    fn for_nested(&mut self, number: u32, meet: &mut dyn FnMut(&mut Parameter<Rgb>)) {
+        match self {
+            Self::Bitmap(_) => {}
+            Self::Checkerboard { color0, color1, .. } => meet(if number == 0 { color0 } else { color1 }),
             Self::MeshAttribute { times, .. } => {
                 if let Some(times) = times {
-                    times.for_each_bitmap(meet);
+                    let mut inside = Parameter::Texture((**times).clone());
+                    meet(&mut inside);
+                    if let Parameter::Texture(changed) = inside {
+                        **times = changed;
+                    }
+                }
+            }
+            Self::Pattern(pattern) => {
+                let mut numbers = 0..;
+                pattern.visit_mut(&mut |_, value| match value {
+                    ParameterMut::Nested(nested) if numbers.next() == Some(number) => meet(nested),
+                    ParameterMut::OptionalTexture(texture) if numbers.next() == Some(number) => {
+                        let mut inside = texture
+                            .take()
+                            .map_or(Parameter::Constant(Rgb::ZERO), Parameter::Texture);
+                        meet(&mut inside);
+                        if let Parameter::Texture(changed) = inside {
+                            *texture = Some(changed);
+                        }
+                    }
+                    _ => {}
+                });
+            }
+        }
+    }
+
+    /// Calls `meet` with the uv transform of every texture that has one, nested ones included. Inside a box projection,
+    /// whose own transform is met, textures have coordinates of their own.
+    pub fn for_each_placing(&mut self, meet: &mut dyn FnMut(&mut Affine2)) {
+        match self {
+            Self::Bitmap(bitmap) => meet(&mut bitmap.to_uv),
+            Self::Checkerboard { to_uv, .. } => meet(to_uv),
+            Self::MeshAttribute { .. } => {}
+            Self::Pattern(pattern) => {
+                pattern.for_own_placing(meet);
+                if pattern.has_own_coordinates() {
+                    return;
                 }
             }
         }
+        self.for_each_nested_mut(&mut |nested| nested.for_each_placing(meet));
+    }
+
+    /// Calls `meet` with the transform and the upward axis of every box projection, nested ones included.
+    pub(crate) fn for_each_projection(&mut self, meet: &mut dyn FnMut(&mut Affine2, &mut Choice)) {
+        if let Self::Pattern(pattern) = self
+            && let Pattern::BoxProjection { to_uv, up, .. } = &mut **pattern
+        {
+            meet(to_uv, up);
+        }
+        self.for_each_nested_mut(&mut |nested| nested.for_each_projection(meet));
+    }
+
+    /// Calls `meet` with every picture, nested ones included.
+    pub fn for_each_bitmap<'t>(&'t self, meet: &mut dyn FnMut(&'t Bitmap)) {
+        if let Self::Bitmap(bitmap) = self {
+            meet(bitmap);
+        }
+        self.for_each_nested(&mut |nested| nested.for_each_bitmap(meet));
     }
 }
 

@@ -11,6 +11,7 @@ use crate::document::paths::file_name;
 use crate::document::value::format_float;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
 use crate::scene::components::medium::{GRID, USE_GRID_BBOX};
+use crate::scene::components::pattern::stops_text;
 use crate::scene::components::texture_parameters::{
     COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TIMES, TO_UV, UNIFORM, WRAP_MODE, WRAP_MODE_V,
 };
@@ -52,6 +53,8 @@ impl IntoObject<'_> {
                 self.put(name, Value::String(numbers.join(", ")));
             }
             FileValue::Openings(openings) => self.put(name, Value::String(openings_text(openings))),
+            FileValue::Placing(to_uv) => self.put_to_uv(to_uv),
+            FileValue::Stops(stops) => self.put(name, Value::String(stops_text(stops))),
         }
     }
 
@@ -89,6 +92,9 @@ impl IntoObject<'_> {
                     inside.put_texture(TIMES.name, times);
                 }
             }
+            Texture::Pattern(pattern) => pattern.visit(&mut |info, value| {
+                value.in_file(info, &mut |info, value| inside.put_parameter(info.name, value));
+            }),
         }
         self.object.children.push(inside.object.into());
     }

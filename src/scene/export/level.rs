@@ -23,13 +23,19 @@ pub(super) struct Varying {
 }
 
 /// The operation on each value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Map {
     Same,
     Root,
     Square,
     /// Negates y of normals, for mirrored texture coordinates.
     Normals,
+    /// Turns heights, times the scale, into the normals of a box projection, whose coordinates are lengths.
+    Bumps {
+        scale: f32,
+        /// Whether y is negated.
+        is_mirrored: bool,
+    },
 }
 
 impl Map {
@@ -39,6 +45,8 @@ impl Map {
             Self::Root => value.max(Rgb::ZERO).powf(0.5),
             Self::Square => value * value,
             Self::Normals => Rgb::new(value.x, 1.0 - value.y, value.z),
+            // Slopes need values beside this one.
+            Self::Bumps { .. } => value,
         }
     }
 }
@@ -75,7 +83,16 @@ impl Level {
     pub fn mapped(self, map: Map) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map.apply(value)),
-            Self::Varying(varying) => Self::Varying(Varying { map, ..varying }),
+            Self::Varying(varying) => {
+                let map = match (varying.map, map) {
+                    (Map::Bumps { scale, is_mirrored }, Map::Normals) => Map::Bumps {
+                        scale,
+                        is_mirrored: !is_mirrored,
+                    },
+                    _ => map,
+                };
+                Self::Varying(Varying { map, ..varying })
+            }
         }
     }
 

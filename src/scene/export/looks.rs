@@ -7,6 +7,7 @@ use super::look::{Appearance, Look};
 use super::messages::Messages;
 use super::pictures::Pictures;
 use crate::color::Rgb;
+use crate::scene::assets::pattern_tile::Tile;
 use crate::scene::components::description::MaterialDescription;
 use crate::scene::{
     Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Principled, PrincipledIndex, PrincipledThin,
@@ -55,6 +56,22 @@ impl Looks<'_, '_> {
                 return self.nested(about.first).changed(|look| Look {
                     normals,
                     gltf_tangents,
+                    ..look
+                });
+            }
+            Material::BumpMap {
+                height: Parameter::Texture(texture),
+                scale,
+                ..
+            } if Tile::of(texture).is_some() => {
+                let bumps = Map::Bumps {
+                    scale: *scale,
+                    is_mirrored: false,
+                };
+                let normals = Level::of_number(&Parameter::Texture(texture.clone())).mapped(bumps);
+                return self.nested(about.first).changed(|look| Look {
+                    normals: Some(normals),
+                    gltf_tangents: false,
                     ..look
                 });
             }

@@ -460,13 +460,9 @@ fn parts(level: Level) -> (Option<Varying>, Rgb) {
 
 /// Whether a texture uses a mesh attribute, possibly nested.
 fn has_attribute(texture: &Texture) -> bool {
-    match texture {
-        Texture::MeshAttribute { .. } => true,
-        Texture::Bitmap(_) => false,
-        Texture::Checkerboard { color0, color1, .. } => [color0, color1]
-            .into_iter()
-            .any(|color| matches!(&**color, Parameter::Texture(inner) if has_attribute(inner))),
-    }
+    let mut found = matches!(texture, Texture::MeshAttribute { .. });
+    texture.for_each_nested(&mut |nested| found |= has_attribute(nested));
+    found
 }
 
 /// The assumed mean of a texture with mesh attributes, whose values are unknown: half of its scale.

@@ -3,6 +3,7 @@
 //! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them.
 //! glTF files are built in [`crate::gltf::write`], and the table of docs/scene-format.md lists the counterparts.
 
+mod box_lying;
 mod error;
 mod form;
 mod in_use;

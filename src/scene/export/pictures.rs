@@ -18,6 +18,8 @@ use crate::gltf::write::material::{TextureExtensions, TextureInfo, TextureTransf
 use crate::gltf::write::model::Sampler;
 use crate::gltf::write::{GltfWriter, PictureBytes};
 use crate::memory;
+use crate::scene::assets::packed_pattern::packed_pattern;
+use crate::scene::assets::pattern_tile::Tile;
 use crate::scene::assets::texture_map::{load_picture, packed_bitmap};
 use crate::scene::{Parameter, Texture, TextureFilter, TextureWrap};
 use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
@@ -97,7 +99,7 @@ impl<'a> Pictures<'a> {
         let side = 16;
         let places =
             (0..side * side).map(|i| Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) / side as f32);
-        let sum: Rgb = places.map(|uv| value(&table, id, varying, uv)).sum();
+        let sum: Rgb = places.map(|uv| value(&table, id, varying, uv, Vec2::ZERO)).sum();
         varying.factor * sum / (side * side) as f32
     }
 
@@ -135,6 +137,14 @@ impl<'a> Pictures<'a> {
         });
         if common.is_none() {
             let what = format!("a picture of {BAKED} x {BAKED} pixels over the unit square of uv takes the place");
+            messages.note("texture", &name, what);
+        } else if let Some(extent) = all.first().and_then(|varying| Tile::of(&varying.texture)) {
+            let extent = extent.place(Vec2::ONE) - extent.place(Vec2::ZERO);
+            let what = format!(
+                "a picture of {BAKED} x {BAKED} pixels takes the place, which repeats after {:.3} x {:.3}",
+                extent.x.abs(),
+                extent.y.abs()
+            );
             messages.note("texture", &name, what);
         }
         let (bytes, peak) = match self.as_it_is(planes) {
@@ -214,15 +224,21 @@ impl<'a> Pictures<'a> {
             .map(|plane| plane.as_ref().map(|varying| (varying, pack(varying))));
         let has_alpha = channels[3].is_some();
         let table = TextureTable::new(textures);
+        let size = Vec2::new(width as f32, height as f32);
+        let pixel_of = |tile: &Tile| tile.place(size.recip()) - tile.place(Vec2::ZERO);
         let mut pixels: Vec<[f32; 4]> = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
             for x in 0..width {
                 let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
-                let color = color.map_or(Rgb::ONE, |(varying, id)| value(&table, id, varying, uv));
+                let value = |varying: &Varying, id| match Tile::of(&varying.texture).filter(|_| lies_alike) {
+                    Some(tile) => tile.value(uv, |at| value(&table, id, varying, tile.place(at), pixel_of(&tile))),
+                    None => value(&table, id, varying, uv, Vec2::ZERO),
+                };
+                let color = color.map_or(Rgb::ONE, |(varying, id)| value(varying, id));
                 let mut pixel = [color.x, color.y, color.z, 1.0];
                 for (channel, plane) in pixel.iter_mut().zip(channels) {
                     if let Some((varying, id)) = plane {
-                        *channel = value(&table, id, varying, uv).x;
+                        *channel = value(varying, id).x;
                     }
                 }
                 pixels.push(pixel);
@@ -290,6 +306,12 @@ impl<'a> Pictures<'a> {
                     size: (2, 2),
                 }
             }
+            Texture::Pattern(_) => Lie {
+                to_uv: Tile::of(texture)?.to_uv,
+                filter: TextureFilter::Bilinear,
+                wraps: [TextureWrap::Repeat; 2],
+                size: (BAKED, BAKED),
+            },
             Texture::Checkerboard { .. } | Texture::MeshAttribute { .. } => return None,
         };
         transform_of(&lie.to_uv).map(|_| lie)
@@ -329,6 +351,10 @@ impl<'a> Pictures<'a> {
                 scale: *scale,
                 times: times.as_deref().map(|times| self.pack(times, None, textures, messages)),
             }),
+            // Tiles of patterns are looked up in their own coordinates.
+            Texture::Pattern(pattern) => {
+                packed_pattern(pattern, &mut |nested| self.pack(nested, None, textures, messages))
+            }
         };
         textures.push(packed);
         TextureId(textures.len() as u32 - 1)
@@ -347,8 +373,20 @@ fn has_alpha(file: &[u8]) -> bool {
     decoder.is_ok_and(|decoder| decoder.color_type().has_alpha())
 }
 
-/// The value at a point, without the factor.
-fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2) -> Rgb {
+/// The value at a point, without the factor. `pixel`: the extent of a pixel, over which slopes of bumps are measured.
+fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2, pixel: Vec2) -> Rgb {
+    if let Map::Bumps { scale, is_mirrored } = varying.map {
+        let height = |at: Vec2| scale * table.float(texture::Parameter::Texture(id), &TexturePoint::of_uv(at));
+        let step = 0.5 * pixel;
+        let (u, v) = (Vec2::new(step.x, 0.0), Vec2::new(0.0, step.y));
+        let slopes = Vec2::new(height(uv + u) - height(uv - u), height(uv + v) - height(uv - v)) / pixel;
+        let slopes = if is_mirrored {
+            Vec2::new(slopes.x, -slopes.y)
+        } else {
+            slopes
+        };
+        return 0.5 * (Rgb::new(-slopes.x, -slopes.y, 1.0).normalize_or(Rgb::Z) + Rgb::ONE);
+    }
     let at = TexturePoint::of_uv(uv);
     let value = match varying.as_number {
         true => Rgb::splat(table.float(texture::Parameter::Texture(id), &at)),

@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use bevy::math::Affine3A;
 
+use super::box_lying::box_laid;
 use super::error::ExportError;
 use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
@@ -86,6 +87,7 @@ impl<'a> Shapes<'a> {
         let Some(form) = self.forms.of(shape, messages) else {
             return Ok(());
         };
+        let form = box_laid(self.scene, shape, form);
         let world = shape.to_world * form.shape_from_mesh;
         if !is_invertible(&world) {
             messages.left_out("shape", name, "the transform cannot be inverted");
@@ -218,6 +220,7 @@ impl<'a> Shapes<'a> {
             let Some(form) = self.forms.of(member, messages) else {
                 continue;
             };
+            let form = box_laid(scene, member, form);
             let in_group = member.to_world * form.shape_from_mesh;
             if !is_invertible(&in_group) {
                 messages.left_out("shape", &member.identity.name, "the transform cannot be inverted");

@@ -7,15 +7,16 @@ use super::ior_names;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use super::spectra::{is_spectrum, read_spectrum};
-use super::textures::read_texture;
+use super::textures::{read_texture, to_uv};
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, Severity, Value};
 use crate::scene::components::parameters::{ABSORPTION_SCALE, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
+use crate::scene::components::pattern::parse_stops;
 use crate::scene::components::wall_openings::parse_openings;
 use crate::scene::{
-    Absorption, ConductorIor, Cone, Declared, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
-    PrincipledIndex, Roughness, SunPosition,
+    Absorption, Choice, ConductorIor, Cone, Declared, Distribution, Ior, Parameter, ParameterInfo, ParameterMut,
+    PlaceAndTime, PrincipledIndex, Roughness, SunPosition,
 };
 
 /// Reads the parameters of a plugin.
@@ -99,6 +100,32 @@ impl FromFile<'_, '_, '_> {
                 Some(Err(reason)) => self.reader.error_at(name, format!("`{name}`: {reason}")),
                 None => {}
             },
+            ParameterMut::Nested(value) => {
+                if let Some(given) = self.reader.unbounded_color(name, self.pictures) {
+                    *value = given;
+                }
+            }
+            ParameterMut::Placing(value) => *value = to_uv(self.reader),
+            ParameterMut::Choice(value) => self.choice(name, value),
+            ParameterMut::Stops(value) => match self.reader.string(name).map(parse_stops) {
+                Some(Ok(given)) => *value = given,
+                Some(Err(reason)) => self.reader.error_at(name, format!("`{name}`: {reason}")),
+                None => {}
+            },
+        }
+    }
+
+    fn choice(&mut self, name: &str, value: &mut Choice) {
+        let Some(given) = self.reader.string(name) else {
+            return;
+        };
+        match value.of_name(given) {
+            Some(known) => *value = known,
+            None => {
+                let names = value.names().join("`, `");
+                let message = format!("expected one of `{names}` for `{name}`, found `{given}`");
+                self.reader.error_at(name, message);
+            }
         }
     }
 

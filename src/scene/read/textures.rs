@@ -1,13 +1,14 @@
-//! Reads textures: `bitmap`, `checkerboard`, `mesh_attribute`.
+//! Reads textures: `bitmap`, `checkerboard`, `mesh_attribute`, and the patterns.
 
 use bevy::math::Affine2;
 use glam::Vec3;
 
+use super::from_file::FromFile;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use crate::color::Rgb;
 use crate::document::{Reader, TransformOp};
-use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
+use crate::scene::{Bitmap, Pattern, Texture, TextureFilter, TextureWrap};
 
 /// Reads a texture; None (reported) if it is unsupported or invalid.
 pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {
@@ -29,6 +30,10 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
             scale: reader.float_or("scale", 1.0),
             times: reader.texture("times", pictures).map(Box::new),
         },
+        plugin if let Some(mut pattern) = Pattern::of_plugin(plugin) => {
+            FromFile { reader, pictures }.read_all(&mut pattern);
+            Texture::Pattern(Box::new(pattern))
+        }
         plugin => {
             let message = format!("texture `{plugin}` is not supported");
             let span = reader.object().span;
@@ -98,7 +103,7 @@ fn attribute_name(reader: &mut Reader) -> Option<String> {
 
 /// The affine map of uv in `to_uv`, a transform of space. If its numbers become too large, it is an error, and the
 /// identity is used.
-fn to_uv(reader: &mut Reader) -> Affine2 {
+pub(super) fn to_uv(reader: &mut Reader) -> Affine2 {
     let steps = reader.transform("to_uv").unwrap_or_default();
     let map = TransformOp::compose(&steps);
     if !map.is_finite() {

@@ -208,6 +208,7 @@ fn bake_parameter(value: &Parameter<Rgb>, gain: Rgb) -> Result<Parameter<Rgb>, &
                 }
             }
             Texture::MeshAttribute { scale, .. } => *scale *= grey(gain)?,
+            Texture::Pattern(_) => return Err(FROM_PICTURE),
         },
     }
     Ok(baked)

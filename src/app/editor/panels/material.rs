@@ -156,8 +156,14 @@ impl Rows<'_> {
             ParameterMut::VolumeEmission(value) => self.volume_emission(info, value),
             ParameterMut::VolumeShare(value) => self.volume_share(info, value),
             ParameterMut::Values(value) => self.values(info, value),
-            // Building parts have rows of their own.
-            ParameterMut::Length(_) | ParameterMut::Count(_) | ParameterMut::Openings(_) => {}
+            // Building parts and patterns have rows of their own.
+            ParameterMut::Length(_)
+            | ParameterMut::Count(_)
+            | ParameterMut::Openings(_)
+            | ParameterMut::Nested(_)
+            | ParameterMut::Placing(_)
+            | ParameterMut::Choice(_)
+            | ParameterMut::Stops(_) => {}
         }
     }
 

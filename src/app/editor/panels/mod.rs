@@ -36,6 +36,7 @@ pub mod menu_bar;
 pub mod missing_files;
 pub mod outliner;
 pub mod paths;
+pub(super) mod pattern_rows;
 pub mod plain_value;
 pub mod preferences;
 pub mod projection;

@@ -9,7 +9,9 @@ use super::plain_value::PlainValue;
 use crate::app::editor::command::texture_placing::Placing;
 use crate::color::Rgb;
 use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE, WRAP_MODE_V};
-use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
+use crate::scene::{
+    Bitmap, Declared, Parameter, ParameterMut, ParameterRef, Pattern, Texture, TextureFilter, TextureWrap,
+};
 
 /// The kind of value that a parameter has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,16 +21,24 @@ pub(crate) enum TextureKind {
     Bitmap,
     Checkerboard,
     MeshAttribute,
+    /// The pattern of this plugin.
+    Pattern(&'static str),
 }
 
 impl TextureKind {
-    pub const ALL: [Self; 4] = [Self::Plain, Self::Bitmap, Self::Checkerboard, Self::MeshAttribute];
+    /// All kinds, in the order of menus.
+    pub fn all() -> impl Iterator<Item = Self> {
+        [Self::Plain, Self::Bitmap, Self::Checkerboard, Self::MeshAttribute]
+            .into_iter()
+            .chain(Pattern::PLUGINS.into_iter().map(Self::Pattern))
+    }
 
     pub fn of(texture: &Texture) -> Self {
         match texture {
             Texture::Bitmap(_) => Self::Bitmap,
             Texture::Checkerboard { .. } => Self::Checkerboard,
             Texture::MeshAttribute { .. } => Self::MeshAttribute,
+            Texture::Pattern(pattern) => Self::Pattern(pattern.plugin()),
         }
     }
 
@@ -39,6 +49,7 @@ impl TextureKind {
             Self::Bitmap => "picture\u{2026}",
             Self::Checkerboard => "checkerboard",
             Self::MeshAttribute => "values of the mesh",
+            Self::Pattern(plugin) => Pattern::label(plugin),
         }
     }
 }
@@ -51,6 +62,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
         Parameter::Texture(Texture::Bitmap(bitmap)) => (None, bitmap.to_uv),
         Parameter::Texture(Texture::Checkerboard { color0, to_uv, .. }) => (color0.constant(), **to_uv),
         Parameter::Texture(Texture::MeshAttribute { .. }) => (None, Affine2::IDENTITY),
+        Parameter::Texture(Texture::Pattern(pattern)) => parts(pattern),
     };
     match kind {
         TextureKind::Plain => *value = Parameter::Constant(color.map_or(otherwise, T::of_color)),
@@ -70,7 +82,37 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
                 times: None,
             });
         }
+        TextureKind::Pattern(plugin) => {
+            if let Some(pattern) = Pattern::of_plugin(plugin) {
+                *value = Parameter::Texture(Texture::Pattern(Box::new(with_parts(pattern, color, to_uv))));
+            }
+        }
     }
+}
+
+/// The first colour of a pattern, if it is one, and its placing.
+fn parts(pattern: &Pattern) -> (Option<Rgb>, Affine2) {
+    let (mut first, mut to_uv) = (None, Affine2::IDENTITY);
+    pattern.visit(&mut |_, value| match value {
+        ParameterRef::Nested(nested) if first.is_none() => first = Some(nested.constant()),
+        ParameterRef::Placing(own) => to_uv = *own,
+        _ => {}
+    });
+    (first.flatten(), to_uv)
+}
+
+/// The pattern with this first colour, if there is one, and this placing.
+fn with_parts(mut pattern: Pattern, mut color: Option<Rgb>, to_uv: Affine2) -> Pattern {
+    pattern.visit_mut(&mut |_, value| match value {
+        ParameterMut::Nested(nested) => {
+            if let Some(color) = color.take() {
+                *nested = color.into();
+            }
+        }
+        ParameterMut::Placing(own) => *own = to_uv,
+        _ => {}
+    });
+    pattern
 }
 
 /// Shows the rows of a bitmap; returns true if edited.

@@ -8,12 +8,13 @@ use bevy_egui::egui::{self, Color32, Ui};
 use super::caption::Caption;
 use super::color_field;
 use super::fields::{self, name_cell};
+use super::pattern_rows::shown_colors;
 use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, SCALE, TIMES};
-use crate::scene::{Parameter, SquarePath, Texture};
+use crate::scene::{Parameter, Pattern, SquarePath, Texture};
 
 /// The edits of the user in a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,7 +25,7 @@ pub(crate) struct SlotEdit {
 }
 
 impl SlotEdit {
-    fn add(&mut self, other: Self) {
+    pub(super) fn add(&mut self, other: Self) {
         self.changed |= other.changed;
         self.wants_picture = self.wants_picture.or(other.wants_picture);
     }
@@ -135,7 +136,7 @@ impl Slot<'_> {
         let button = ui.add(egui::Button::new("").min_size(size));
         squares(ui, button.rect, kind != TextureKind::Plain);
         egui::Popup::menu(&button).show(|ui| {
-            for option in TextureKind::ALL {
+            for option in TextureKind::all() {
                 let name = option.name(self.plain);
                 if ui.selectable_label(option == kind, name).clicked() {
                     chosen = Some(option);
@@ -194,6 +195,7 @@ impl Slot<'_> {
                     }
                 }
             }
+            Texture::Pattern(pattern) => self.pattern(ui, pattern, &mut edit),
         }
         edit
     }
@@ -235,6 +237,7 @@ fn shown_name(texture: &Texture) -> String {
         }
         Texture::Checkerboard { .. } => "checkerboard".to_owned(),
         Texture::MeshAttribute { name, .. } => name.clone(),
+        Texture::Pattern(pattern) => Pattern::label(pattern.plugin()).to_owned(),
     }
 }
 
@@ -271,6 +274,16 @@ fn thumbnail(ui: &mut Ui, texture: &Texture, textures: &PanelTextures) -> egui::
     }
 }
 
+fn paint_color(ui: &Ui, rect: egui::Rect, color: &Parameter<Rgb>, textures: &PanelTextures) {
+    match color {
+        Parameter::Constant(color) => {
+            let [r, g, b] = color.to_array();
+            ui.painter().rect_filled(rect, 0.0, egui::Rgba::from_rgb(r, g, b));
+        }
+        Parameter::Texture(inside) => paint(ui, rect, inside, textures),
+    }
+}
+
 fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, textures: &PanelTextures) {
     let painter = ui.painter();
     let frame = ui.visuals().widgets.noninteractive.bg_stroke;
@@ -291,13 +304,7 @@ fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, textures: &PanelTextures)
                 let color = if row == column { color1 } else { color0 };
                 let corner = rect.min + egui::vec2(column as f32, row as f32) * half;
                 let square = egui::Rect::from_min_size(corner, half);
-                match &**color {
-                    Parameter::Constant(color) => {
-                        let [r, g, b] = color.to_array();
-                        painter.rect_filled(square, 0.0, egui::Rgba::from_rgb(r, g, b));
-                    }
-                    Parameter::Texture(inside) => paint(ui, square, inside, textures),
-                }
+                paint_color(ui, square, color, textures);
             }
         }
         Texture::MeshAttribute { .. } => {
@@ -312,6 +319,14 @@ fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, textures: &PanelTextures)
             }
             triangle.add_triangle(0, 1, 2);
             painter.add(triangle);
+        }
+        Texture::Pattern(pattern) => {
+            let colors = shown_colors(pattern);
+            let size = egui::vec2(rect.width() / colors.len() as f32, rect.height());
+            for (place, color) in colors.iter().enumerate() {
+                let part = egui::Rect::from_min_size(rect.min + egui::vec2(place as f32 * size.x, 0.0), size);
+                paint_color(ui, part, color, textures);
+            }
         }
     }
     painter.rect_stroke(rect, 1.0, frame, egui::StrokeKind::Inside);

@@ -383,6 +383,8 @@ impl Assign<'_> {
                 parse_integer_within(text, &info.range).map(|number| number as u32)
             }),
             ParameterMut::Openings(value) => self.value(name, value, |text| Ok(parse_openings(text)?)),
+            // Textures are given by files.
+            ParameterMut::Nested(_) | ParameterMut::Placing(_) | ParameterMut::Choice(_) | ParameterMut::Stops(_) => {}
         }
     }
 }
