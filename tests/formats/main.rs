@@ -16,6 +16,7 @@ mod hot_reload;
 mod media;
 mod mesh_files;
 mod opening;
+mod patterns;
 mod saving;
 mod scene;
 mod sensors;

@@ -21,6 +21,7 @@ mod placing;
 mod poses;
 mod shapes;
 mod tangents;
+pub(in crate::scene) mod without_patterns;
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};

@@ -84,10 +84,10 @@ impl<'a> Shapes<'a> {
             return self.write_instances(shape, group, writer, folders, messages);
         }
         let name = &*shape.identity.name;
-        let Some(form) = self.forms.of(shape, messages) else {
+        let form = self.forms.of(shape, messages);
+        let Some(form) = form.map(|form| box_laid(self.scene, shape, form)) else {
             return Ok(());
         };
-        let form = box_laid(self.scene, shape, form);
         let world = shape.to_world * form.shape_from_mesh;
         if !is_invertible(&world) {
             messages.left_out("shape", name, "the transform cannot be inverted");
@@ -217,10 +217,10 @@ impl<'a> Shapes<'a> {
         let mut primitives = Vec::new();
         for member in self.members[group].clone() {
             let member = &scene.shapes[member];
-            let Some(form) = self.forms.of(member, messages) else {
+            let form = self.forms.of(member, messages);
+            let Some(form) = form.map(|form| box_laid(scene, member, form)) else {
                 continue;
             };
-            let form = box_laid(scene, member, form);
             let in_group = member.to_world * form.shape_from_mesh;
             if !is_invertible(&in_group) {
                 messages.left_out("shape", &member.identity.name, "the transform cannot be inverted");
@@ -272,10 +272,8 @@ impl<'a> Shapes<'a> {
             ShapeKind::Mesh(file) => Some(file.path.as_path()),
             _ => None,
         };
-        let slots = match shape.material {
-            None if !form.mesh.materials.is_empty() => form.mesh.materials.len(),
-            _ => 1,
-        };
+        let slots = form.mesh.materials.len().max(1);
+        let slots = if shape.material.is_none() { slots } else { 1 };
         let mut light: Option<&AreaLight> = shape.area_light.as_ref();
         if !may_shine && light.take().is_some() {
             messages.note("shape", name, "a shape of a group cannot be a light");

@@ -24,6 +24,9 @@ pub enum SaveError {
     /// The grid of a `.vdb` file cannot be written as a `.vol` file.
     #[error("volume {}: {reason}", path.display())]
     Volume { path: PathBuf, reason: String },
+    /// A pattern cannot be turned into a picture.
+    #[error("{0}")]
+    Pattern(String),
     /// There is a folder or a device, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),

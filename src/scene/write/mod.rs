@@ -43,6 +43,7 @@ use crate::files::{self, Access, FileSet, LARGEST_DATA};
 use crate::scene::AuthoredScene;
 use crate::scene::assets::gltf_scene::is_called_gltf;
 use crate::scene::components::description::SceneDescription;
+use crate::scene::export::without_patterns::without_patterns;
 pub use crate::scene::file::known::KnownTexts;
 use crate::scene::file::known::are_as_read;
 use crate::scene::read::mesh_search::MeshSearch;
@@ -89,16 +90,25 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, with Mitsuba's plugins
 /// where these exist: single triangles and building parts become meshes in files beside it, and for Mitsuba grids of
-/// `.vdb` files become `.vol` files.
+/// `.vdb` files become `.vol` files, and patterns pictures.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
+    let mut set = FileSet::new(path);
+    let pictured = match extensions {
+        Extensions::Approximate => {
+            let origin = scene.remains.origin.as_ref();
+            let access = origin.map_or_else(Access::everywhere, |origin| origin.access.clone());
+            without_patterns(scene, &target, &access, &mut set)?
+        }
+        Extensions::Keep => None,
+    };
+    let scene = pictured.as_ref().unwrap_or(scene);
     let (mut document, moves) = whole(scene, &target);
     if extensions == Extensions::Approximate {
         // Mitsuba has no keys: the values at the shown time stay.
         stand_still(Arc::make_mut(&mut document.root));
     }
-    let mut set = FileSet::new(path);
     copy_parts(&moves, &mut set)?;
     if extensions == Extensions::Approximate {
         let origin = scene.remains.origin.as_ref();

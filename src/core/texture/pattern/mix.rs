@@ -31,8 +31,7 @@ impl Mix {
     /// The value at a point of a surface.
     pub(in crate::texture) fn value<V: TextureValue>(&self, table: &TextureTable, at: &TexturePoint) -> V {
         let weight = f32::nested(table, self.weight, at);
-        // The maximum of NaN and a number is the number.
-        let share = weight.max(0.0).min(1.0);
+        let share = weight.saturated();
         let nested = |color: Parameter<Rgb>| V::nested(table, color, at);
         let [a, b] = self.colors;
         match self.mode {

@@ -34,8 +34,7 @@ const FARTHEST: f32 = 4e6;
 /// The point in the coordinates of a pattern.
 fn point(to_uv: &Affine2, uv: Vec2) -> [f32; 2] {
     let Vec2 { x, y } = to_uv.transform_point2(uv);
-    // The maximum of NaN and a number is the number.
-    [x, y].map(|x| x.max(-FARTHEST).min(FARTHEST))
+    [x, y].map(|x| if x.is_nan() { 0.0 } else { x.clamp(-FARTHEST, FARTHEST) })
 }
 
 /// The largest factor by which a map of uv stretches.

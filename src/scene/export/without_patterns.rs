@@ -1,0 +1,263 @@
+//! A scene for programs that do not have patterns: pictures take the place of these, and shapes on which they lie by box
+//! projection become meshes with the coordinates of the box.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::math::{Affine2, Vec2};
+use image::{DynamicImage, ImageBuffer, ImageFormat};
+use rayon::prelude::*;
+
+use super::box_lying::{laid, projection_of};
+use super::form::Forms;
+use super::messages::Messages;
+use crate::color::{Rgb, srgb_from_linear};
+use crate::files::{Access, FileSet};
+use crate::geometry::ply_write::binary_ply;
+use crate::memory;
+use crate::scene::assets::packed_pattern::packed_pattern;
+use crate::scene::assets::pattern_tile::Tile;
+use crate::scene::assets::texture_map::{load_picture, packed_bitmap};
+use crate::scene::components::description::SceneDescription;
+use crate::scene::write::SaveError;
+use crate::scene::{
+    Bitmap, Declared, Material, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
+    TextureWrap,
+};
+use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
+
+/// Pixels along each side of a picture.
+const EDGE: u32 = 1024;
+
+/// Bytes per pixel while a picture is made: its values, their codes and the file.
+const PIXEL_BYTES: u64 = 32;
+
+/// The scene without patterns for writing to `target`; the new files beside that are added to `set`. None if it has no
+/// patterns.
+pub(in crate::scene) fn without_patterns(
+    scene: &SceneDescription,
+    target: &Path,
+    access: &Access,
+    set: &mut FileSet,
+) -> Result<Option<SceneDescription>, SaveError> {
+    let mut changed = scene.clone();
+    let mut maker = Maker {
+        target,
+        access,
+        known: Vec::new(),
+        set,
+        files: 0,
+    };
+    maker.lay_shapes(scene, &mut changed)?;
+    for described in &mut changed.materials {
+        maker.material(&mut described.material)?;
+    }
+    for shape in &mut changed.shapes {
+        if let Some(light) = &mut shape.area_light {
+            maker.parameters(light)?;
+        }
+    }
+    for emitter in &mut changed.emitters {
+        maker.parameters(&mut emitter.emitter.kind)?;
+    }
+    Ok((maker.files > 0).then_some(changed))
+}
+
+/// The use of a picture, which decides on its coding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    /// Colours from 0 to 1, as 8-bit sRGB.
+    Color,
+    /// Numbers, linear in 16 bits.
+    Number,
+}
+
+/// Makes files.
+struct Maker<'a> {
+    target: &'a Path,
+    access: &'a Access,
+    /// The pictures made so far, and the largest value of each, by which it was divided if that is above 1.
+    known: Vec<(Texture, Use, Bitmap, f32)>,
+    set: &'a mut FileSet,
+    /// The number of files added to the set.
+    files: usize,
+}
+
+impl Maker<'_> {
+    /// Adds a file with this content; returns its path.
+    fn add(&mut self, kind: &str, extension: &str, content: &[u8]) -> Result<PathBuf, SaveError> {
+        let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
+        self.files += 1;
+        let name = format!("{stem}.{kind}-{}.{extension}", self.files);
+        let path = self.target.with_file_name(name);
+        self.set.add(&path, content)?;
+        Ok(path)
+    }
+
+    /// Replaces shapes whose textures lie by box projection.
+    fn lay_shapes(&mut self, scene: &SceneDescription, changed: &mut SceneDescription) -> Result<(), SaveError> {
+        let mut forms = Forms::new(self.access);
+        for (shape, changed) in scene.shapes.iter().zip(&mut changed.shapes) {
+            let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
+                continue;
+            };
+            let Some(form) = forms.of(shape, &mut Messages::default()) else {
+                continue;
+            };
+            let mesh = laid(&form.mesh, &(shape.to_world * form.shape_from_mesh), up);
+            let path = self.add("box", "ply", &binary_ply(&mesh))?;
+            changed.to_world = shape.to_world * form.shape_from_mesh;
+            changed.shape.kind = ShapeKind::Mesh(MeshFile {
+                path,
+                format: MeshFormat::Ply,
+                shape_index: 0,
+                face_normals: form.is_flat,
+                flip_tex_coords: false,
+            });
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, material: &mut Material) -> Result<(), SaveError> {
+        if let Material::BumpMap { height, scale, .. } = material
+            && let Parameter::Texture(texture) = height
+            && has_pattern(texture)
+        {
+            let (bitmap, peak) = self.picture(texture, Use::Number)?;
+            *texture = Texture::Bitmap(Box::new(bitmap));
+            *scale *= peak;
+        }
+        self.parameters(material)
+    }
+
+    fn parameters(&mut self, values: &mut impl Declared) -> Result<(), SaveError> {
+        let mut failed = None;
+        values.visit_mut(&mut |info, value| {
+            let is_color = matches!(
+                value,
+                ParameterMut::Reflectance(_) | ParameterMut::TexturedEmission(_) | ParameterMut::OptionalTexture(_)
+            );
+            let used = if is_color { Use::Color } else { Use::Number };
+            value.for_each_texture(info, &mut |_, texture| {
+                if has_pattern(texture) {
+                    match self.picture(texture, used) {
+                        Ok((bitmap, _)) => *texture = Texture::Bitmap(Box::new(bitmap)),
+                        Err(reason) => failed = Some(reason),
+                    }
+                }
+            });
+        });
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// The picture of a texture, and the number by which its values were divided.
+    fn picture(&mut self, texture: &Texture, used: Use) -> Result<(Bitmap, f32), SaveError> {
+        let mut known = self.known.iter();
+        if let Some((.., bitmap, peak)) = known.find(|(known, how, ..)| *how == used && known == texture) {
+            return Ok((bitmap.clone(), *peak));
+        }
+        let pixels = u64::from(EDGE) * u64::from(EDGE);
+        let _memory =
+            memory::reserve(pixels * PIXEL_BYTES).map_err(|shortage| failed(texture, format!("needs {shortage}")))?;
+        let tile = Tile::of(texture);
+        let values = self.values(texture, tile.as_ref(), used);
+        let peak = match used {
+            Use::Color => 1.0,
+            Use::Number => values.iter().map(|value| value.x).fold(1.0, f32::max),
+        };
+        let coded = coded(&values, used, peak).ok_or_else(|| failed(texture, "is too large".to_owned()))?;
+        let mut bytes = Cursor::new(Vec::new());
+        let written = coded.write_to(&mut bytes, ImageFormat::Png);
+        written.map_err(|error| failed(texture, format!("cannot be made: {error}")))?;
+        let path = self.add("texture", "png", &bytes.into_inner())?;
+        let bitmap = Bitmap {
+            path,
+            filter: TextureFilter::Bilinear,
+            wrap: TextureWrap::Repeat,
+            wrap_v: None,
+            raw: used == Use::Number,
+            to_uv: tile.map_or(Affine2::IDENTITY, |tile| tile.to_uv),
+        };
+        self.known.push((texture.clone(), used, bitmap.clone(), peak));
+        Ok((bitmap, peak))
+    }
+
+    /// The values of the pixels, row by row as v grows: over the tile of a box projection, else over the unit square of
+    /// uv.
+    fn values(&self, texture: &Texture, tile: Option<&Tile>, used: Use) -> Vec<Rgb> {
+        let mut textures = Vec::new();
+        let id = pack(texture, self.access, &mut textures);
+        let table = TextureTable::new(textures);
+        let value = |uv: Vec2| {
+            let at = TexturePoint::of_uv(uv);
+            match used {
+                Use::Color => table.color(texture::Parameter::Texture(id), &at),
+                Use::Number => Rgb::splat(table.float(texture::Parameter::Texture(id), &at)),
+            }
+        };
+        let of_pixel = |pixel: u32| {
+            let at = Vec2::new((pixel % EDGE) as f32 + 0.5, (pixel / EDGE) as f32 + 0.5) / EDGE as f32;
+            match tile {
+                Some(tile) => tile.value(at, |at| value(tile.place(at))),
+                None => value(at),
+            }
+        };
+        (0..EDGE * EDGE).into_par_iter().map(of_pixel).collect()
+    }
+}
+
+fn failed(texture: &Texture, problem: String) -> SaveError {
+    SaveError::Pattern(format!("a picture of `{}` {problem}", texture.plugin()))
+}
+
+/// The pixels as codes of a file.
+fn coded(values: &[Rgb], used: Use, peak: f32) -> Option<DynamicImage> {
+    match used {
+        Use::Color => {
+            let code = |value: f32| (255.0 * srgb_from_linear(value.clamp(0.0, 1.0))).round() as u8;
+            let codes = values.iter().flat_map(|value| value.to_array()).map(code);
+            ImageBuffer::from_raw(EDGE, EDGE, codes.collect()).map(DynamicImage::ImageRgb8)
+        }
+        Use::Number => {
+            let code = |value: &Rgb| (65535.0 * (value.x / peak).clamp(0.0, 1.0)).round() as u16;
+            ImageBuffer::from_raw(EDGE, EDGE, values.iter().map(code).collect()).map(DynamicImage::ImageLuma16)
+        }
+    }
+}
+
+fn has_pattern(texture: &Texture) -> bool {
+    let mut found = matches!(texture, Texture::Pattern(_));
+    texture.for_each_nested(&mut |nested| found |= has_pattern(nested));
+    found
+}
+
+/// Adds a texture to the table, after those inside it. A picture that cannot be read is grey, and mesh attributes, which
+/// belong to no place of uv, are black.
+fn pack(texture: &Texture, access: &Access, textures: &mut Vec<texture::Texture>) -> TextureId {
+    let nested = |parameter: &Parameter<Rgb>, textures: &mut Vec<texture::Texture>| match parameter {
+        Parameter::Constant(color) => texture::Parameter::Constant(*color),
+        Parameter::Texture(inner) => texture::Parameter::Texture(pack(inner, access, textures)),
+    };
+    let packed = match texture {
+        Texture::Bitmap(bitmap) => {
+            let image = load_picture(&bitmap.path, access).map(|picture| picture.image);
+            texture::Texture::Bitmap(packed_bitmap(
+                bitmap,
+                image.unwrap_or_else(|_| Arc::new(Image::uniform(0.5))),
+            ))
+        }
+        Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {
+            colors: [nested(color0, textures), nested(color1, textures)],
+            to_uv: **to_uv,
+        }),
+        Texture::MeshAttribute { name, scale, .. } => texture::Texture::MeshAttribute(texture::MeshAttribute {
+            name: name.as_str().into(),
+            scale: *scale,
+            times: None,
+        }),
+        Texture::Pattern(pattern) => packed_pattern(pattern, &mut |inner| pack(inner, access, textures)),
+    };
+    textures.push(packed);
+    TextureId(textures.len() as u32 - 1)
+}
