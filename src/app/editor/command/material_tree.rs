@@ -44,6 +44,16 @@ pub(crate) fn wrappers() -> impl Iterator<Item = &'static PluginInfo> {
 }
 
 impl MaterialTree {
+    /// The material and all new ones nested in it.
+    #[cfg(test)]
+    pub fn materials(&self) -> Vec<&Material> {
+        let inside = self.inside.iter().flat_map(|inside| match inside {
+            Inside::Kept(_) => Vec::new(),
+            Inside::New(tree) => tree.materials(),
+        });
+        std::iter::once(&self.material).chain(inside).collect()
+    }
+
     /// The present material around the materials nested in it.
     pub fn of(material: &Material, inside: &[Entity]) -> Self {
         Self {

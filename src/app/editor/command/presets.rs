@@ -1,16 +1,19 @@
-//! The library of materials: those of `assets/materials.xml`, and the user's own from a file of the same kind in the
-//! settings folder.
+//! The library of materials: those of `assets/materials.xml` and, with textures, of `assets/surfaces.xml`, and the user's
+//! own from a file of the same kind in the settings folder.
 //!
-//! A material with a medium below its surface is a shape there, with the medium as its interior.
+//! A material with a medium below its surface is a shape there, with the medium as its interior. Textures that box
+//! projection lays on shapes are in metres, with y upwards.
 
 use std::path::{Path, PathBuf};
 
-use super::material_tree::MaterialTree;
+use bevy::math::{Affine2, Vec2, Vec3};
+
+use super::material_tree::{Inside, MaterialTree};
 use crate::color::Rgb;
 use crate::document::{parse_str, parse_within};
 use crate::files::{self, Access, FileError, LARGEST_NOTE};
 use crate::scene::description::{DeclarationPlace, SceneDescription};
-use crate::scene::{LengthUnit, Medium, read};
+use crate::scene::{Declared, LengthUnit, Material, Medium, read};
 
 /// An entry of the library.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +22,7 @@ pub struct Preset {
     pub group: String,
     /// The part of its id after the `/`.
     pub name: String,
-    /// The tree of the material.
+    /// The tree of the material, with lengths in metres and y upwards.
     pub tree: MaterialTree,
     /// The medium inside of shapes with the material, with its coefficients per millimetre.
     pub medium: Option<Medium>,
@@ -29,6 +32,17 @@ impl Preset {
     /// The id of a material of the scene that is made from it.
     pub fn id(&self) -> String {
         self.name.replace(", ", "-").replace(' ', "-")
+    }
+
+    /// The tree of the material in a scene of this unit of length, in which the direction `up` is up.
+    pub fn tree_in(&self, unit: LengthUnit, up: Vec3) -> MaterialTree {
+        let mut tree = self.tree.clone();
+        fit(
+            &mut tree,
+            unit.metres() as f32,
+            if up.z.abs() > 0.5 { "z" } else { "y" },
+        );
+        tree
     }
 
     /// The medium in a scene of this unit of length.
@@ -55,7 +69,34 @@ impl Preset {
     }
 }
 
-const BUILT_IN: &str = include_str!("../../../../assets/materials.xml");
+/// Lays the textures of a material with lengths in metres on shapes of a scene whose unit is so many metres.
+fn fit(tree: &mut MaterialTree, metres: f32, up: &str) {
+    let mut has_lengths = false;
+    tree.material.visit_mut(&mut |info, value| {
+        value.for_each_texture(info, &mut |_, texture| {
+            texture.for_each_projection(&mut |to_uv, axis| {
+                *to_uv *= Affine2::from_scale(Vec2::splat(metres));
+                *axis = axis.of_name(up).unwrap_or(*axis);
+                has_lengths = true;
+            });
+        });
+    });
+    if let Material::BumpMap { scale, .. } = &mut tree.material
+        && has_lengths
+    {
+        *scale /= metres;
+    }
+    for inside in &mut tree.inside {
+        if let Inside::New(inner) = inside {
+            fit(inner, metres, up);
+        }
+    }
+}
+
+const BUILT_IN: [(&str, &str); 2] = [
+    ("surfaces.xml", include_str!("../../../../assets/surfaces.xml")),
+    ("materials.xml", include_str!("../../../../assets/materials.xml")),
+];
 
 /// Loads all presets, and returns the problems with the user's file.
 pub fn load() -> (Vec<Preset>, Vec<String>) {
@@ -114,7 +155,8 @@ pub(crate) fn content_of(path: &Path, access: Access) -> Result<FileContent, Fil
 
 /// The presets that come with the program.
 pub fn built_in() -> Vec<Preset> {
-    of_text(BUILT_IN, Path::new("materials.xml")).0
+    let of_file = |(name, text): (&str, &str)| of_text(text, Path::new(name)).0;
+    BUILT_IN.into_iter().flat_map(of_file).collect()
 }
 
 /// The path of the user's presets, if there are any.
@@ -165,11 +207,32 @@ fn tree(scene: &SceneDescription, place: usize) -> MaterialTree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::editor::command::texture_placing::has_textures;
     use crate::scene::parameters::ALPHA;
     use crate::scene::{
-        ConductorIor, Declared, Ior, Material, ParameterInfo, ParameterRef, PrincipledIndex, Roughness,
+        ConductorIor, Ior, Parameter, ParameterInfo, ParameterRef, Pattern, PrincipledIndex, Roughness, Texture,
     };
     use crate::shading::ior;
+
+    /// Whether the texture lies on shapes by lengths, and no colour in it is beyond the limit.
+    fn is_possible_texture(texture: &Texture, limit: f32) -> bool {
+        fn are_within(texture: &Texture, limit: f32) -> bool {
+            let mut found = true;
+            if let Texture::Pattern(pattern) = texture {
+                pattern.visit(&mut |_, value| {
+                    found &= match value {
+                        ParameterRef::Stops(stops) => stops.iter().all(|stop| stop.color.max_element() <= limit),
+                        _ => true,
+                    };
+                });
+            }
+            texture.for_each_nested(&mut |nested| found &= are_within(nested, limit));
+            found
+        }
+        let is_projected =
+            matches!(texture, Texture::Pattern(pattern) if matches!(**pattern, Pattern::BoxProjection { .. }));
+        is_projected && are_within(texture, limit.max(1.2))
+    }
 
     /// Whether the value could be that of a real material.
     fn is_possible(info: &ParameterInfo, value: ParameterRef) -> bool {
@@ -178,13 +241,15 @@ mod tests {
                 // Only factors, which are 1, are whiter than fresh snow.
                 let is_factor = info.name.starts_with("specular");
                 let limit = if is_factor { 1.0 } else { 0.95 };
-                color
-                    .constant()
-                    .is_some_and(|color| color.min_element() >= 0.0 && color.max_element() <= limit)
+                match color {
+                    Parameter::Constant(color) => color.min_element() >= 0.0 && color.max_element() <= limit,
+                    Parameter::Texture(texture) => is_possible_texture(texture, limit),
+                }
             }
-            ParameterRef::Float(number) | ParameterRef::Height(number) => {
-                number.constant().is_some_and(|number| info.range.contains(&number))
-            }
+            ParameterRef::Float(number) | ParameterRef::Height(number) => match number {
+                Parameter::Constant(number) => info.range.contains(number),
+                Parameter::Texture(texture) => is_possible_texture(texture, f32::MAX),
+            },
             ParameterRef::Ior(index) => {
                 let index = match index {
                     Ior::Named(known) => ior::dielectric_ior(known),
@@ -211,9 +276,16 @@ mod tests {
 
     #[test]
     fn the_library_is_read_without_a_complaint_and_its_values_are_possible() {
-        let (presets, complaints) = of_text(BUILT_IN, Path::new("materials.xml"));
+        let (mut presets, mut complaints) = (Vec::new(), Vec::new());
+        for (name, text) in BUILT_IN {
+            let (found, wrong) = of_text(text, Path::new(name));
+            presets.extend(found);
+            complaints.extend(wrong);
+        }
         assert_eq!(complaints, [""; 0]);
-        assert!(presets.len() >= 50, "{}", presets.len());
+        let is_textured = |preset: &&Preset| has_textures(preset.tree.materials());
+        let textured = presets.iter().filter(is_textured).count();
+        assert!(textured >= 30 && presets.len() >= 80, "{textured} {}", presets.len());
         for preset in &presets {
             preset.tree.material.visit(&mut |info, value| {
                 let place = format!("{}/{} {}", preset.group, preset.name, info.name);
@@ -286,6 +358,34 @@ mod tests {
         assert_eq!(scale(LengthUnit::Millimetre), 1.0);
         assert_eq!((scale(LengthUnit::Centimetre), scale(LengthUnit::Inch)), (10.0, 25.4));
         assert_eq!((scale(LengthUnit::Metre), scale(LengthUnit::None)), (1000.0, 1000.0));
+    }
+
+    #[test]
+    fn textures_are_in_metres_whatever_the_unit_of_the_scene() {
+        let presets = built_in();
+        let brick = presets
+            .iter()
+            .find(|preset| preset.path() == "Brick/red brick")
+            .expect("a brick");
+        let parts = |tree: &MaterialTree| {
+            let Material::BumpMap {
+                height: Parameter::Texture(Texture::Pattern(pattern)),
+                scale,
+                ..
+            } = &tree.material
+            else {
+                panic!("{tree:?}")
+            };
+            let Pattern::BoxProjection { to_uv, up, .. } = &**pattern else {
+                panic!("{tree:?}")
+            };
+            (to_uv.matrix2.x_axis.x, *scale, up.name())
+        };
+        let (one, height, _) = parts(&brick.tree);
+        assert_eq!(brick.tree_in(LengthUnit::Metre, Vec3::Y), brick.tree);
+        let (factor, scale, up) = parts(&brick.tree_in(LengthUnit::Millimetre, Vec3::Z));
+        assert_eq!((factor, up), (0.001 * one, "z"));
+        assert!((scale - 1000.0 * height).abs() < 1e-3);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::materials::preset_tree;
 use super::things::call;
 use crate::app::editor::command::material_tree::MaterialTree;
 use crate::app::editor::model::EditorModel;
@@ -30,7 +31,7 @@ pub(super) fn name_after_preset(edit: &mut Edit, material: Entity, tree: &Materi
     };
     let Some(wanted) = presets
         .iter()
-        .find(|preset| preset.tree == *tree)
+        .find(|preset| preset_tree(edit.world, preset) == *tree)
         .map(|preset| preset.id())
     else {
         return;

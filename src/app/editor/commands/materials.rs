@@ -11,11 +11,13 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials_inside};
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape, UsesMaterial,
+    DeclaredIn, DocumentOrder, FirstNested, LengthUnit, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape,
+    UsesMaterial,
 };
 
 /// Applies the edit.
@@ -78,19 +80,29 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
     }
     preset_media::need_inside(edit, preset, shapes)?;
     let name = preset.id();
+    let tree = preset_tree(edit.world, preset);
     let mut known = edit.world.query::<(Entity, &Material, &SceneId)>();
     let mut alike = known
         .iter(edit.world)
-        .filter(|(entity, _, id)| id.0 == name && tree_of(edit.world, *entity).as_ref() == Some(&preset.tree));
+        .filter(|(entity, _, id)| id.0 == name && tree_of(edit.world, *entity).as_ref() == Some(&tree));
     let material = match alike.next() {
         Some((entity, ..)) => entity,
-        None => made(edit, &name, &preset.tree),
+        None => made(edit, &name, &tree),
     };
     for &shape in shapes {
         edit.set(shape, UsesMaterial(material));
     }
     preset_media::fill(edit, preset, shapes);
     Ok(())
+}
+
+/// The tree of a preset with the lengths of this scene.
+pub(super) fn preset_tree(world: &World, preset: &Preset) -> MaterialTree {
+    let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
+    let up = world
+        .get_resource::<ViewSettings>()
+        .map_or(Vec3::Y, |settings| settings.navigation.up);
+    preset.tree_in(unit, up)
 }
 
 /// Materials that only these shapes use: a material that others use as well is copied, and a shape without one gets a

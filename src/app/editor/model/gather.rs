@@ -183,6 +183,7 @@ pub fn gather_status(
     model.render.sampler = *settings.sampler;
     model.render.accel = *settings.accel;
     model.unit = *settings.unit;
+    model.up = picture.view.navigation.up;
     model.render.time_limit = settings.control.time_limit;
     let noise_target = settings
         .control

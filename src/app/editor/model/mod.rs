@@ -465,6 +465,8 @@ pub struct Model {
     pub missing: Arc<Vec<MissingItem>>,
     /// The unit of length of the scene.
     pub unit: LengthUnit,
+    /// The upward direction of the scene.
+    pub up: Vec3,
     /// The timeline.
     pub timeline: TimelineModel,
     /// The status line.

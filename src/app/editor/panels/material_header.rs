@@ -74,7 +74,7 @@ fn preset_menu(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model,
                     commands.push(
                         MaterialEdit::BuildMaterial {
                             targets: targets(target, place == MaterialPlace::Whole, model),
-                            tree: Box::new(preset.tree.clone()),
+                            tree: Box::new(preset.tree_in(model.unit, model.up)),
                         }
                         .into(),
                     );

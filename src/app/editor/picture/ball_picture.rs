@@ -9,12 +9,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use bevy::math::Vec3;
 use bevy_egui::egui::ColorImage;
 use image::{ExtendedColorType, ImageFormat, RgbImage};
 use rayon::prelude::*;
 
 use super::material_ball::{BallMaterial, MaterialBall};
-use crate::app::editor::command::material_tree::flattened;
+use crate::app::editor::command::material_tree::{MaterialTree, flattened};
 use crate::app::editor::command::presets::{self, Preset};
 use crate::app::editor::session::stable_hash::stable_hash;
 use crate::color::Rgb;
@@ -22,6 +23,7 @@ use crate::engine::{pack_loose, pack_medium_without_files};
 use crate::render::denoise::denoise_film;
 use crate::render::film::Film;
 use crate::render::tonemap::Display;
+use crate::scene::LengthUnit;
 
 /// The edge of a picture of the library in pixels: sharp at twice its size in points.
 pub(crate) const EDGE: u32 = 128;
@@ -38,7 +40,12 @@ const MILLIMETRES: f32 = 25.0;
 
 /// The materials of presets as the kernel has them, in the same order.
 pub(crate) fn looks(presets: &[Preset]) -> Vec<BallMaterial> {
-    let (materials, outermost) = flattened(presets.iter().map(|preset| &preset.tree));
+    // The ball is a metre high.
+    let trees: Vec<MaterialTree> = presets
+        .iter()
+        .map(|preset| preset.tree_in(LengthUnit::Metre, Vec3::Z))
+        .collect();
+    let (materials, outermost) = flattened(trees.iter());
     let (materials, textures, ids) = pack_loose(&materials);
     let (materials, textures) = (Arc::new(materials), Arc::new(textures));
     let looks = outermost.into_iter().zip(presets).map(|(place, preset)| BallMaterial {
