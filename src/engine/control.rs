@@ -33,9 +33,9 @@ pub struct RenderControl {
     /// Whether noisier parts get more samples, see [`crate::render::noise::adaptive`]; None is the sensor film's own
     /// `adaptive`.
     pub adaptive: Option<bool>,
-    /// The part of the film that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; a view that
-    /// shows more than the film may have a part outside of it. None is the whole picture, as is a part outside of the
-    /// picture. The rest keeps its samples.
+    /// The part of the film that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; a view
+    /// that shows more than the film may have a part outside of it. None is the whole picture, as is a part outside of
+    /// the picture. The rest keeps its samples.
     pub region: Option<Rect>,
     /// The number of the first sample, if the picture is a share of another one: nothing is shown around its region,
     /// and its film has the exact sums from which pictures are merged. It has to be a
@@ -48,17 +48,17 @@ pub struct RenderControl {
     pub motion_scale: f32,
     /// The size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
-    /// The size in pixels of the area in which the picture is shown: the picture gets no more pixels than fit there in
-    /// its own proportions. None is no limit.
+    /// The size in pixels of the area in which the picture is shown. Unless it is [filled](Self::filling), the picture
+    /// gets no more pixels than fit there in its own proportions. None is no limit.
     pub view_size: Option<UVec2>,
     /// Whether the picture fills `view_size`, where that is wider or higher than the film.
     pub filling: Filling,
     /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it at any other change of
     /// the scene or the view.
     pub full_until_change: bool,
-    /// The exact size of the picture in pixels in place of `view_size`, whatever the film says: the size of a saved
-    /// picture that rendering resumes. The engine resets it at any other change of the scene or the view.
-    pub size_until_change: Option<UVec2>,
+    /// The framing of the picture, whatever the film, `view_size` and `filling` say: the framing of a saved picture
+    /// that rendering resumes. The engine resets it at any other change of the scene or the view.
+    pub framing_until_change: Option<Framing>,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
     /// The surfaces that camera rays pass through; by default none.
@@ -102,7 +102,7 @@ impl Default for RenderControl {
             view_size: None,
             filling: Filling::None,
             full_until_change: false,
-            size_until_change: None,
+            framing_until_change: None,
             view_mode: ViewMode::Path,
             sight: SightControl::default(),
             strategy_split: false,
@@ -120,13 +120,22 @@ impl Default for RenderControl {
 impl RenderControl {
     /// Resets the sizes that apply until the scene or the view changes.
     pub fn forget_size_until_change(&mut self) {
-        (self.full_until_change, self.size_until_change) = (false, None);
+        (self.full_until_change, self.framing_until_change) = (false, None);
     }
 
     /// Demands all pixels of the film until the scene or the view changes.
     pub fn demand_full_until_change(&mut self) {
-        (self.full_until_change, self.size_until_change) = (true, None);
+        (self.full_until_change, self.framing_until_change) = (true, None);
     }
+}
+
+/// The pixels and the frame of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Framing {
+    /// The size of the picture at the current resolution in pixels.
+    pub size: UVec2,
+    /// The width and height of the picture in widths and heights of the film; 1 if it is the film.
+    pub extent: Vec2,
 }
 
 /// Whether a picture fills the place where it is shown, and has all of the place's pixels, whatever the shape and the

@@ -19,9 +19,6 @@ use super::stop_condition::StopCondition;
 use crate::render::view::View;
 use crate::scene::{SceneState, SceneStatus};
 
-/// The samples per pixel that the surroundings of the film get where the whole film is shown.
-const SAMPLES_AROUND_FILM: u32 = 16;
-
 #[derive(bevy::ecs::system::SystemParam)]
 pub(super) struct Demand<'w> {
     extracted: ResMut<'w, Extracted>,
@@ -142,12 +139,7 @@ pub(super) fn dispatch_job(
             && job.has_shutter(demand.shutter.shutter.as_ref())
     });
     let stop = StopCondition::new(&control, demand.extracted.film_limits());
-    let is_known_around_film = current
-        && job
-            .as_ref()
-            .is_some_and(|job| job.least_samples() >= SAMPLES_AROUND_FILM);
-    let is_film_enough = control.filling == Filling::AroundFilm && view.film_camera.is_some() && is_known_around_film;
-    let stop = stop.in_picture_of(&view, is_film_enough);
+    let stop = stop.in_picture_of(&view, control.filling == Filling::AroundFilm);
     let can_relight =
         !current && control.lights_are_free && !control.restart_requested && !demand.extracted.has_glowing_media();
     let wanted = Wanted {

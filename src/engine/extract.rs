@@ -298,7 +298,7 @@ pub(super) fn extract_scene(
     let is_auto = is_auto(&authored.integrator, &control);
     let old_guide = extracted.keep_guide(same_scene);
     extracted.forget_choice(is_auto);
-    let has_size_until_change = control.full_until_change || control.size_until_change.is_some();
+    let has_size_until_change = control.full_until_change || control.framing_until_change.is_some();
     let mut as_chosen = old_view.clone();
     if let Some(view) = as_chosen.as_mut().filter(|_| is_auto) {
         // A choice of integrator does not count as a change of the view.

@@ -29,7 +29,7 @@ use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, sort_from_center, tiles_in};
 use super::status::Outdated;
-use super::stop_condition::{JudgedNoise, Rounds, StopCondition, StopReason};
+use super::stop_condition::{JudgedNoise, Rounds, SAMPLES_AROUND_FILM, StopCondition, StopReason};
 use crate::render::clamp::BrightnessLimit;
 use crate::render::noise::PictureNoise;
 use crate::render::noise::replicas::Replicas;
@@ -281,7 +281,9 @@ impl Job {
         waker: EventLoopWaker,
         gate: &Gate,
     ) {
-        self.set_region(stop.region, film);
+        let has_surroundings = || self.done.iter().all(|&done| done >= SAMPLES_AROUND_FILM);
+        let region = stop.region.or_else(|| stop.film.filter(|_| has_surroundings()));
+        self.set_region(region, film);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {
             self.stops.insert(stop.samples);

@@ -45,7 +45,7 @@ pub use blocking::{
     Limits, Outcome, RenderError, choose_integrator, load_to_completion, render_to_completion, render_watched,
 };
 pub use choosing::set_choice;
-pub use control::{ClosedGate, Filling, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
+pub use control::{ClosedGate, Filling, Framing, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub(crate) use deferred_drop::DeferredDrop;
 pub use film::RenderFilm;
 pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};
@@ -54,7 +54,7 @@ pub(crate) use pack::material::pack_loose;
 pub(crate) use pack::medium::pack_medium_without_files;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
-pub use resolution::{active_film, fit, full_size};
+pub use resolution::{active_film, fit, framing, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
 pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, Outdated, RenderState, RenderStatus};

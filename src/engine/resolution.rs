@@ -3,7 +3,7 @@
 use bevy::math::{UVec2, Vec2};
 use bevy::prelude::World;
 
-use super::control::{Filling, RenderControl};
+use super::control::{Filling, Framing, RenderControl};
 use crate::render::view::View;
 use crate::scene::{ActiveSensor, Film};
 
@@ -43,35 +43,23 @@ pub fn full_size(film: &Film, control: &RenderControl) -> UVec2 {
     scaled(possible(asked(film, control)), control.resolution_scale)
 }
 
-/// The pixels and the frame of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Framing {
-    /// The size of the picture at the current resolution in pixels.
-    pub size: UVec2,
-    /// The width and height of the picture in widths and heights of the film; 1 if it is the film.
-    pub extent: Vec2,
-}
-
 /// The framing of the picture of this film.
-pub(super) fn framing(film: &Film, control: &RenderControl) -> Framing {
+pub fn framing(film: &Film, control: &RenderControl) -> Framing {
+    if let Some(Framing { size, extent }) = control.framing_until_change {
+        let size = scaled(possible(size), control.motion_scale);
+        return Framing { size, extent };
+    }
     let whole = possible(asked(film, control));
-    let (room, scale) = match control.size_until_change {
-        Some(size) => (Some(possible(size)), control.motion_scale),
-        None => (
-            control.view_size.filter(|_| !control.full_until_change),
-            control.resolution_scale * control.motion_scale,
-        ),
-    };
+    let room = control.view_size.filter(|_| !control.full_until_change);
     let (size, extent) = match room {
         Some(room) if control.filling != Filling::None => {
             let room = possible(room);
             (room, extent(whole, room))
         }
-        Some(room) if control.size_until_change.is_some() => (room, Vec2::ONE),
         Some(room) => (fit(whole, room).min(whole), Vec2::ONE),
         None => (whole, Vec2::ONE),
     };
-    let size = scaled(size, scale);
+    let size = scaled(size, control.resolution_scale * control.motion_scale);
     Framing { size, extent }
 }
 
@@ -105,7 +93,7 @@ pub(super) fn is_same_at_other_size(one: &View, other: &View) -> bool {
         height: other.height,
         ..one.clone()
     };
-    resized == *other && one.film_camera.unwrap_or(one.camera) == other.film_camera.unwrap_or(other.camera)
+    resized == *other && one.of_film() == other.of_film()
 }
 
 #[cfg(test)]
@@ -176,7 +164,10 @@ mod tests {
         );
         assert_eq!(
             traced(|control| {
-                control.size_until_change = Some(UVec2::new(50, 40));
+                control.framing_until_change = Some(Framing {
+                    size: UVec2::new(50, 40),
+                    extent: Vec2::ONE,
+                });
                 control.view_size = Some(UVec2::new(20, 20));
                 control.resolution_scale = 0.5;
             }),
@@ -219,7 +210,13 @@ mod tests {
         let film_alone = ([800, 600], [1.0, 1.0]);
         assert_eq!(framing(wide, |control| control.full_until_change = true), film_alone);
         assert_eq!(framing(None, |_| {}), film_alone);
-        let kept = |control: &mut RenderControl| control.size_until_change = Some(UVec2::new(400, 600));
-        assert_eq!(framing(wide, kept), ([400, 600], [1.0, 2.0]));
+        let kept = |control: &mut RenderControl| {
+            control.resolution_scale = 0.5;
+            control.framing_until_change = Some(Framing {
+                size: UVec2::new(523, 351),
+                extent: Vec2::new(1.118, 1.0),
+            });
+        };
+        assert_eq!(framing(wide, kept), ([523, 351], [1.118, 1.0]));
     }
 }

@@ -21,6 +21,9 @@ pub(super) struct StopCondition {
     pub is_adaptive: bool,
     /// The region as in [`RenderControl`], or that of [the picture](Self::in_picture_of).
     pub region: Option<Rect>,
+    /// The film in the picture, if its surroundings get no more samples than [`SAMPLES_AROUND_FILM`]; it is the region
+    /// then.
+    pub film: Option<Rect>,
 }
 
 /// The limit that a picture has reached.
@@ -39,6 +42,8 @@ pub const FEWEST_FOR_NOISE: u32 = 16;
 
 /// From this number of samples on, a picture without light counts as black.
 const FEWEST_FOR_BLACK: u32 = 1024;
+/// The samples per pixel that the surroundings of the film get where the whole film is shown.
+pub const SAMPLES_AROUND_FILM: u32 = 16;
 /// The shortest round is the samples so far divided by this.
 const SHORTEST_ROUND: u32 = 8;
 
@@ -79,18 +84,23 @@ impl StopCondition {
                 .filter(|noise| exact.is_none() && *noise > 0.0),
             is_adaptive: exact.is_none() && control.adaptive.unwrap_or(film.is_adaptive),
             region: control.region,
+            film: None,
         }
     }
 
     /// The same condition with the region in the coordinates of this view's picture in place of the film's. With
-    /// `is_film_enough` a picture without a region has the film as its region.
-    pub fn in_picture_of(self, view: &View, is_film_enough: bool) -> Self {
-        let film = Rect::new(0.0, 0.0, 1.0, 1.0);
-        let region = self.region.or(is_film_enough.then_some(film)).map(|region| Rect {
+    /// `is_dimmed` the surroundings of the film get few samples, unless all pixels must have an exact number.
+    pub fn in_picture_of(self, view: &View, is_dimmed: bool) -> Self {
+        let in_picture = |region: Rect| Rect {
             min: view.picture_of_film(region.min),
             max: view.picture_of_film(region.max),
-        });
-        Self { region, ..self }
+        };
+        let is_dimmed = is_dimmed && view.film_camera.is_some() && !self.is_exact;
+        Self {
+            region: self.region.map(in_picture),
+            film: is_dimmed.then(|| in_picture(Rect::new(0.0, 0.0, 1.0, 1.0))),
+            ..self
+        }
     }
 
     /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with a relative `noise` judged

@@ -144,8 +144,8 @@ fn mean_and_deviation(values: impl Iterator<Item = f32>) -> (f32, f32) {
 }
 
 /// Gradients are symmetric, so that the mean is a half. The variance of gradient noise with unit gradients follows from
-/// the integral of the squared weights: half the sum over the corners of the mean of w(x)^2 w(y)^2 (dx^2 + dy^2), which is
-/// 4 * 0.5 * 2 * a * b with a the integral of w^2 and b that of w^2 x^2.
+/// the integral of the squared weights: half the sum over the corners of the mean of w(x)^2 w(y)^2 (dx^2 + dy^2), which
+/// is 4 * 0.5 * 2 * a * b with a the integral of w^2 and b that of w^2 x^2.
 #[test]
 fn noise_has_its_mean_and_its_variance() {
     let fade = |t: f64| t * t * t * (t * (6.0 * t - 15.0) + 10.0);

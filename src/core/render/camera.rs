@@ -111,8 +111,8 @@ impl Camera {
         }
     }
 
-    /// The film coordinates, in the picture of a camera that looks the same way from the same place, of the point that is
-    /// at `film` in this one's picture.
+    /// The film coordinates, in the picture of a camera that looks the same way from the same place, of the point that
+    /// is at `film` in this one's picture.
     pub fn film_of(&self, film: Vec2, other: &Self) -> Vec2 {
         (self.corner + film * self.diagonal - other.corner) / other.diagonal
     }

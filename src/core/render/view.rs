@@ -21,8 +21,8 @@ use crate::sampling::{Sampler, SequenceKind};
 pub struct View {
     /// The camera, which maps points of the film to rays.
     pub camera: Camera,
-    /// The camera of the film, if the picture has another frame: a free view shows the surroundings of the film as well.
-    /// None if the picture is the film.
+    /// The camera of the film, if the picture has another frame: a free view shows the surroundings of the film as
+    /// well. None if the picture is the film.
     pub film_camera: Option<Camera>,
     /// The width in pixels.
     pub width: u32,
@@ -196,6 +196,11 @@ pub struct CameraSample {
 }
 
 impl View {
+    /// The camera of the film.
+    pub fn of_film(&self) -> Camera {
+        self.film_camera.unwrap_or(self.camera)
+    }
+
     /// The place in the film, (0, 0) top left, (1, 1) bottom right, of a place in the picture. It may be outside of the
     /// film, if the picture shows the surroundings as well.
     pub fn film_of_picture(&self, place: Vec2) -> Vec2 {

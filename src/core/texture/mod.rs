@@ -153,8 +153,8 @@ impl TextureTable {
         self.color(parameter, at).max(Rgb::ZERO)
     }
 
-    /// The parameter's number at a point. A colour picture gives its luminance; a colour inside another texture gives its
-    /// mean, as a single colour does when a scene is read.
+    /// The parameter's number at a point. A colour picture gives its luminance; a colour inside another texture gives
+    /// its mean, as a single colour does when a scene is read.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,

@@ -1,5 +1,5 @@
-//! A scene for programs that do not have patterns: pictures take the place of these, and shapes on which they lie by box
-//! projection become meshes with the coordinates of the box.
+//! A scene for programs that do not have patterns: pictures take the place of these, and shapes on which they lie by
+//! box projection become meshes with the coordinates of the box.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -232,8 +232,8 @@ fn has_pattern(texture: &Texture) -> bool {
     found
 }
 
-/// Adds a texture to the table, after those inside it. A picture that cannot be read is grey, and mesh attributes, which
-/// belong to no place of uv, are black.
+/// Adds a texture to the table, after those inside it. A picture that cannot be read is grey, and mesh attributes,
+/// which belong to no place of uv, are black.
 fn pack(texture: &Texture, access: &Access, textures: &mut Vec<texture::Texture>) -> TextureId {
     let nested = |parameter: &Parameter<Rgb>, textures: &mut Vec<texture::Texture>| match parameter {
         Parameter::Constant(color) => texture::Parameter::Constant(*color),

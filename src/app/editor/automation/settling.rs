@@ -182,8 +182,8 @@ impl Seen<'_> {
             .picture
             .pixels(&self.images)
             .ok_or("there is no picture to measure, or it is too large for a texture")?;
-        let rgba = rgba.to_owned();
-        Ok(Shot { size, rgba })
+        let film_corners = self.picture.film_corners();
+        Ok(Shot::of_film(size, rgba, film_corners))
     }
 
     /// Whether this is the final picture at so many samples per pixel, and of a later job than `left`.

@@ -5,7 +5,7 @@ use bevy::math::Vec2;
 /// The paths that the user has asked to inspect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InspectedPaths {
-    /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
+    /// The place in the film: (0, 0) top left, (1, 1) bottom right; a view that shows more may have places outside.
     pub place: Vec2,
     /// The number of samples of the pixel, from the first on.
     pub count: u32,

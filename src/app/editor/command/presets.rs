@@ -1,5 +1,5 @@
-//! The library of materials: those of `assets/materials.xml` and, with textures, of `assets/surfaces.xml`, and the user's
-//! own from a file of the same kind in the settings folder.
+//! The library of materials: those of `assets/materials.xml` and, with textures, of `assets/surfaces.xml`, and the
+//! user's own from a file of the same kind in the settings folder.
 //!
 //! A material with a medium below its surface is a shape there, with the medium as its interior. Textures that box
 //! projection lays on shapes are in metres, with y upwards.

@@ -130,6 +130,8 @@ fn look(world: &mut World) {
     let view = world.resource::<PackedScene>().view.as_ref().filter(|_| is_seen);
     let look = view.map(|view| Look {
         camera: view.camera,
+        film_camera: view.of_film(),
+        film_corners: view.film_corners(),
         size: match UVec2::new(view.width, view.height) {
             size if size.cmple(LARGEST_LOOK).all() => size.to_array(),
             size => fit(size, LARGEST_LOOK).to_array(),

@@ -25,6 +25,7 @@ use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
 use crate::render::layered_image::LayeredImage;
 use crate::render::tile::tiles;
+use crate::render::view::View;
 use crate::scene::SceneStatus;
 
 /// The picture as it is shown: with its lights mixed, and denoised if the denoised picture is shown.
@@ -92,9 +93,9 @@ pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     let view = world
         .get_resource::<PackedScene>()
         .and_then(|packed| packed.view.as_ref());
-    let snapshot = comparison.other(view.map(|view| &view.camera)).filter(|_| is_shaded);
+    let snapshot = comparison.other(view.map(View::of_film).as_ref()).filter(|_| is_shaded);
     let size = [picture.width, picture.height];
-    match snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size)) {
+    match snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size, film_corners(world))) {
         Some(compared) => ImageRgb {
             pixels: compared.picture(&picture.pixels),
             ..picture
@@ -178,9 +179,11 @@ pub fn take_snapshot(world: &mut World) -> Result<(), CommandError> {
         return Err("There is no picture to keep.".into());
     }
     let samples = world.resource::<RenderFilm>().samples;
+    let film_corners = film_corners(world);
     let mut comparison = world.resource_mut::<Comparison>();
     comparison.snapshot = Some(Snapshot {
         size: [picture.width, picture.height],
+        film_corners,
         radiance: picture.pixels,
         samples,
     });
@@ -190,16 +193,35 @@ pub fn take_snapshot(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// The corners of the film in the picture.
+fn film_corners(world: &World) -> [Vec2; 2] {
+    let view = world.get_resource::<RenderFilm>().and_then(|film| film.view.as_ref());
+    view.map_or(View::WHOLE_FILM, View::film_corners)
+}
+
+/// The pixels of the film alone, whose surroundings have fewer samples, with their number along both sides.
+fn of_film(radiance: &[Rgb], size: [u32; 2], film_corners: [Vec2; 2]) -> ([u32; 2], Vec<Rgb>) {
+    let all = UVec2::from(size);
+    let [min, max] = film_corners.map(|corner| (corner * all.as_vec2()).round().as_uvec2().min(all));
+    let rows = radiance.chunks_exact(size[0].max(1) as usize);
+    let rows = rows.take(max.y as usize).skip(min.y as usize);
+    let pixels = rows
+        .flat_map(|row| &row[min.x as usize..max.x.max(min.x) as usize])
+        .copied();
+    ((max - min.min(max)).to_array(), pixels.collect())
+}
+
 pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let picture = picture(world);
     let film = world.resource::<RenderFilm>();
     let (job, samples) = (film.job, film.film.sample_count());
+    let film_corners = film_corners(world);
     let mut comparison = world.resource_mut::<Comparison>();
     let snapshot = comparison.snapshot.as_ref().ok_or("There is no snapshot.")?;
-    let size = [picture.width, picture.height];
-    let has_its_size = snapshot.size == size;
-    let snapshot_size = snapshot.size;
-    let found = errors(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
+    let (size, now) = of_film(&picture.pixels, [picture.width, picture.height], film_corners);
+    let (snapshot_size, then) = of_film(&snapshot.radiance, snapshot.size, snapshot.film_corners);
+    let has_its_size = snapshot_size == size;
+    let found = errors(&now, &then).filter(|_| has_its_size);
     comparison.figures = found.map(|figures| Measured { figures, job, samples });
     match found {
         Some(_) => Ok(()),
@@ -227,6 +249,7 @@ mod tests {
         world.init_resource::<Toasts>();
         let snapshot = Some(Snapshot {
             size: [4, 1],
+            film_corners: View::WHOLE_FILM,
             radiance: vec![Rgb::ONE; 4],
             samples: 1,
         });

@@ -24,7 +24,8 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::figures::counted;
 use crate::app::origin::{origin_of_open, take_choice};
 use crate::engine::{
-    Filling, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode,
+    Framing, PackedScene, RenderControl, RenderFilm, RenderState, RenderStatus, SightControl, ViewMode, active_film,
+    framing,
 };
 use crate::files::FileError;
 use crate::render::layered_image::{Attribute, LayeredImage};
@@ -185,6 +186,10 @@ fn shown(world: &mut World) -> Shown {
     let orthographic = is_orthographic(world);
     let view = view_pose(world).filter(|_| is_free);
     let control = world.resource::<RenderControl>();
+    let extent = match shows_surroundings(world) {
+        true => active_film(world).map_or(Vec2::ONE, |film| framing(film, control).extent),
+        false => Vec2::ONE,
+    };
     Shown {
         camera: cameras.iter().position(|camera| Some(*camera) == active).unwrap_or(0),
         view: view.map(|pose| StoredView {
@@ -197,7 +202,7 @@ fn shown(world: &mut World) -> Shown {
         seconds: control.time_limit,
         noise: control.noise_target,
         adaptive: control.adaptive,
-        fills_view: shows_surroundings(world),
+        extent: extent.into(),
         keeps_lights_apart: control.light_layers,
         lights_are_free: control.lights_are_free,
         region: control.region.map(|region| [region.min.into(), region.max.into()]),
@@ -273,7 +278,7 @@ fn begin_to_continue(world: &mut World) -> Result<(), CommandError> {
     world.insert_resource(Returning {
         scene,
         file,
-        fills_view: shown.fills_view,
+        extent: shown.extent.into(),
         is_sized,
     });
     Ok(())
@@ -347,22 +352,18 @@ fn go_on(world: &mut World, mut returning: Returning) {
     let size = [header.width, header.height];
     if !returning.is_sized {
         returning.is_sized = true;
-        let is_free = *world.resource::<FreeView>() != FreeView::default();
-        control(world, |control| {
-            control.size_until_change = Some(size.into());
-            control.filling = match returning.fills_view {
-                false => Filling::None,
-                true if is_free => Filling::Free,
-                true => Filling::AroundFilm,
-            };
-        });
+        let framing = Framing {
+            size: size.into(),
+            extent: returning.extent,
+        };
+        control(world, |control| control.framing_until_change = Some(framing));
         return world.insert_resource(returning);
     }
     let name = name_of(&kept_file(&returning.scene));
     let samples = match take_up(world, &returning, size) {
         Ok(samples) => samples,
         Err(error) => {
-            control(world, |control| control.size_until_change = None);
+            control(world, |control| control.framing_until_change = None);
             return fail(world, format!("{name}: {error}"));
         }
     };

@@ -76,6 +76,9 @@ fn select_alike(world: &mut World, alike: Alike) -> Result<(), CommandError> {
             all.retain(|entity| kind_of(world, *entity).is_some_and(|kind| kinds.contains(&kind)));
         }
     }
+    if all.is_empty() {
+        return Err("Everything of that kind is hidden or locked.".into());
+    }
     select(world, &all, Extend::Replace);
     Ok(())
 }

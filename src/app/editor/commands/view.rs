@@ -226,7 +226,11 @@ fn frame(world: &mut World, bounds: Aabb) {
     };
     let view = world.resource::<PackedScene>().view.as_ref();
     let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
-    let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
+    // The scale of a parallel view is that of the film.
+    let aspect = view.map_or(1.0, |view| {
+        let extent = view.of_film().half_extent();
+        extent.x / extent.y
+    });
     let framed = if pose::is_orthographic(world) {
         navigation::framing_parallel(pose, &bounds, aspect)
     } else {

@@ -82,8 +82,9 @@ pub fn gather_selection(
             .filter_map(|other| inspected(*other))
             .collect();
         let is_group = shown.shape.as_ref().is_some_and(Shape::is_frame);
-        if is_group && others.iter().all(|other| other.name.starts_with(&shown.name)) {
-            shown.members = Some(selection.entities().len() - 1);
+        let are_all_known = others.len() + 1 == selection.entities().len();
+        if is_group && are_all_known && others.iter().all(|other| other.name.starts_with(&shown.name)) {
+            shown.members = Some(others.len());
             others.clear();
         }
         let materials: Vec<_> = others.iter().map(|other| placed_materials(other, &materials)).collect();

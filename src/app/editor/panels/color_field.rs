@@ -62,6 +62,10 @@ pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyon
     let edited = || ui.data(|data| data.get_temp(id)).unwrap_or(Rgb::ONE);
     let mut hue = if strength > 0.0 { *value / strength } else { edited() };
     let recolored = color(ui, colour, &mut hue);
+    if recolored && hue.max_element() > 0.0 {
+        // The strength has a row of its own, and a press that lasts must not lower it from frame to frame.
+        hue /= hue.max_element();
+    }
     // The row extends beyond this column without widening it.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (_, place) = ui.allocate_space(size);

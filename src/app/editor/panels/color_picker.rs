@@ -80,26 +80,30 @@ fn square(ui: &mut Ui, hsv: &mut Hsv) -> bool {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, "Saturation and value"));
     let hue = hsv[0];
     grid(ui, place, [STEPS, STEPS], |x, y| [hue, x, 1.0 - y]);
-    let changed = held(&response).map(|at| {
+    let before = *hsv;
+    if let Some(at) = held(&response) {
         hsv[1] = remap_clamp(at.x, place.x_range(), 0.0..=1.0);
         hsv[2] = remap_clamp(at.y, place.y_range(), 1.0..=0.0);
-    });
+    }
     let at = pos2(
         lerp(place.x_range(), hsv[1]),
         lerp(place.bottom()..=place.top(), hsv[2]),
     );
     ring(ui, at, shown(color_of(*hsv)));
-    changed.is_some()
+    *hsv != before
 }
 
 fn bar(ui: &mut Ui, hsv: &mut Hsv) -> bool {
     let (place, response) = ui.allocate_exact_size(vec2(EDGE, BAR), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, "Hue"));
     grid(ui, place, [STEPS, 1], |x, _| [x, 1.0, 1.0]);
-    let changed = held(&response).map(|at| hsv[0] = remap_clamp(at.x, place.x_range(), 0.0..=1.0));
+    let before = *hsv;
+    if let Some(at) = held(&response) {
+        hsv[0] = remap_clamp(at.x, place.x_range(), 0.0..=1.0);
+    }
     let at = pos2(lerp(place.x_range(), hsv[0]), place.center().y);
     ring(ui, at, shown(color_of([hsv[0], 1.0, 1.0])));
-    changed.is_some()
+    *hsv != before
 }
 
 /// The place of the pointer while it is pressed.

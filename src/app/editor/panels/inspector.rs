@@ -21,7 +21,6 @@ use crate::app::editor::command::{
 };
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
-use crate::app::editor::words::figures::counted;
 use crate::math::Aabb;
 use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
 use transform::PoseEdit;
@@ -105,12 +104,7 @@ fn sections(
     });
     let others = others(inspected, model);
     match inspected.members {
-        Some(members) => {
-            _ = ui.weak(format!(
-                "A group of {}. Its transform moves them all.",
-                counted(members as u64, "thing")
-            ))
-        }
+        Some(_) => _ = ui.weak("A group. Its transform moves everything in it."),
         None if others > 0 => _ = ui.weak(format!("and {others} more. Changes every selected object.")),
         None => {}
     }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use bevy::math::{UVec2, Vec2};
 use bevy::prelude::Resource;
 
 use crate::app::editor::command::compare_view::CompareView;
@@ -16,6 +17,8 @@ use crate::render::visibility::sight::Sight;
 pub struct Snapshot {
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// The corners of the film in the picture, see [`View::film_corners`](crate::render::view::View::film_corners).
+    pub film_corners: [Vec2; 2],
     /// Linear colours, row by row.
     pub radiance: Vec<Rgb>,
     /// The samples per pixel.
@@ -23,22 +26,37 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The picture resampled to `size`; None if the aspect ratio differs.
-    fn at_size(&self, size: [u32; 2]) -> Option<Cow<'_, [Rgb]>> {
-        if size == self.size {
+    /// The picture resampled to a size and frame, black where it has no pixels; None if its film has another aspect
+    /// ratio.
+    fn framed(&self, size: [u32; 2], film_corners: [Vec2; 2]) -> Option<Cow<'_, [Rgb]>> {
+        if (size, film_corners) == (self.size, self.film_corners) {
             return Some(Cow::Borrowed(&self.radiance));
         }
-        let [own, other] = [self.size, size].map(|[x, y]| [u64::from(x), u64::from(y)]);
+        let film = |size: [u32; 2], [min, max]: [Vec2; 2]| (max - min) * UVec2::from(size).as_vec2();
+        let (own, other) = (film(self.size, self.film_corners), film(size, film_corners));
         // The sides are equal but for rounding by half a pixel.
-        let is_alike = own[0] * other[1] <= own[1] * other[0] + own[0] + own[1]
-            && own[1] * other[0] <= own[0] * other[1] + own[0] + own[1];
-        if !is_alike || other.contains(&0) {
+        let is_alike = (own.x * other.y - own.y * other.x).abs() <= own.x + own.y;
+        if !is_alike || size.contains(&0) {
             return None;
         }
-        let nearest = |place: u64, side: usize| (2 * place + 1) * own[side] / (2 * other[side]);
-        let rows = (0..other[1]).map(|y| nearest(y, 1) * own[0]);
-        let pixels = rows.flat_map(|row| (0..other[0]).map(move |x| row + nearest(x, 0)));
-        pixels.map(|place| self.radiance.get(place as usize).copied()).collect()
+        let to = UVec2::from(size).as_vec2();
+        let pixels = (0..size[1]).flat_map(|y| {
+            (0..size[0]).map(move |x| {
+                let place = (Vec2::new(x as f32, y as f32) + 0.5) / to;
+                let film = (place - film_corners[0]) / (film_corners[1] - film_corners[0]);
+                self.at(self.film_corners[0] + film * (self.film_corners[1] - self.film_corners[0]))
+            })
+        });
+        Some(pixels.collect())
+    }
+
+    /// The colour at a place of the picture, (0, 0) top left, (1, 1) bottom right; black outside.
+    fn at(&self, place: Vec2) -> Rgb {
+        let pixel = (place * UVec2::from(self.size).as_vec2()).floor();
+        let is_inside = pixel.cmpge(Vec2::ZERO).all() && pixel.cmplt(UVec2::from(self.size).as_vec2()).all();
+        let place = || pixel.y as usize * self.size[0] as usize + pixel.x as usize;
+        let found = is_inside.then(|| self.radiance.get(place()).copied());
+        found.flatten().unwrap_or(Rgb::ZERO)
     }
 }
 
@@ -47,6 +65,10 @@ impl Snapshot {
 pub struct Look {
     /// The camera.
     pub camera: Camera,
+    /// The camera of the film, which may be a part of the picture.
+    pub film_camera: Camera,
+    /// The corners of the film in the picture.
+    pub film_corners: [Vec2; 2],
     /// Width and height of the picture.
     pub size: [u32; 2],
     /// The visibility filters of the camera.
@@ -90,15 +112,15 @@ impl Comparison {
         self.revision += 1;
     }
 
-    /// The picture to compare with this camera's. None without a comparison, or while the lit level has not been
-    /// rendered from there.
+    /// The picture to compare with that of this camera of the film. None without a comparison, or while the lit level
+    /// has not been rendered from there.
     pub fn other(&self, camera: Option<&Camera>) -> Option<&Snapshot> {
         match self.view {
             CompareView::Off | CompareView::Noisy(_) => None,
             CompareView::Wipe(_) | CompareView::Difference => self.snapshot.as_ref(),
             CompareView::Baked(_) => {
                 let lit = self.baked.as_ref()?;
-                (camera == Some(&lit.look.camera)).then_some(&lit.picture)
+                (camera == Some(&lit.look.film_camera)).then_some(&lit.picture)
             }
         }
     }
@@ -133,8 +155,8 @@ fn border(share: f32, size: [u32; 2]) -> u32 {
 
 impl<'a> PixelComparison<'a> {
     /// A comparison; None if nothing is compared, such as pictures of different aspect ratios. Each pixel of a picture
-    /// of lower resolution is compared with the nearest one of the snapshot.
-    pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
+    /// of lower resolution is compared with the nearest one of the snapshot; the film is in the same place in both.
+    pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2], film_corners: [Vec2; 2]) -> Option<Self> {
         let border = match view {
             CompareView::Off | CompareView::Noisy(_) => return None,
             CompareView::Wipe(share) | CompareView::Baked(share) => border(share, size),
@@ -142,7 +164,7 @@ impl<'a> PixelComparison<'a> {
         };
         Some(Self {
             view,
-            kept: snapshot.at_size(size)?,
+            kept: snapshot.framed(size, film_corners)?,
             width: size[0],
             border,
         })
@@ -189,10 +211,12 @@ impl<'a> PixelComparison<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::view::View;
 
     fn snapshot() -> Snapshot {
         Snapshot {
             size: [4, 2],
+            film_corners: View::WHOLE_FILM,
             radiance: vec![Rgb::ONE; 8],
             samples: 1,
         }
@@ -202,18 +226,20 @@ mod tests {
     fn a_wipe_shows_the_snapshot_on_the_left() {
         let (now, snapshot) = ([Rgb::ZERO; 8], snapshot());
         let red = |share| {
-            let comparison = PixelComparison::new(CompareView::Wipe(share), &snapshot, [4, 2]).expect("of one size");
+            let comparison = PixelComparison::new(CompareView::Wipe(share), &snapshot, [4, 2], View::WHOLE_FILM)
+                .expect("of one size");
             let seen = comparison.picture(&now);
             seen.iter().map(|rgb| rgb.x as u32).collect::<Vec<_>>()
         };
         assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
         assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
         // The picture has half the resolution.
-        let coarse = PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1]).expect("of one shape");
+        let coarse =
+            PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1], View::WHOLE_FILM).expect("of one shape");
         assert_eq!(coarse.picture(&now[..2]), [Rgb::ONE, Rgb::ZERO]);
         // A snapshot of another aspect ratio cannot be compared.
-        assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
-        assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
+        assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4], View::WHOLE_FILM).is_none());
+        assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2], View::WHOLE_FILM).is_none());
     }
 
     #[test]
@@ -226,14 +252,39 @@ mod tests {
         assert_eq!(red(0.25), [0, 1, 1, 1, 0, 1, 1, 1]);
         assert_eq!((red(0.0), red(1.0)), (vec![1; 8], vec![0; 8]));
         // Without a denoised picture nothing is compared, whatever was kept.
-        assert!(PixelComparison::new(CompareView::Noisy(0.5), &snapshot(), [4, 2]).is_none());
+        assert!(PixelComparison::new(CompareView::Noisy(0.5), &snapshot(), [4, 2], View::WHOLE_FILM).is_none());
     }
 
     #[test]
     fn a_difference_has_no_sign() {
         let snapshot = snapshot();
-        let comparison = PixelComparison::new(CompareView::Difference, &snapshot, [4, 2]).expect("of one size");
+        let comparison =
+            PixelComparison::new(CompareView::Difference, &snapshot, [4, 2], View::WHOLE_FILM).expect("of one size");
         let seen = comparison.picture(&[Rgb::new(0.25, 1.0, 3.0); 8]);
         assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
+    }
+
+    #[test]
+    fn pictures_of_other_frames_are_compared_by_the_film() {
+        let columns = [0.0, 1.0, 2.0, 3.0].map(Rgb::splat);
+        // The film is the middle half of the snapshot.
+        let wide = Snapshot {
+            size: [4, 1],
+            film_corners: [Vec2::new(0.25, 0.0), Vec2::new(0.75, 1.0)],
+            radiance: columns.to_vec(),
+            samples: 1,
+        };
+        let comparison = PixelComparison::new(CompareView::Wipe(1.0), &wide, [2, 1], View::WHOLE_FILM);
+        let seen = comparison.expect("of one film").picture(&[Rgb::ZERO; 2]);
+        assert_eq!(seen, [Rgb::ONE, Rgb::splat(2.0)]);
+        let film = Snapshot {
+            size: [2, 1],
+            film_corners: View::WHOLE_FILM,
+            radiance: vec![Rgb::ONE, Rgb::splat(2.0)],
+            samples: 1,
+        };
+        let comparison = PixelComparison::new(CompareView::Wipe(1.0), &film, [4, 1], wide.film_corners);
+        let seen = comparison.expect("of one film").picture(&[Rgb::splat(9.0); 4]);
+        assert_eq!(seen, [Rgb::ZERO, Rgb::ONE, Rgb::splat(2.0), Rgb::ZERO]);
     }
 }

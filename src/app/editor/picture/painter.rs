@@ -312,8 +312,8 @@ fn quantized(encoded: f32) -> u8 {
 }
 
 /// The pixels of a picture, four bytes each, as a picture of another size and frame: by the size in pixels and the
-/// corners of the film in the picture's coordinates. A pixel has the colour of the one that was at its place of the film,
-/// and is black where there was none.
+/// corners of the film in the picture's coordinates. A pixel has the colour of the one that was at its place of the
+/// film, and is black where there was none.
 pub(crate) fn reframed(rgba: &[u8], from: (UVec2, [Vec2; 2]), to: (UVec2, [Vec2; 2])) -> Vec<u8> {
     let ((old, [old_min, old_max]), (new, [new_min, new_max])) = (from, to);
     let scale = (old_max - old_min) / (new_max - new_min);

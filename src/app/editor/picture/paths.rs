@@ -76,9 +76,8 @@ pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<Pac
         return;
     }
     let size = UVec2::new(view.width, view.height);
-    let pixel = (wanted.place.clamp(Vec2::ZERO, Vec2::ONE) * size.as_vec2())
-        .as_uvec2()
-        .min(size - UVec2::ONE);
+    let place = view.picture_of_film(wanted.place).clamp(Vec2::ZERO, Vec2::ONE);
+    let pixel = (place * size.as_vec2()).as_uvec2().min(size - UVec2::ONE);
     let paths = record_paths(scene, view, pixel, 0..wanted.count.clamp(1, InspectedPaths::MOST));
     let named = paths.into_iter().map(|path| NamedPath {
         names: path

@@ -1,5 +1,5 @@
-//! Decides how many pixels are traced: as many of the film as the window shows, unless the user wants the full film. The
-//! picture fills its place in the window, whatever the shape of the film.
+//! Decides how many pixels are traced: as many of the film as the window shows, unless the user wants the full film.
+//! The picture fills its place in the window, whatever the shape of the film.
 //!
 //! The size of the window is adopted when it has stayed the same for a moment, so that the picture does not restart at
 //! every step of a resize; meanwhile the last picture is stretched.
@@ -94,10 +94,11 @@ pub fn follow_place(
     if control.view_size != view_size {
         control.view_size = view_size;
     }
-    // A picture of an earlier size also keeps its frame.
     let is_free = *free_view != FreeView::default();
+    let bytes_of_view = room.map_or(0, |room| full_film_bytes(room, film.film.layers()));
     let filling = match is_free {
-        _ if control.size_until_change.is_some() => control.filling,
+        // A small film with many layers fits into the memory where a large viewport's does not.
+        _ if self::is_large(bytes_of_view) => Filling::None,
         _ if settings.resolution == Resolution::Full => Filling::None,
         true => Filling::Free,
         false => Filling::AroundFilm,
@@ -107,7 +108,7 @@ pub fn follow_place(
     }
     let rests = status.samples > 0 && !control.paused && status.last_restart.elapsed() >= REST;
     let is_wanted =
-        settings.resolution == Resolution::AfterRest && !is_large && !is_free && control.size_until_change.is_none();
+        settings.resolution == Resolution::AfterRest && !is_large && !is_free && control.framing_until_change.is_none();
     if is_wanted && rests && place.is_settled() && !control.full_until_change && status.size != status.full_size {
         control.full_until_change = true;
     }

@@ -63,6 +63,11 @@ impl Picture {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
     }
 
+    /// The corners of the film in the picture.
+    pub fn film_corners(&self) -> [Vec2; 2] {
+        self.film_corners
+    }
+
     /// The displayed pixels, four sRGB-encoded bytes each, and their number along both sides. None if there is no
     /// picture, or if it is too large for a texture.
     pub(crate) fn pixels<'a>(&self, images: &'a Assets<Image>) -> Option<(UVec2, &'a [u8])> {
@@ -152,8 +157,8 @@ pub fn update_picture(
     let is_of_film =
         |picture: &&Denoised| picture.mix == mix && picture.radiance.len() == size.element_product() as usize;
     let denoised = denoiser.picture().filter(|_| is_shaded).filter(is_of_film);
-    let camera = packed.view.as_ref().map(|view| &view.camera);
-    let snapshot = comparison.other(camera).filter(|_| is_shaded);
+    let camera = packed.view.as_ref().map(View::of_film);
+    let snapshot = comparison.other(camera.as_ref()).filter(|_| is_shaded);
     let noisy_left = match comparison.view {
         CompareView::Noisy(share) => denoised.map(|denoised| (share, denoised)),
         _ => None,
@@ -172,7 +177,9 @@ pub fn update_picture(
         // Parts of the denoised picture are carried over, so that it counts as not shown.
         picture.shown.iter_mut().for_each(|shown| shown.denoised = None);
     }
-    let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || picture.size != size;
+    let film_corners = film.view.as_ref().map_or(View::WHOLE_FILM, View::film_corners);
+    let is_reframed = (picture.size, picture.film_corners) != (size, film_corners);
+    let asked_anew = has_ended || picture.shown.as_ref() != Some(&shown) || is_reframed;
     if !film.has_dirty() && !asked_anew {
         return;
     }
@@ -196,12 +203,12 @@ pub fn update_picture(
         true => image.data.take().unwrap_or_default(),
         false => std::mem::take(&mut picture.too_large),
     };
-    let film_corners = film.view.as_ref().map_or(View::WHOLE_FILM, View::film_corners);
-    if old_size != size || picture.film_corners != film_corners {
+    if is_reframed {
         let (old, new) = ((old_size, picture.film_corners), (size, film_corners));
         pixels = painter::reframed(&pixels, old, new);
     }
-    let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
+    let compared =
+        snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array(), film_corners));
     let beside_noisy =
         noisy_left.map(|(share, denoised)| PixelComparison::with_clean(share, &denoised.radiance, size.to_array()));
     let compared = compared.or(beside_noisy);

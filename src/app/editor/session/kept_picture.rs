@@ -39,16 +39,19 @@ pub struct Shown {
     pub adaptive: Option<bool>,
     /// The corners of the rendered region, see [`RenderControl::region`](crate::engine::RenderControl::region).
     pub region: Option<[[f32; 2]; 2]>,
-    /// Whether the picture shows the surroundings of the film as well, see
-    /// [`RenderControl::filling`](crate::engine::RenderControl::filling).
-    #[serde(default)]
-    pub fills_view: bool,
+    /// The width and height of the picture in widths and heights of the film.
+    #[serde(default = "film_alone")]
+    pub extent: [f32; 2],
     /// Whether the film has a layer for each light.
     pub keeps_lights_apart: bool,
     /// Whether lights can be edited without a restart, see
     /// [`RenderControl::lights_are_free`](crate::engine::RenderControl::lights_are_free).
     #[serde(default)]
     pub lights_are_free: bool,
+}
+
+fn film_alone() -> [f32; 2] {
+    [1.0; 2]
 }
 
 /// The largest distance of a region's edge from the film, in widths or heights of the film.
@@ -67,6 +70,10 @@ impl Shown {
             // 0 is no limit.
             noise: shown.noise.filter(|noise| (0.0..=1.0).contains(noise)),
             region: shown.region.filter(is_part),
+            extent: match shown.extent.iter().all(|extent| (1.0..=MOST_FILMS).contains(extent)) {
+                true => shown.extent,
+                false => film_alone(),
+            },
             ..shown
         })
     }
@@ -79,8 +86,8 @@ pub struct Returning {
     pub scene: PathBuf,
     /// The picture.
     pub file: PartFile,
-    /// Whether the picture fills its place, see [`Shown::fills_view`].
-    pub fills_view: bool,
+    /// The width and height of the picture in widths and heights of the film.
+    pub extent: Vec2,
     /// Whether the picture was given the size of the kept one.
     pub is_sized: bool,
 }
@@ -192,7 +199,7 @@ mod tests {
             noise: Some(0.0),
             adaptive: Some(true),
             region: Some([[0.0, 0.25], [0.5, 1.0]]),
-            fills_view: false,
+            extent: film_alone(),
             keeps_lights_apart: true,
             lights_are_free: true,
         };

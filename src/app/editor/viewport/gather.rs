@@ -39,7 +39,6 @@ use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
-use crate::render::view::View;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
     Sensor, Shape, StandIns, ToWorld, world_bounds,
@@ -338,7 +337,7 @@ pub(crate) fn gather_viewport(
     seen.captions = captions(is_split, seen.compared, is_of_other_scene);
     // The film is cleared before the texture when another scene is opened.
     seen.picture = sources.picture.texture().filter(|_| !sources.film.is_empty());
-    seen.film_in_picture = sources.film.view.as_ref().map_or(View::WHOLE_FILM, View::film_corners);
+    seen.film_in_picture = sources.picture.film_corners();
     seen.is_through_camera = *sources.free_view == FreeView::default();
     // The film stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());

@@ -97,7 +97,11 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         Some((texture, _)) => {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             let place = place_of_picture(picture, film_corners_of(view), model.film_in_picture);
-            ui.painter_at(panel).image(texture, place, uv, Color32::WHITE);
+            let painter = ui.painter_at(panel);
+            painter.image(texture, place, uv, Color32::WHITE);
+            if model.is_through_camera {
+                shade_surroundings(&painter, picture, place_of_film(picture, film_corners_of(view)));
+            }
         }
         // The bar over the picture says why it is black.
         None if has_place => {
@@ -293,7 +297,12 @@ fn paint_over(
         let border = Rect::from_two_pos(corner(region.min), corner(region.max)).intersect(picture);
         painter.rect_stroke(border, 0.0, Stroke::new(1.5, REGION), egui::StrokeKind::Inside);
     }
-    film_frame(ui, panel, picture, film, model);
+    if film != panel && (model.is_through_camera || model.keys.safe_frame) && model.has_place() {
+        thin_frame(&ui.painter_at(panel), film, 140);
+    }
+    if model.keys.safe_frame {
+        safe_frame(&painter, film);
+    }
     let next = state.tool(model.keys.tool).hint(model);
     let hint = next.as_deref().or(model.keys.tool.hint()).map(|hint| {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
@@ -433,31 +442,21 @@ fn notes(model: &ViewportModel) -> Vec<String> {
     notes
 }
 
-/// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1
-/// has 93 and 90 per cent since).
-/// Paints the border of the film, with dimmed surroundings while one looks through a camera, and the safe frames.
-fn film_frame(ui: &Ui, panel: Rect, picture: Rect, film: Rect, model: &ViewportModel) {
-    let painter = ui.painter_at(panel);
-    if model.is_through_camera {
-        let [left, right] = [film.left(), film.right()];
-        let surroundings = [
-            Rect::from_min_max(picture.min, pos2(picture.right(), film.top())),
-            Rect::from_min_max(pos2(picture.left(), film.top()), pos2(left, film.bottom())),
-            Rect::from_min_max(pos2(right, film.top()), pos2(picture.right(), film.bottom())),
-            Rect::from_min_max(pos2(picture.left(), film.bottom()), picture.max),
-        ];
-        for place in surroundings.into_iter().filter(Rect::is_positive) {
-            painter.rect_filled(place, 0.0, SURROUNDINGS);
-        }
-    }
-    if film != panel && (model.is_through_camera || model.keys.safe_frame) {
-        thin_frame(&painter, film, 140);
-    }
-    if model.keys.safe_frame {
-        safe_frame(&painter, film);
+/// Darkens the surroundings of the film while one looks through a camera.
+fn shade_surroundings(painter: &egui::Painter, picture: Rect, film: Rect) {
+    let surroundings = [
+        Rect::from_min_max(picture.min, pos2(picture.right(), film.top())),
+        Rect::from_min_max(pos2(picture.left(), film.top()), film.left_bottom()),
+        Rect::from_min_max(film.right_top(), pos2(picture.right(), film.bottom())),
+        Rect::from_min_max(pos2(picture.left(), film.bottom()), picture.max),
+    ];
+    for place in surroundings.into_iter().filter(Rect::is_positive) {
+        painter.rect_filled(place, 0.0, SURROUNDINGS);
     }
 }
 
+/// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1
+/// has 93 and 90 per cent since).
 fn safe_frame(painter: &egui::Painter, picture: Rect) {
     for share in [0.9, 0.8] {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());

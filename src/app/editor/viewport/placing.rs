@@ -1,7 +1,7 @@
 //! The places of the film's frame and of the picture in the panel.
 //!
-//! A picture that was rendered for another frame, as before a resize of the window, is aligned by the frame of the film,
-//! so that things stay where they are.
+//! A picture that was rendered for another frame, as before a resize of the window, is aligned by the frame of the
+//! film, so that things stay where they are.
 
 use bevy::math::{UVec2, Vec2};
 use bevy_egui::egui::{Pos2, Rect, vec2};
@@ -31,8 +31,8 @@ pub(super) fn place_of_view(panel: Rect, pixels_per_point: f32, film: UVec2, vie
     Rect::from_min_size((corner.floor() / pixels_per_point).to_pos2(), size / pixels_per_point)
 }
 
-/// The place of a picture with these [corners](View::film_corners) of the film, where the view at `place` has the corners
-/// `of_view`.
+/// The place of a picture with these [corners](View::film_corners) of the film, where the view at `place` has the
+/// corners `of_view`.
 pub(super) fn place_of_picture(place: Rect, of_view: [Vec2; 2], of_picture: [Vec2; 2]) -> Rect {
     if of_view == of_picture {
         return place;

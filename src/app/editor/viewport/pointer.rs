@@ -204,9 +204,11 @@ impl PointerState {
             }
             Tool::Paths => {
                 let before = model.paths.wanted;
+                let view = model.packed.view.as_ref();
+                let place = view.map_or(film, |view| view.film_of_picture(film));
                 let paths = InspectedPaths {
-                    place: film,
-                    ..before.unwrap_or(InspectedPaths::at(film))
+                    place,
+                    ..before.unwrap_or(InspectedPaths::at(place))
                 };
                 commands.push(ToolCommand::InspectPaths(Some(paths)).into());
                 commands.push(ShellCommand::ShowPanel(Panel::Paths).into());

@@ -193,7 +193,7 @@ pub fn show_window(
     );
     widgets.bake.follow(layout, &model.bake);
     if let Some(group) = requests.nameless_group.take() {
-        widgets.outliner.ask_for_name(group);
+        widgets.outliner.ask_for_name(group, ui.input(|input| input.time));
     }
     if let Some(panel) = requests.wanted_panel.take() {
         layout.bring_to_front(panel);

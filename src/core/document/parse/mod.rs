@@ -84,7 +84,8 @@ impl Parser {
             &mut self.diagnostics,
         );
         let crowds = pack_rest(&mut root, crowds);
-        for (name, help) in self.defines.unused() {
+        let unused = self.defines.unused().into_iter();
+        for (name, help) in unused.filter(|_| self.not_read.is_none()) {
             let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");
             self.diagnostics.push(Severity::Warning, None, message, help);
         }

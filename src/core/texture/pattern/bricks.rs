@@ -41,8 +41,8 @@ declare_names! {
         Running = "running",
         /// Rows, each moved by a random distance, as the boards of a floor.
         Random = "random",
-        /// Bricks at right angles in steps, as in parquet. The length of a brick with its joint is rounded to a multiple
-        /// of its height with the joint.
+        /// Bricks at right angles in steps, as in parquet. The length of a brick with its joint is rounded to a
+        /// multiple of its height with the joint.
         Herringbone = "herringbone",
     }
 }

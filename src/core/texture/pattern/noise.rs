@@ -28,7 +28,8 @@ pub struct Noise {
 /// a cell, the root of one half.
 const TO_UNIT: f32 = std::f32::consts::SQRT_2;
 
-/// The cosine and sine of pi / 8: gradients point between the axes and the diagonals, where no lines of the lattice run.
+/// The cosine and sine of pi / 8: gradients point between the axes and the diagonals, where no lines of the lattice
+/// run.
 const GRADIENT: [f32; 2] = [0.923_879_5, 0.382_683_43];
 
 /// The seeds of the noises that move points.

@@ -101,7 +101,13 @@ fn cut(world: &mut World, wall: &str, kind: &str, from: &str, options: &[&str]) 
         Solid::Wall { height, .. } => height,
         _ => HEIGHT,
     };
-    let usual = if is_hole { usual } else { usual.in_wall(height) };
+    let usual = match is_hole {
+        true => Opening {
+            sill: (0.5 * (height - usual.height)).max(0.0),
+            ..usual
+        },
+        false => usual.in_wall(height),
+    };
     let mut opening = Opening { from, ..usual };
     for (name, length) in lengths {
         match name {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::Cursor;
 
-use bevy::math::UVec2;
+use bevy::math::{UVec2, Vec2};
 use image::{ExtendedColorType, ImageFormat, ImageResult};
 use serde::Serialize;
 
@@ -21,6 +21,18 @@ pub(super) struct Shot {
 }
 
 impl Shot {
+    /// The film in a picture of this size: its surroundings have fewer samples.
+    pub fn of_film(size: UVec2, rgba: &[u8], film_corners: [Vec2; 2]) -> Self {
+        let [min, max] = film_corners.map(|corner| (corner * size.as_vec2()).round().as_uvec2().min(size));
+        let rows = rgba.chunks_exact(4 * size.x.max(1) as usize);
+        let rows = rows.take(max.y as usize).skip(min.y as usize);
+        let rgba = rows.flat_map(|row| &row[4 * min.x as usize..4 * max.x.max(min.x) as usize]);
+        Self {
+            size: max - min.min(max),
+            rgba: rgba.copied().collect(),
+        }
+    }
+
     /// The linear colours in [0, 1], enlarged to this size as the window does: during motion the picture has fewer
     /// pixels.
     fn linear(&self, size: UVec2) -> Vec<Rgb> {

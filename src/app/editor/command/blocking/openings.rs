@@ -24,8 +24,8 @@ const RIGHT_ANGLE: f32 = 1e-4;
 
 /// A window with a sill lower than this share of the usual one is a French window.
 const LOW: f32 = 0.3;
-/// The usual hole in a floor, large enough for a ladder. It lies around the point and not at the edge: its sill only has to be
-/// above 0.
+/// The usual hole in a floor, large enough for a ladder. It lies around the point and not at the edge: its sill only
+/// has to be above 0.
 pub const HOLE: Opening = Opening {
     from: 0.0,
     sill: 1.0,
@@ -48,8 +48,8 @@ pub struct Side {
 
 /// The opening of this kind and of the usual size at a point of a wall's or a box's side. It is rounded to multiples of
 /// `step` (world units; 0 for none), and moved into the free part of the wall. A window near the foot of the wall is a
-/// French window, which begins at the foot and ends at the height of the others. A window in the upper or lower side of a
-/// box is a hole around the point. None if it does not fit.
+/// French window, which begins at the foot and ends at the height of the others. A window in the upper or lower side of
+/// a box is a hole around the point. None if it does not fit.
 pub fn at(kind: &ShapeKind, pose: &Affine3A, side: &Side, what: OpeningKind, step: f32) -> Option<Cut> {
     let (wall, pose) = as_wall(kind, pose, side.normal, side.up)?;
     let (length, height) = extents(&wall)?;

@@ -234,7 +234,7 @@ fn a_picture_of_a_changed_scene_begins_anew_and_says_why() {
         texts.iter().any(|text| text.contains("room.xml has another content")),
         "{texts:?}"
     );
-    assert_eq!(second.world().resource::<RenderControl>().size_until_change, None);
+    assert_eq!(second.world().resource::<RenderControl>().framing_until_change, None);
     assert!(samples(second.world()) < MANY);
     assert!(read(&desk.kept(), LARGEST_DATA).expect("it stays") == kept);
 }

@@ -20,6 +20,9 @@ use lines::{Folding, Line, LineList, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
 
+/// The seconds after which a name is not asked for any more, as where the list was hidden.
+const PATIENCE: f64 = 0.5;
+
 /// Shows all things of the scene as a tree, with a filter, and adds the user's commands to `commands`.
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
@@ -39,8 +42,12 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     {
         state.renaming = None;
     }
-    if let Some(item) = state.asked.and_then(|asked| item_of(outline, asked)) {
-        (state.renaming, state.asked) = (Some(Renaming::of(item)), None);
+    if let Some((asked, since)) = state.asked {
+        let item = item_of(outline, asked).filter(|_| state.filter.trim().is_empty());
+        state.renaming = item.map(Renaming::of).or(state.renaming.take());
+        if item.is_some() || ui.input(|input| input.time) > since + PATIENCE {
+            state.asked = None;
+        }
     }
     if state.renaming.is_none() && ui.input(|input| input.key_pressed(Key::F2)) {
         let active = selection.active().and_then(|entity| item_of(outline, entity));

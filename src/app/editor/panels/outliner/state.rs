@@ -15,8 +15,8 @@ pub struct OutlinerState {
     pub(super) folding: Folding,
     pub(super) lines: Lines,
     pub(super) renaming: Option<Renaming>,
-    /// A thing whose name is asked for as soon as it is listed.
-    pub(super) asked: Option<Entity>,
+    /// A thing whose name is asked for as soon as it is listed, and the time of the request in seconds of egui's clock.
+    pub(super) asked: Option<(Entity, f64)>,
     /// The first line of a range.
     pub(super) anchor: Option<Entity>,
     /// The active thing when the list was last shown: another one is scrolled to.
@@ -26,9 +26,10 @@ pub struct OutlinerState {
 }
 
 impl OutlinerState {
-    /// Opens the field for a new name of this thing as soon as it is listed.
-    pub fn ask_for_name(&mut self, thing: Entity) {
-        self.asked = Some(thing);
+    /// Opens the field for a new name of this thing as soon as it is listed, unless that is too late. `now` is in
+    /// seconds of egui's clock.
+    pub fn ask_for_name(&mut self, thing: Entity, now: f64) {
+        self.asked = Some((thing, now));
     }
 }
 

@@ -107,6 +107,7 @@ impl Showing {
         };
         let picture = Snapshot {
             size: look.size,
+            film_corners: look.film_corners,
             radiance: job.lit(&seen),
             samples: job.light().samples(),
         };
