@@ -194,15 +194,15 @@ fn what_is_wrong_is_one_error_with_the_name_of_the_file() {
     let shop = Workshop::new();
     let good = squares(0.5).binary(REST);
     shop.put("cut.glb", &good[..good.len() / 2]);
-    let required = r#""extensionsRequired": ["KHR_draco_mesh_compression"], "#;
-    shop.put("draco.gltf", squares(0.5).text(&format!("{required}{REST}")));
+    let required = r#""extensionsRequired": ["KHR_physics_rigid_bodies"], "#;
+    shop.put("physics.gltf", squares(0.5).text(&format!("{required}{REST}")));
     shop.put("empty.gltf", "");
     shop.put("foreign.glb", [0x1f, 0x8b, 0x08, 0x00]);
     let without_buffer = squares(0.5).json(r#", "uri": "gone.bin""#, REST);
     shop.put("bare.gltf", without_buffer);
     for (file, what) in [
         ("cut.glb", "ends before"),
-        ("draco.gltf", "KHR_draco_mesh_compression"),
+        ("physics.gltf", "KHR_physics_rigid_bodies"),
         ("empty.gltf", "the file is empty"),
         ("foreign.glb", "neither binary glTF"),
         ("bare.gltf", "gone.bin"),

@@ -102,13 +102,9 @@ impl Gltf {
         let used = used.as_deref();
         let mut positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
         self.morph("POSITION", primitive, weights, (vertices, used), &mut positions)?;
-        let bones = match bones {
-            Some(bones) => Some(self.vertex_bones(primitive, bones, (vertices, used))?),
-            None => None,
-        };
-        if let Some(bones) = &bones {
-            skinned(&mut positions, bones, false);
-        }
+        let bones = bones.map(|bones| self.vertex_bones(primitive, bones, (vertices, used)));
+        let bones = bones.transpose()?;
+        skinned(&mut positions, bones.as_deref(), false);
         if let Some(slot) = positions.iter().position(|position| !position.is_finite()) {
             let vertex = used.map_or(slot, |used| used[slot] as usize);
             return Err(bad(format!("the position of vertex {vertex} is not finite")));
@@ -141,9 +137,7 @@ impl Gltf {
             None => Vec::new(),
         };
         self.morph("NORMAL", primitive, weights, (vertices, used), &mut normals)?;
-        if let Some(bones) = &bones {
-            skinned(&mut normals, bones, true);
-        }
+        skinned(&mut normals, bones.as_deref(), true);
         let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
             Some(accessor) => into_vectors(self.vectors::<2>(accessor, "VEC2", used)?),
             None => Vec::new(),

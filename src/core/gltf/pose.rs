@@ -42,9 +42,9 @@ impl Skins {
     }
 }
 
-/// Moves values of vertices by their bones: positions, or (`are_normals`) normals.
-pub(super) fn skinned(values: &mut [Vec3], bones: &[Mat4], are_normals: bool) {
-    for (value, bone) in values.iter_mut().zip(bones) {
+/// Moves values of vertices by their bones, if there are some: positions, or (`are_normals`) normals.
+pub(super) fn skinned(values: &mut [Vec3], bones: Option<&[Mat4]>, are_normals: bool) {
+    for (value, bone) in values.iter_mut().zip(bones.into_iter().flatten()) {
         *value = match are_normals {
             false => bone.transform_point3(*value),
             true => {
