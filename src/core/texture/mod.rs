@@ -32,8 +32,8 @@ pub(crate) use image_file::decode_picture;
 pub use image_file::load_image;
 pub use image_header::ImageFileError;
 pub use mesh_attribute::MeshAttribute;
-use pattern::{Bricks, Cells, Mix, Noise, Ramp, Wood};
-use value::TextureValue;
+pub use pattern::{Bricks, Cells, Mix, Noise, Ramp, Wood};
+pub(crate) use value::TextureValue;
 
 /// An index into a [`TextureTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -6,7 +6,7 @@ use super::{Parameter, TexturePoint, TextureTable};
 use crate::color::Rgb;
 
 /// A colour, linear Rec. 709, or a number.
-pub(super) trait TextureValue: Copy + Add<Output = Self> + Mul<Output = Self> + Mul<f32, Output = Self> {
+pub(crate) trait TextureValue: Copy + Add<Output = Self> + Mul<Output = Self> + Mul<f32, Output = Self> {
     /// The value of a colour; the number of a colour is its mean.
     fn of_color(color: Rgb) -> Self;
 

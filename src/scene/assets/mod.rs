@@ -1,5 +1,6 @@
 //! Assets read from files: meshes, pictures, volumes and scenes, each beside its loader.
 
+pub(crate) mod box_lying;
 pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
@@ -13,6 +14,7 @@ pub mod solid_mesh;
 pub mod texture_map;
 pub mod triangle_mesh;
 pub mod volume_map;
+pub(crate) mod without_patterns;
 
 use std::error::Error;
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{PI, TAU};
 
-use bevy::math::{Mat3, Vec2, Vec3};
+use bevy::math::{Affine3A, Mat3, Mat3A, Vec2, Vec3};
 
 use super::solid_mesh::solid_mesh;
 use crate::geometry::mesh::MeshData;
@@ -86,6 +86,37 @@ fn grid(columns: u32, rows: u32, at: impl Fn(Vec2) -> (Vec3, Vec3)) -> MeshData 
         }
     }
     mesh
+}
+
+/// The shape of unit size with the same form, and the transform from its space to that of the shape: spheres and
+/// cylinders of all sizes are alike.
+pub(crate) fn unit_form(kind: &ShapeKind) -> (ShapeKind, Affine3A) {
+    match kind {
+        ShapeKind::Sphere { center, radius } => {
+            let unit = ShapeKind::Sphere {
+                center: Vec3::ZERO,
+                radius: 1.0,
+            };
+            let scale = Affine3A::from_scale(Vec3::splat(*radius));
+            (unit, Affine3A::from_translation(*center) * scale)
+        }
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            let unit = ShapeKind::Cylinder {
+                p0: Vec3::ZERO,
+                p1: Vec3::Z,
+                radius: 1.0,
+            };
+            let axis = *p1 - *p0;
+            let Frame { s, t, n } = Frame::from_normal(axis.try_normalize().unwrap_or(Vec3::Z));
+            let axes = [s * *radius, t * *radius, n * axis.length()].map(bevy::math::Vec3A::from);
+            let map = Affine3A {
+                matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
+                translation: (*p0).into(),
+            };
+            (unit, map)
+        }
+        other => (other.clone(), Affine3A::IDENTITY),
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy::math::{Affine3A, Mat3, Mat3A, Vec3};
+use bevy::math::{Affine3A, Mat3, Vec3};
 
 use super::messages::Messages;
 use crate::files::Access;
@@ -12,10 +12,10 @@ use crate::geometry::attribute::AttributeDomain;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::strands::stretch_of;
 use crate::geometry::tube::tubes;
-use crate::math::Frame;
-use crate::scene::assets::shape_mesh::shape_mesh;
+use crate::scene::assets::box_lying::{laid, projection_of};
+use crate::scene::assets::shape_mesh::{shape_mesh, unit_form};
 use crate::scene::assets::triangle_mesh::{TriangleMesh, basis_of, load_mesh};
-use crate::scene::components::description::ShapeDescription;
+use crate::scene::components::description::{SceneDescription, ShapeDescription};
 use crate::scene::{MeshFormat, ShapeKind};
 
 /// The most triangles in place of the curves of a file.
@@ -63,33 +63,10 @@ impl<'a> Forms<'a> {
     pub fn of(&mut self, shape: &ShapeDescription, messages: &mut Messages) -> Option<Form> {
         let kind = &shape.shape.kind;
         let name = &*shape.identity.name;
-        let (plain, shape_from_mesh) = match kind {
-            ShapeKind::Sphere { center, radius } => {
-                let unit = ShapeKind::Sphere {
-                    center: Vec3::ZERO,
-                    radius: 1.0,
-                };
-                let scale = Affine3A::from_scale(Vec3::splat(*radius));
-                (unit, Affine3A::from_translation(*center) * scale)
-            }
-            ShapeKind::Cylinder { p0, p1, radius } => {
-                let unit = ShapeKind::Cylinder {
-                    p0: Vec3::ZERO,
-                    p1: Vec3::Z,
-                    radius: 1.0,
-                };
-                let axis = *p1 - *p0;
-                let Frame { s, t, n } = Frame::from_normal(axis.try_normalize().unwrap_or(Vec3::Z));
-                let axes = [s * *radius, t * *radius, n * axis.length()].map(bevy::math::Vec3A::from);
-                let map = Affine3A {
-                    matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
-                    translation: (*p0).into(),
-                };
-                (unit, map)
-            }
-            ShapeKind::Instance | ShapeKind::Frame => return None,
-            other => (other.clone(), Affine3A::IDENTITY),
-        };
+        if matches!(kind, ShapeKind::Instance | ShapeKind::Frame) {
+            return None;
+        }
+        let (plain, shape_from_mesh) = unit_form(kind);
         // A transform leaves the radii of curves alone.
         let stretch = shape.shape.is_of_curves().then(|| stretch_of(&shape.to_world));
         let shape_from_mesh = stretch.map_or(shape_from_mesh, |stretch| Affine3A::from_mat3(stretch.inverse()));
@@ -182,6 +159,19 @@ impl<'a> Forms<'a> {
             true => Some(mesh.clone()),
             false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
         }
+    }
+}
+
+/// The form with coordinates of the box, if all textures of the shape's material are box projections.
+pub(super) fn box_laid(scene: &SceneDescription, shape: &ShapeDescription, form: Form) -> Form {
+    let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
+        return form;
+    };
+    let world = shape.to_world * form.shape_from_mesh;
+    Form {
+        key: format!("{} box {up:?} {:?}", form.key, world.matrix3),
+        mesh: Arc::new(laid(&form.mesh, &world, up)),
+        ..form
     }
 }
 

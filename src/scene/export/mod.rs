@@ -3,7 +3,6 @@
 //! [`export`] makes the files of a description in memory, with a sentence for each loss; [`Export::write`] writes them.
 //! glTF files are built in [`crate::gltf::write`], and the table of docs/scene-format.md lists the counterparts.
 
-mod box_lying;
 mod error;
 mod form;
 mod in_use;
@@ -21,7 +20,6 @@ mod placing;
 mod poses;
 mod shapes;
 mod tangents;
-pub(in crate::scene) mod without_patterns;
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};

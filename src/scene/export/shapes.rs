@@ -7,9 +7,8 @@ use std::rc::Rc;
 
 use bevy::math::Affine3A;
 
-use super::box_lying::box_laid;
 use super::error::ExportError;
-use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
+use super::form::{Colors, Form, Forms, box_laid, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
 use super::motion::{Motion, placed};

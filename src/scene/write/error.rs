@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::document::{self, SourceError};
 use crate::files::WriteError;
+use crate::scene::assets::without_patterns::PatternError;
 
 /// The reason why a scene is not saved. In all cases the file is unchanged.
 #[derive(Debug, thiserror::Error)]
@@ -25,8 +26,8 @@ pub enum SaveError {
     #[error("volume {}: {reason}", path.display())]
     Volume { path: PathBuf, reason: String },
     /// A pattern cannot be turned into a picture.
-    #[error("{0}")]
-    Pattern(String),
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
     /// There is a folder or a device, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),

@@ -1,29 +1,14 @@
 //! Texture coordinates for shapes whose textures lie by box projection: lengths on the sides of the box.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 
-use super::form::Form;
 use crate::geometry::mesh::MeshData;
 use crate::scene::assets::packed_pattern::up_axis;
-use crate::scene::components::description::{SceneDescription, ShapeDescription};
+use crate::scene::components::description::SceneDescription;
 use crate::scene::{Choice, Pattern, Texture};
 use crate::texture::{ObjectPoint, Up};
-
-/// The form with coordinates of the box, if all textures of the shape's material are box projections.
-pub(super) fn box_laid(scene: &SceneDescription, shape: &ShapeDescription, form: Form) -> Form {
-    let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
-        return form;
-    };
-    let world = shape.to_world * form.shape_from_mesh;
-    Form {
-        key: format!("{} box {up:?} {:?}", form.key, world.matrix3),
-        mesh: Arc::new(laid(&form.mesh, &world, up)),
-        ..form
-    }
-}
 
 /// The upward axis of the box projections of a material and those inside it; None if it has other textures as well.
 pub(in crate::scene) fn projection_of(scene: &SceneDescription, material: usize) -> Option<Up> {

@@ -10,17 +10,17 @@ use image::{DynamicImage, ImageBuffer, ImageFormat};
 use rayon::prelude::*;
 
 use super::box_lying::{laid, projection_of};
-use super::form::Forms;
-use super::messages::Messages;
+use super::packed_pattern::packed_pattern;
+use super::pattern_tile::Tile;
+use super::shape_mesh::{shape_mesh, unit_form};
+use super::texture_map::{load_picture, packed_bitmap};
+use super::triangle_mesh::load_mesh;
 use crate::color::{Rgb, srgb_from_linear};
-use crate::files::{Access, FileSet};
+use crate::files::{Access, FileSet, WriteError};
+use crate::geometry::mesh::MeshData;
 use crate::geometry::ply_write::binary_ply;
 use crate::memory;
-use crate::scene::assets::packed_pattern::packed_pattern;
-use crate::scene::assets::pattern_tile::Tile;
-use crate::scene::assets::texture_map::{load_picture, packed_bitmap};
 use crate::scene::components::description::SceneDescription;
-use crate::scene::write::SaveError;
 use crate::scene::{
     Bitmap, Declared, Material, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
     TextureWrap,
@@ -33,6 +33,16 @@ const EDGE: u32 = 1024;
 /// Bytes per pixel while a picture is made: its values, their codes and the file.
 const PIXEL_BYTES: u64 = 32;
 
+/// The reason why a scene cannot be written without patterns.
+#[derive(Debug, thiserror::Error)]
+pub enum PatternError {
+    #[error(transparent)]
+    File(#[from] WriteError),
+    /// A picture cannot be made.
+    #[error("{0}")]
+    Picture(String),
+}
+
 /// The scene without patterns for writing to `target`; the new files beside that are added to `set`. None if it has no
 /// patterns.
 pub(in crate::scene) fn without_patterns(
@@ -40,7 +50,7 @@ pub(in crate::scene) fn without_patterns(
     target: &Path,
     access: &Access,
     set: &mut FileSet,
-) -> Result<Option<SceneDescription>, SaveError> {
+) -> Result<Option<SceneDescription>, PatternError> {
     let mut changed = scene.clone();
     let mut maker = Maker {
         target,
@@ -86,7 +96,7 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// Adds a file with this content; returns its path.
-    fn add(&mut self, kind: &str, extension: &str, content: &[u8]) -> Result<PathBuf, SaveError> {
+    fn add(&mut self, kind: &str, extension: &str, content: &[u8]) -> Result<PathBuf, PatternError> {
         let stem = self.target.file_stem().unwrap_or_default().to_string_lossy();
         self.files += 1;
         let name = format!("{stem}.{kind}-{}.{extension}", self.files);
@@ -96,30 +106,30 @@ impl Maker<'_> {
     }
 
     /// Replaces shapes whose textures lie by box projection.
-    fn lay_shapes(&mut self, scene: &SceneDescription, changed: &mut SceneDescription) -> Result<(), SaveError> {
-        let mut forms = Forms::new(self.access);
+    fn lay_shapes(&mut self, scene: &SceneDescription, changed: &mut SceneDescription) -> Result<(), PatternError> {
         for (shape, changed) in scene.shapes.iter().zip(&mut changed.shapes) {
             let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
                 continue;
             };
-            let Some(form) = forms.of(shape, &mut Messages::default()) else {
+            let (plain, shape_from_mesh) = unit_form(&shape.shape.kind);
+            let Some((mesh, is_flat)) = mesh_of(&plain, self.access) else {
                 continue;
             };
-            let mesh = laid(&form.mesh, &(shape.to_world * form.shape_from_mesh), up);
+            let mesh = laid(&mesh, &(shape.to_world * shape_from_mesh), up);
             let path = self.add("box", "ply", &binary_ply(&mesh))?;
-            changed.to_world = shape.to_world * form.shape_from_mesh;
+            changed.to_world = shape.to_world * shape_from_mesh;
             changed.shape.kind = ShapeKind::Mesh(MeshFile {
                 path,
                 format: MeshFormat::Ply,
                 shape_index: 0,
-                face_normals: form.is_flat,
+                face_normals: is_flat,
                 flip_tex_coords: false,
             });
         }
         Ok(())
     }
 
-    fn material(&mut self, material: &mut Material) -> Result<(), SaveError> {
+    fn material(&mut self, material: &mut Material) -> Result<(), PatternError> {
         if let Material::BumpMap { height, scale, .. } = material
             && let Parameter::Texture(texture) = height
             && has_pattern(texture)
@@ -131,7 +141,7 @@ impl Maker<'_> {
         self.parameters(material)
     }
 
-    fn parameters(&mut self, values: &mut impl Declared) -> Result<(), SaveError> {
+    fn parameters(&mut self, values: &mut impl Declared) -> Result<(), PatternError> {
         let mut failed = None;
         values.visit_mut(&mut |info, value| {
             let is_color = matches!(
@@ -152,7 +162,7 @@ impl Maker<'_> {
     }
 
     /// The picture of a texture, and the number by which its values were divided.
-    fn picture(&mut self, texture: &Texture, used: Use) -> Result<(Bitmap, f32), SaveError> {
+    fn picture(&mut self, texture: &Texture, used: Use) -> Result<(Bitmap, f32), PatternError> {
         let mut known = self.known.iter();
         if let Some((.., bitmap, peak)) = known.find(|(known, how, ..)| *how == used && known == texture) {
             return Ok((bitmap.clone(), *peak));
@@ -207,8 +217,20 @@ impl Maker<'_> {
     }
 }
 
-fn failed(texture: &Texture, problem: String) -> SaveError {
-    SaveError::Pattern(format!("a picture of `{}` {problem}", texture.plugin()))
+/// The mesh of a shape of unit size, and whether it is shaded with geometric normals. None for shapes without one, and
+/// for files that cannot be read.
+fn mesh_of(kind: &ShapeKind, access: &Access) -> Option<(Arc<MeshData>, bool)> {
+    let ShapeKind::Mesh(file) = kind else {
+        let mesh = shape_mesh(kind).filter(|mesh| !mesh.triangles.is_empty())?;
+        return Some((Arc::new(mesh), matches!(kind, ShapeKind::Triangle { .. })));
+    };
+    // Coordinates of the file are not used.
+    let loaded = load_mesh(&file.path, access).ok()?;
+    Some((loaded.data(file.shape_index)?.clone(), file.face_normals))
+}
+
+fn failed(texture: &Texture, problem: String) -> PatternError {
+    PatternError::Picture(format!("a picture of `{}` {problem}", texture.plugin()))
 }
 
 /// The pixels as codes of a file.
