@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use sunroom::color::{Rgb, luminance};
-use sunroom::engine::{RenderControl, RenderFilm, RenderStatus};
+use sunroom::engine::{Filling, RenderControl, RenderFilm, RenderStatus};
 use sunroom::scene::{Film, IntegratorSettings, ReconstructionFilter, Sensor, Shape, ToWorld};
 
 use crate::{ball, finish};
@@ -117,4 +117,58 @@ fn a_picture_of_fewer_pixels_shows_the_same() {
     let mean = |light: &[Rgb]| light.iter().map(|&rgb| luminance(rgb)).sum::<f32>() / light.len() as f32;
     let (small, large) = (mean(&small_light), mean(&large_light));
     assert!((small - large).abs() < 0.01 * large, "{small} {large}");
+}
+
+#[test]
+fn the_surroundings_of_the_film_get_few_samples() {
+    let samples = |filling, exact| {
+        let mut app = studio();
+        {
+            let mut control = control(&mut app);
+            (control.filling, control.view_size) = (filling, Some(UVec2::new(96, 160)));
+            (control.target_samples, control.exact_samples) = (Some(40), exact);
+        }
+        // A picture that began again for ever would never be done.
+        let status = finish(&mut app);
+        assert_eq!(status.size, UVec2::new(96, 160));
+        assert!(status.is_beyond_film);
+        let film = &app.world().resource::<RenderFilm>().film;
+        [film.samples(48, 80), film.samples(48, 4)]
+    };
+    let [in_film, around] = samples(Filling::AroundFilm, None);
+    assert!(in_film >= 40 && (16..40).contains(&around), "{in_film} {around}");
+    let all = [samples(Filling::Free, None), samples(Filling::AroundFilm, Some(40))];
+    assert!(all.as_flattened().iter().all(|count| *count >= 40), "{all:?}");
+}
+
+#[test]
+fn the_full_film_has_no_surroundings() {
+    let mut app = studio();
+    {
+        let mut control = control(&mut app);
+        (control.filling, control.view_size) = (Filling::Free, Some(UVec2::new(100, 100)));
+    }
+    finish(&mut app);
+    assert_eq!((film_size(&app), status(&app).is_beyond_film), ((100, 100), true));
+    control(&mut app).full_until_change = true;
+    finish(&mut app);
+    assert_eq!((film_size(&app), status(&app).is_beyond_film), ((400, 200), false));
+}
+
+#[test]
+fn a_region_stays_where_it_is_in_the_film() {
+    let mut app = studio();
+    {
+        let mut control = control(&mut app);
+        (control.filling, control.view_size) = (Filling::Free, Some(UVec2::new(128, 256)));
+        // The film is 128 x 64 in the middle; this is the row of tiles above it.
+        control.region = Some(Rect::new(0.0, -0.5, 1.0, 0.0));
+        control.target_samples = Some(4);
+    }
+    finish(&mut app);
+    let film = &app.world().resource::<RenderFilm>().film;
+    assert_eq!(
+        [film.samples(64, 80), film.samples(64, 112), film.samples(64, 40)],
+        [4, 0, 0]
+    );
 }
