@@ -106,6 +106,10 @@ impl<'a> TexturePacker<'a> {
 fn alike(texture: &Texture) -> u64 {
     let mut hasher = DefaultHasher::new();
     texture.plugin().hash(&mut hasher);
+    if let Texture::Pattern(pattern) = texture {
+        // Equal patterns have equal texts, and most others differ in their numbers.
+        format!("{pattern:?}").hash(&mut hasher);
+    }
     match texture {
         Texture::Bitmap(bitmap) => bitmap.path.hash(&mut hasher),
         Texture::MeshAttribute { name, .. } => name.hash(&mut hasher),

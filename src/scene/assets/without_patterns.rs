@@ -22,7 +22,7 @@ use crate::geometry::ply_write::binary_ply;
 use crate::memory;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::{
-    Bitmap, Declared, Material, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
+    Bitmap, Declared, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
     TextureWrap,
 };
 use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
@@ -61,7 +61,7 @@ pub(in crate::scene) fn without_patterns(
     };
     maker.lay_shapes(scene, &mut changed)?;
     for described in &mut changed.materials {
-        maker.material(&mut described.material)?;
+        maker.parameters(&mut described.material)?;
     }
     for shape in &mut changed.shapes {
         if let Some(light) = &mut shape.area_light {
@@ -77,9 +77,13 @@ pub(in crate::scene) fn without_patterns(
 /// The use of a picture, which decides on its coding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Use {
-    /// Colours from 0 to 1, as 8-bit sRGB.
-    Color,
-    /// Numbers, linear in 16 bits.
+    /// Reflectances from 0 to 1, as 8-bit sRGB.
+    Reflectance,
+    /// Colours of light without a bound, linear.
+    Light,
+    /// Other colours, such as normals and indices of metals, which are no light, linear.
+    Values,
+    /// Numbers, linear: in 16 bits if all are from 0 to 1.
     Number,
 }
 
@@ -87,8 +91,8 @@ enum Use {
 struct Maker<'a> {
     target: &'a Path,
     access: &'a Access,
-    /// The pictures made so far, and the largest value of each, by which it was divided if that is above 1.
-    known: Vec<(Texture, Use, Bitmap, f32)>,
+    /// The pictures made so far.
+    known: Vec<(Texture, Use, Bitmap)>,
     set: &'a mut FileSet,
     /// The number of files added to the set.
     files: usize,
@@ -108,6 +112,9 @@ impl Maker<'_> {
     /// Replaces shapes whose textures lie by box projection.
     fn lay_shapes(&mut self, scene: &SceneDescription, changed: &mut SceneDescription) -> Result<(), PatternError> {
         for (shape, changed) in scene.shapes.iter().zip(&mut changed.shapes) {
+            if shape.shape.is_of_curves() {
+                continue;
+            }
             let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
                 continue;
             };
@@ -129,30 +136,19 @@ impl Maker<'_> {
         Ok(())
     }
 
-    fn material(&mut self, material: &mut Material) -> Result<(), PatternError> {
-        if let Material::BumpMap { height, scale, .. } = material
-            && let Parameter::Texture(texture) = height
-            && has_pattern(texture)
-        {
-            let (bitmap, peak) = self.picture(texture, Use::Number)?;
-            *texture = Texture::Bitmap(Box::new(bitmap));
-            *scale *= peak;
-        }
-        self.parameters(material)
-    }
-
     fn parameters(&mut self, values: &mut impl Declared) -> Result<(), PatternError> {
         let mut failed = None;
         values.visit_mut(&mut |info, value| {
-            let is_color = matches!(
-                value,
-                ParameterMut::Reflectance(_) | ParameterMut::TexturedEmission(_) | ParameterMut::OptionalTexture(_)
-            );
-            let used = if is_color { Use::Color } else { Use::Number };
+            let used = match value {
+                ParameterMut::Reflectance(_) | ParameterMut::OptionalTexture(_) => Use::Reflectance,
+                ParameterMut::TexturedEmission(_) => Use::Light,
+                ParameterMut::Normals(_) | ParameterMut::ConductorIor(_) | ParameterMut::Absorption(_) => Use::Values,
+                _ => Use::Number,
+            };
             value.for_each_texture(info, &mut |_, texture| {
                 if has_pattern(texture) {
                     match self.picture(texture, used) {
-                        Ok((bitmap, _)) => *texture = Texture::Bitmap(Box::new(bitmap)),
+                        Ok(bitmap) => *texture = Texture::Bitmap(Box::new(bitmap)),
                         Err(reason) => failed = Some(reason),
                     }
                 }
@@ -161,36 +157,33 @@ impl Maker<'_> {
         failed.map_or(Ok(()), Err)
     }
 
-    /// The picture of a texture, and the number by which its values were divided.
-    fn picture(&mut self, texture: &Texture, used: Use) -> Result<(Bitmap, f32), PatternError> {
+    /// The picture of a texture.
+    fn picture(&mut self, texture: &Texture, used: Use) -> Result<Bitmap, PatternError> {
         let mut known = self.known.iter();
-        if let Some((.., bitmap, peak)) = known.find(|(known, how, ..)| *how == used && known == texture) {
-            return Ok((bitmap.clone(), *peak));
+        if let Some((.., bitmap)) = known.find(|(known, how, _)| *how == used && known == texture) {
+            return Ok(bitmap.clone());
         }
         let pixels = u64::from(EDGE) * u64::from(EDGE);
         let _memory =
             memory::reserve(pixels * PIXEL_BYTES).map_err(|shortage| failed(texture, format!("needs {shortage}")))?;
         let tile = Tile::of(texture);
         let values = self.values(texture, tile.as_ref(), used);
-        let peak = match used {
-            Use::Color => 1.0,
-            Use::Number => values.iter().map(|value| value.x).fold(1.0, f32::max),
-        };
-        let coded = coded(&values, used, peak).ok_or_else(|| failed(texture, "is too large".to_owned()))?;
+        let (coded, format) = coded(&values, used).ok_or_else(|| failed(texture, "is too large".to_owned()))?;
         let mut bytes = Cursor::new(Vec::new());
-        let written = coded.write_to(&mut bytes, ImageFormat::Png);
+        let written = coded.write_to(&mut bytes, format);
         written.map_err(|error| failed(texture, format!("cannot be made: {error}")))?;
-        let path = self.add("texture", "png", &bytes.into_inner())?;
+        let extension = if format == ImageFormat::Png { "png" } else { "exr" };
+        let path = self.add("texture", extension, &bytes.into_inner())?;
         let bitmap = Bitmap {
             path,
             filter: TextureFilter::Bilinear,
             wrap: TextureWrap::Repeat,
             wrap_v: None,
-            raw: used == Use::Number,
+            raw: matches!(used, Use::Values | Use::Number),
             to_uv: tile.map_or(Affine2::IDENTITY, |tile| tile.to_uv),
         };
-        self.known.push((texture.clone(), used, bitmap.clone(), peak));
-        Ok((bitmap, peak))
+        self.known.push((texture.clone(), used, bitmap.clone()));
+        Ok(bitmap)
     }
 
     /// The values of the pixels, row by row as v grows: over the tile of a box projection, else over the unit square of
@@ -202,7 +195,7 @@ impl Maker<'_> {
         let value = |uv: Vec2| {
             let at = TexturePoint::of_uv(uv);
             match used {
-                Use::Color => table.color(texture::Parameter::Texture(id), &at),
+                Use::Reflectance | Use::Light | Use::Values => table.color(texture::Parameter::Texture(id), &at),
                 Use::Number => Rgb::splat(table.float(texture::Parameter::Texture(id), &at)),
             }
         };
@@ -226,24 +219,34 @@ fn mesh_of(kind: &ShapeKind, access: &Access) -> Option<(Arc<MeshData>, bool)> {
     };
     // Coordinates of the file are not used.
     let loaded = load_mesh(&file.path, access).ok()?;
-    Some((loaded.data(file.shape_index)?.clone(), file.face_normals))
+    let mesh = loaded.data(file.shape_index).filter(|mesh| !mesh.triangles.is_empty())?;
+    Some((mesh.clone(), file.face_normals))
 }
 
 fn failed(texture: &Texture, problem: String) -> PatternError {
     PatternError::Picture(format!("a picture of `{}` {problem}", texture.plugin()))
 }
 
-/// The pixels as codes of a file.
-fn coded(values: &[Rgb], used: Use, peak: f32) -> Option<DynamicImage> {
+/// The pixels as codes of a file of this format.
+fn coded(values: &[Rgb], used: Use) -> Option<(DynamicImage, ImageFormat)> {
+    let is_share = |value: &Rgb| (0.0..=1.0).contains(&value.x);
     match used {
-        Use::Color => {
+        Use::Reflectance => {
             let code = |value: f32| (255.0 * srgb_from_linear(value.clamp(0.0, 1.0))).round() as u8;
             let codes = values.iter().flat_map(|value| value.to_array()).map(code);
-            ImageBuffer::from_raw(EDGE, EDGE, codes.collect()).map(DynamicImage::ImageRgb8)
+            let coded = ImageBuffer::from_raw(EDGE, EDGE, codes.collect()).map(DynamicImage::ImageRgb8)?;
+            Some((coded, ImageFormat::Png))
         }
-        Use::Number => {
-            let code = |value: &Rgb| (65535.0 * (value.x / peak).clamp(0.0, 1.0)).round() as u16;
-            ImageBuffer::from_raw(EDGE, EDGE, values.iter().map(code).collect()).map(DynamicImage::ImageLuma16)
+        Use::Number if values.iter().all(is_share) => {
+            let code = |value: &Rgb| (65535.0 * value.x).round() as u16;
+            let codes = values.iter().map(code).collect();
+            let coded = ImageBuffer::from_raw(EDGE, EDGE, codes).map(DynamicImage::ImageLuma16)?;
+            Some((coded, ImageFormat::Png))
+        }
+        Use::Light | Use::Values | Use::Number => {
+            let codes = values.iter().flat_map(|value| value.to_array()).collect();
+            let coded = ImageBuffer::from_raw(EDGE, EDGE, codes).map(DynamicImage::ImageRgb32F)?;
+            Some((coded, ImageFormat::OpenExr))
         }
     }
 }

@@ -84,12 +84,16 @@ fn choice(ui: &mut Ui, info: &'static ParameterInfo, value: &mut Choice) -> bool
 /// Shows the stops of a ramp one after the other, and buttons for one more and one less; returns true if edited.
 fn stops(ui: &mut Ui, stops: &mut Vec<Stop>) -> bool {
     let mut changed = false;
+    let places: Vec<f32> = stops.iter().map(|stop| stop.at).collect();
     for (number, stop) in stops.iter_mut().enumerate() {
+        // A stop that is dragged stays between its neighbours, whose rows would change places with its own.
+        let low = number.checked_sub(1).map_or(f32::MIN, |before| places[before]);
+        let high = places.get(number + 1).copied().unwrap_or(f32::MAX);
         ui.push_id(number, |ui| {
             let name = |what: &str| format!("{what} {}", number + 1);
             let (at, color) = (name("Value"), name("Colour"));
             let value = Caption::from(&at).explained("The value with this colour.");
-            changed |= fields::number(ui, value, &mut stop.at, 0.005, f32::MIN..=f32::MAX);
+            changed |= fields::number(ui, value, &mut stop.at, 0.005, low..=high);
             changed |= color_field::color(ui, Caption::from(&color), &mut stop.color);
         });
     }
@@ -107,9 +111,6 @@ fn stops(ui: &mut Ui, stops: &mut Vec<Stop>) -> bool {
             changed = true;
         }
     });
-    if changed {
-        stops.sort_by(|a, b| a.at.total_cmp(&b.at));
-    }
     changed
 }
 
