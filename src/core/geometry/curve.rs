@@ -10,6 +10,7 @@
 //! Linear segments are in `round_cone`.
 
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 use glam::{DVec3, Mat3A, Vec2, Vec3, Vec3A, Vec4, Vec4Swizzles};
 
@@ -116,9 +117,17 @@ impl Part {
 /// A segment of a cubic B-spline as a polynomial: positions, and radii as the fourth coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spline {
+    points: [Vec4; 4],
     coefficients: [Vec4; 4],
     /// The greatest lengths of the second derivatives of position and radius.
     bend: f32,
+}
+
+/// The polynomial of a segment in f64. Two neighbouring segments agree on the place where they meet, also far from the
+/// origin.
+struct Precise {
+    c: [DVec3; 4],
+    r: [f64; 4],
 }
 
 /// The point of a curve at a parameter, with derivatives, in f64.
@@ -129,12 +138,15 @@ struct Jet {
 
 impl Spline {
     #[inline(always)]
-    pub fn new([a, b, c, d]: [Vec4; 4]) -> Self {
-        let (first, second) = (a - 2.0 * b + c, b - 2.0 * c + d);
+    pub fn new(points: [Vec4; 4]) -> Self {
+        let [a, b, c, d] = points;
+        // Differences of neighbours are exact far from the origin.
+        let (first, second) = ((a - b) + (c - b), (b - c) + (d - c));
         let bend = |of: Vec4| Vec3A::from_vec4(of).length() + of.w.abs();
         Self {
+            points,
             coefficients: [
-                (a + 4.0 * b + c) * (1.0 / 6.0),
+                b + first * (1.0 / 6.0),
                 (c - a) * 0.5,
                 first * 0.5,
                 (second - first) * (1.0 / 6.0),
@@ -162,16 +174,22 @@ impl Spline {
     }
 
     #[inline(always)]
-    fn jet(&self, v: f64) -> Jet {
-        let [a, b, c, d] = self.coefficients.map(|of| of.xyz().as_dvec3());
-        let [e, f, g, h] = self.coefficients.map(|of| f64::from(of.w));
-        Jet {
-            c: [
-                a + v * (b + v * (c + v * d)),
-                b + v * (2.0 * c + 3.0 * v * d),
-                2.0 * c + 6.0 * v * d,
-            ],
-            r: [e + v * (f + v * (g + v * h)), f + v * (2.0 * g + 3.0 * v * h)],
+    fn precise(&self) -> Precise {
+        fn coefficients<T>([a, b, c, d]: [T; 4]) -> [T; 4]
+        where
+            T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+        {
+            let (first, second) = ((a - b) + (c - b), (b - c) + (d - c));
+            [
+                b + first * (1.0 / 6.0),
+                (c - a) * 0.5,
+                first * 0.5,
+                (second - first) * (1.0 / 6.0),
+            ]
+        }
+        Precise {
+            c: coefficients(self.points.map(|point| point.xyz().as_dvec3())),
+            r: coefficients(self.points.map(|point| f64::from(point.w))),
         }
     }
 
@@ -231,64 +249,53 @@ impl Spline {
     /// The hit of an interval that is nearly straight.
     fn meet(&self, interval: [f32; 2], off: f32, ray: &CurveRay, t_max: f32) -> Option<SegmentHit> {
         let [begin, end] = interval.map(f64::from);
-        let (one, other) = (self.jet(begin), self.jet(end));
+        let precise = self.precise();
+        let (one, other) = (precise.jet(begin), precise.jet(end));
         let off = f64::from(off);
         let radius = one.r[0].max(other.r[0]) + off;
         let start = start(ray, [one.c[0], other.c[0]], off, radius, t_max)?;
         let width = end - begin;
         let mut s = start.0;
-        let mut v = begin + width * start.1;
+        // Not at an end, where the derivative may be zero.
+        let mut v = begin + width * start.1.clamp(0.05, 0.95);
         for _ in 0..MOST_STEPS {
-            let Jet { c, r } = self.jet(v);
+            let Jet { c, r } = precise.jet(v);
             let x = ray.origin + s * ray.dir - c[0];
             let (f, g) = (x.dot(c[1]), x.length_squared() - r[0] * r[0]);
-            let (f_s, f_v) = (ray.dir.dot(c[1]), x.dot(c[2]) - c[1].length_squared());
+            // f over |c'(v)| is the distance from the plane of the cross-section. Its derivative, times |c'(v)|, is in
+            // place of that of f, which has roots where c'(v) is zero.
+            let length_squared = c[1].length_squared();
+            let f_v = x.dot(c[2]) - length_squared - f * c[1].dot(c[2]) / length_squared;
+            let f_s = ray.dir.dot(c[1]);
             let (g_s, g_v) = (2.0 * x.dot(ray.dir), -2.0 * (f + r[0] * r[1]));
             let determinant = f_s * g_v - f_v * g_s;
             let (by_s, by_v) = ((f * g_v - g * f_v) / determinant, (f_s * g - g_s * f) / determinant);
             s -= by_s;
             // A step may leave the interval for a while, but not the neighbourhood in which it is nearly straight.
             v = (v - by_v).clamp(begin - width, end + width);
-            if by_s.abs() <= SETTLED * radius && (by_v * by_v * c[1].length_squared()) <= (SETTLED * radius).powi(2) {
-                return self.accept([begin, end], s, v, ray, t_max);
+            if by_s.abs() <= SETTLED * radius && (by_v * by_v * length_squared) <= (SETTLED * radius).powi(2) {
+                return precise.accept([begin, end], s, v, ray, t_max);
             }
         }
         None
     }
 
-    /// The hit at the distance `s`, if it is within the bounds and on the outside.
-    fn accept(&self, [begin, end]: [f64; 2], s: f64, v: f64, ray: &CurveRay, t_max: f32) -> Option<SegmentHit> {
-        let is_within = v >= begin - OVERLAP && v <= end + OVERLAP;
-        let t = (s / ray.length) as f32;
-        if !(is_within && t > ray.t_min && t < t_max) {
-            return None;
-        }
-        let v = v.clamp(0.0, 1.0);
-        let jet = self.jet(v);
-        let x = ray.origin + s * ray.dir - jet.c[0];
-        (jet.normal(x).dot(ray.dir) < 0.0).then(|| SegmentHit {
-            t,
-            u: angle(x, jet.c[1], DVec3::Z) as f32,
-            v: v as f32,
-        })
-    }
-
     /// The surface at a hit.
     pub fn surface(&self, u: f32, v: f32) -> LocalSurface {
-        let jet = self.jet(v.into());
+        let jet = self.precise().jet(v.into());
         let x = jet.offset(u);
         let position = (jet.c[0] + x).as_vec3();
         LocalSurface {
             position,
             error: gamma(4) * position.abs() + Vec3::splat((SETTLED * jet.r[0]) as f32),
-            normal: jet.normal(x).normalize_or(x).as_vec3(),
+            normal: jet.normal(x).normalize_or(x.normalize_or(DVec3::Z)).as_vec3(),
         }
     }
 
     /// The parametrisation at a hit on the segment `number` of `count`. `up` is the local direction from which angles
     /// are counted in Mitsuba: its world's z axis.
     pub fn parametrisation(&self, [u, v]: [f32; 2], [number, count]: [usize; 2], up: Vec3) -> Parametrisation {
-        let jet = self.jet(v.into());
+        let jet = self.precise().jet(v.into());
         let x = jet.offset(u);
         let [_, first, second] = jet.c;
         let length_squared = first.length_squared();
@@ -318,6 +325,42 @@ const MOST_STEPS: usize = 16;
 const SETTLED: f64 = 1e-5;
 /// The width by which neighbouring intervals overlap, so that no ray passes between them.
 const OVERLAP: f64 = 1e-6;
+
+/// The most by which a hit is off the plane of its cross-section, as a share of the radius. Where three control points
+/// coincide, the derivative is zero, so that Newton's method also finds places beyond the open end.
+const OFF_PLANE: f64 = 1e-3;
+
+impl Precise {
+    #[inline(always)]
+    fn jet(&self, v: f64) -> Jet {
+        let ([a, b, c, d], [e, f, g, h]) = (self.c, self.r);
+        Jet {
+            c: [
+                a + v * (b + v * (c + v * d)),
+                b + v * (2.0 * c + 3.0 * v * d),
+                2.0 * c + 6.0 * v * d,
+            ],
+            r: [e + v * (f + v * (g + v * h)), f + v * (2.0 * g + 3.0 * v * h)],
+        }
+    }
+
+    /// The hit at the distance `s`, if it is within the bounds and on the outside.
+    fn accept(&self, [begin, end]: [f64; 2], s: f64, v: f64, ray: &CurveRay, t_max: f32) -> Option<SegmentHit> {
+        let is_within = v >= begin - OVERLAP && v <= end + OVERLAP;
+        let t = (s / ray.length) as f32;
+        if !(is_within && t > ray.t_min && t < t_max) {
+            return None;
+        }
+        let jet = self.jet(v);
+        let x = ray.origin + s * ray.dir - jet.c[0];
+        let is_across = x.dot(jet.c[1]).abs() < OFF_PLANE * jet.r[0] * jet.c[1].length();
+        (is_across && jet.normal(x).dot(ray.dir) < 0.0).then(|| SegmentHit {
+            t,
+            u: angle(x, jet.c[1], DVec3::Z) as f32,
+            v: v.clamp(0.0, 1.0) as f32,
+        })
+    }
+}
 
 impl Jet {
     /// The normal at the offset `x` from the curve, not of unit length. On the inner side of a bend that is too tight

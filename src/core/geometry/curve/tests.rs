@@ -1,4 +1,4 @@
-use glam::UVec2;
+use glam::{UVec2, Vec3Swizzles};
 
 use super::*;
 use crate::geometry::cylinder;
@@ -313,5 +313,76 @@ fn tangents_are_the_derivatives_of_the_surface() {
         assert!(across.abs_diff_eq(dp_dv, 2e-2 * dp_dv.length()), "{across} {dp_dv}");
         let normal = spline.surface(u, v).normal;
         assert!(dp_du.cross(dp_dv).normalize().abs_diff_eq(normal, 1e-4));
+    }
+}
+
+/// Where three control points coincide, the spline reaches them with a derivative of zero. It is open there, too.
+#[test]
+fn splines_that_reach_their_ends_are_open() {
+    const RADIUS: f32 = 0.05;
+    let mut rng = stream(6);
+    let (begin, end) = (Vec4::new(-1.0, 0.0, 0.0, RADIUS), Vec4::new(0.0, 0.0, 0.0, RADIUS));
+    for points in [[begin, end, end, end], [end, end, end, begin]] {
+        let down = Ray::new(Vec3::new(0.02, 0.0, 1.0), Vec3::NEG_Z);
+        assert_eq!(meet(points, &down), None);
+        let (mut hits, mut missed) = (0, 0);
+        for _ in 0..RAYS {
+            let to = Vec3::new(between(&mut rng, -0.2, 0.1), between(&mut rng, -0.06, 0.06), 0.0);
+            let from = to + Vec3::Z + 0.5 * vector(&mut rng);
+            let ray = Ray::new(from, to - from);
+            // The place where it enters the cylinder around the x axis.
+            let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+            let ([a, b], c) = ([d.yz().length_squared(), o.yz().dot(d.yz())], o.yz().length_squared());
+            let discriminant = b * b - a * (c - f64::from(RADIUS * RADIUS));
+            if discriminant < 1e-8 {
+                continue;
+            }
+            let x = o.x - d.x * (b + discriminant.sqrt()) / a;
+            // Rounded coordinates, and the last part of the curve, which is shorter than a thousandth of its radius.
+            if [0.0, -1.0 / 6.0].iter().any(|end| (x - end).abs() < 1e-4) {
+                continue;
+            }
+            let is_expected = x > -1.0 / 6.0 && x < 0.0;
+            let is_met = meet(points, &ray).is_some();
+            hits += usize::from(is_met);
+            missed += usize::from(is_expected && !is_met);
+            assert!(is_expected || !is_met, "{points:?} {ray:?} at {x}");
+        }
+        assert!(hits > RAYS / 4 && missed == 0, "{hits} {missed}");
+    }
+}
+
+/// Coordinates of 1000 are rounded to 6e-5 in f32, far more than the overlap of segments.
+#[test]
+fn no_ray_passes_between_segments_far_from_the_origin() {
+    let mut rng = stream(7);
+    let mut rays = 0;
+    for _ in 0..200 {
+        let from = 1000.0 * vector(&mut rng);
+        let points: [Vec4; 6] = std::array::from_fn(|index| {
+            let place = from + 0.5 * index as f32 * Vec3::X + 0.05 * vector(&mut rng);
+            place.extend(0.1)
+        });
+        let segment = |first: usize| std::array::from_fn(|index| points[first + index]);
+        let [place, tangent, _] = basis(&segment(1), 0.0).map(|of| DVec3::new(of[0], of[1], of[2]));
+        for _ in 0..100 {
+            let beside = tangent.cross(vector(&mut rng).as_dvec3()).normalize_or_zero();
+            let to = place + f64::from(between(&mut rng, -1e-4, 1e-4)) * tangent;
+            let ray = Ray::new((to + beside).as_vec3(), -beside.as_vec3());
+            rays += 1;
+            assert!(
+                (0..3).any(|first| meet(segment(first), &ray).is_some()),
+                "{points:?} {ray:?}"
+            );
+        }
+    }
+    assert_eq!(rays, 20_000);
+}
+
+#[test]
+fn normals_are_of_unit_length_where_the_surface_has_none() {
+    for radius in [0.0, 0.2] {
+        let surface = Spline::new([Vec4::new(1.0, 2.0, 3.0, radius); 4]).surface(0.3, 0.5);
+        assert!(surface.normal.is_normalized(), "{radius} {surface:?}");
     }
 }
