@@ -16,13 +16,14 @@ const FINENESS: [[u32; 2]; 4] = [[8, 4], [6, 2], [4, 1], [3, 1]];
 pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Option<MeshData> {
     let segments = strands.segment_count(basis);
     let triangles = |[corners, rings]: [u32; 2]| 2 * segments as u64 * u64::from(corners * rings);
-    let [corners, rings] = FINENESS
-        .into_iter()
-        .find(|fineness| triangles(*fineness) <= most as u64)?;
-    let rings = match basis {
+    let rings_of = |rings| match basis {
         Basis::BSpline => rings,
         Basis::Linear => 1,
     };
+    let [corners, rings] = FINENESS
+        .into_iter()
+        .map(|[corners, rings]| [corners, rings_of(rings)])
+        .find(|fineness| triangles(*fineness) <= most as u64)?;
     let mut mesh = MeshData::default();
     let mut before = 0;
     for curve in strands.curves() {
@@ -117,8 +118,17 @@ mod tests {
     #[test]
     fn many_curves_are_coarse_and_too_many_are_none() {
         let strands = straight(6);
-        assert_eq!(tubes(&strands, Basis::Linear, 40).unwrap().triangles.len(), 40);
-        assert_eq!(tubes(&strands, Basis::Linear, 39).unwrap().triangles.len(), 30);
+        let triangles = |basis, most| tubes(&strands, basis, most).unwrap().triangles.len();
+        // Five segments with a ring each.
+        assert_eq!(
+            [80, 79, 59, 39].map(|most| triangles(Basis::Linear, most)),
+            [80, 60, 40, 30]
+        );
+        // Three segments with four rings, two, and one.
+        assert_eq!(
+            [192, 191, 71, 23].map(|most| triangles(Basis::BSpline, most)),
+            [192, 72, 24, 18]
+        );
         assert!(tubes(&strands, Basis::Linear, 29).is_none());
     }
 }
