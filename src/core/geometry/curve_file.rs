@@ -16,6 +16,7 @@ use super::strands::Strands;
 const MOST_POINTS: usize = 1 << 28;
 /// The bytes of memory that control points take for each byte of text, at most: the shortest line has eight bytes.
 const BYTES_PER_BYTE: u64 = 3;
+
 /// Whether a text is a file of curves: its first word is a number, with which no other format begins.
 pub fn is_curve_file(bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();
@@ -28,7 +29,7 @@ pub fn load_curves(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
     let length = bytes.len() as u64;
     let memory = MeshMemory::reserve(BYTES_PER_BYTE * length, || format!("{length} bytes of text"))?;
     let mut strands = Strands {
-        points: Vec::with_capacity(bytes.len() / 32),
+        points: Vec::with_capacity(bytes.len() / 8 + 1),
         ..Strands::default()
     };
     let mut is_between = true;
