@@ -124,17 +124,20 @@ fn a_straight_spline_is_shaded_as_a_cylinder() {
     let ours = Tlas::build(vec![placed(spline, place)], SplitMethod::Sah);
     let cylinder = Instance::new(Primitive::Cylinder, place).unwrap();
     let cylinder = Tlas::build(vec![cylinder], SplitMethod::Sah);
-    let mut hits = 0;
+    let (mut hits, mut one_sided) = (0, 0);
     for _ in 0..4000 {
         let ray = ray(&mut random);
-        let (Some(hit), Some(other)) = (ours.intersect(&ray), cylinder.intersect(&ray)) else {
+        // The cylinder has an inside, too.
+        let other = cylinder.intersect(&ray).map(|hit| cylinder.surface(&ray, &hit));
+        let other = other.filter(|surface| surface.geometric_normal.dot(ray.dir) < 0.0);
+        let hit = ours.intersect(&ray);
+        let (Some(hit), Some(expected)) = (hit, other) else {
+            one_sided += u32::from(hit.is_some() != other.is_some());
             continue;
         };
-        let (found, expected) = (ours.surface(&ray, &hit), cylinder.surface(&ray, &other));
-        if expected.geometric_normal.dot(ray.dir) > 0.0 {
-            continue;
-        }
+        let found = ours.surface(&ray, &hit);
         hits += 1;
+        assert!(found.geometric_normal.dot(ray.dir) < 0.0);
         assert!(found.position.abs_diff_eq(expected.position, 1e-5));
         assert!(found.geometric_normal.abs_diff_eq(expected.geometric_normal, 1e-5));
         assert!((found.uv.y - expected.uv.y).abs() < 1e-5);
@@ -144,7 +147,8 @@ fn a_straight_spline_is_shaded_as_a_cylinder() {
         let (one, other) = (found.shading_frame(), expected.shading_frame());
         assert!(one.t.abs_diff_eq(other.t, 1e-4), "hair runs along t");
     }
-    assert!(hits > 500, "{hits}");
+    // Those that touch an edge may miss one of the two.
+    assert!(hits > 500 && one_sided <= 2, "{hits} {one_sided}");
 }
 
 /// What leaves a surface goes on, and what enters it passes to the next curve, because the inside is not met.
@@ -210,10 +214,12 @@ fn a_group_of_curves_is_placed_with_its_cross_sections() {
     let placement = Placement::new(0, &place).unwrap();
     let grouped = Tlas::with_placements(Vec::new(), vec![group], vec![placement], SplitMethod::Sah);
     let alone = Tlas::build(vec![placed(curves, place)], SplitMethod::Sah);
-    let mut hits = 0;
+    let (mut hits, mut one_sided) = (0, 0);
     for _ in 0..8000 {
         let ray = ray(&mut random);
-        let (Some(one), Some(other)) = (grouped.intersect(&ray), alone.intersect(&ray)) else {
+        let (one, other) = (grouped.intersect(&ray), alone.intersect(&ray));
+        let (Some(one), Some(other)) = (one, other) else {
+            one_sided += u32::from(one.is_some() != other.is_some());
             continue;
         };
         hits += 1;
@@ -221,8 +227,10 @@ fn a_group_of_curves_is_placed_with_its_cross_sections() {
         let (one, other) = (grouped.surface(&ray, &one), alone.surface(&ray, &other));
         assert!(one.position.abs_diff_eq(other.position, 1e-4));
         assert!(one.geometric_normal.abs_diff_eq(other.geometric_normal, 2e-2));
+        assert!(one.geometric_normal.dot(ray.dir) < 0.0);
     }
-    assert!(hits > 500, "{hits}");
+    // Those that touch an edge may miss one of the two.
+    assert!(hits > 500 && one_sided <= 4, "{hits} {one_sided}");
 }
 
 #[test]
