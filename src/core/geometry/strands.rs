@@ -38,13 +38,19 @@ impl Strands {
 
     /// The box around all control points with their radii, which holds the curves of either basis.
     pub fn bounds(&self) -> Aabb {
-        self.points
-            .iter()
-            .map(|point| Aabb {
-                min: point.xyz() - point.w,
-                max: point.xyz() + point.w,
-            })
-            .fold(Aabb::EMPTY, Aabb::union)
+        self.bounds_in(&Affine3A::IDENTITY)
+    }
+
+    /// The box that holds the curves of either basis after a transform, which leaves radii alone.
+    pub fn bounds_in(&self, world_from_local: &Affine3A) -> Aabb {
+        let boxes = self.points.iter().map(|point| {
+            let place = world_from_local.transform_point3(point.xyz());
+            Aabb {
+                min: place - point.w,
+                max: place + point.w,
+            }
+        });
+        boxes.fold(Aabb::EMPTY, Aabb::union)
     }
 
     /// Memory held by the arrays, in bytes.
@@ -52,11 +58,18 @@ impl Strands {
         self.points.capacity() * size_of::<Vec4>() + self.firsts.capacity() * size_of::<u32>()
     }
 
+    /// The most parts that an acceleration structure of the curves has boxes for.
+    pub fn most_parts(&self, basis: Basis) -> usize {
+        let segments = self.points.len();
+        match basis {
+            Basis::BSpline => segments.max(MOST_PARTS.min(segments << MOST_HALVINGS)),
+            Basis::Linear => segments,
+        }
+    }
+
     /// Memory of an acceleration structure over the curves, in bytes.
     pub(super) fn hierarchy_bytes(&self) -> u64 {
-        let segments = self.points.len();
-        let parts = segments.max(MOST_PARTS.min(segments << MOST_HALVINGS));
-        HIERARCHY_BYTES * parts as u64
+        HIERARCHY_BYTES * self.most_parts(Basis::BSpline) as u64
     }
 
     /// The ranges of control points of the curves, in order.
@@ -105,7 +118,8 @@ impl Strands {
 
 /// The part of a transform that changes distances: the transform is a rotation and a translation after it. A transform
 /// of curves moves their control points and leaves their radii, as in Mitsuba, so that curves are traced after this
-/// part, and placed by the rest alone. It is rounded, so that curves that are moved or turned keep theirs.
+/// part, and placed by the rest alone. It is rounded, so that curves that are moved or turned keep theirs bit by bit,
+/// unless it is so flat that their radii would be off. It is the identity for a transform that cannot be inverted.
 pub fn stretch_of(world_from_local: &Affine3A) -> Mat3 {
     let linear = world_from_local.as_daffine3().matrix3;
     let side = linear.determinant().signum();
@@ -120,22 +134,30 @@ pub fn stretch_of(world_from_local: &Affine3A) -> Mat3 {
         }
     }
     let stretch = rotation.transpose() * linear;
-    let largest = [stretch.x_axis, stretch.y_axis, stretch.z_axis].map(|axis| axis.abs().max_element());
-    let unit = (largest[0].max(largest[1]).max(largest[2]) * ROUNDED_TO)
-        .log2()
-        .ceil()
-        .exp2();
-    let rounded =
-        DMat3::from_cols_array(&stretch.to_cols_array().map(|number| (number / unit).round() * unit)).as_mat3();
-    // A transform that cannot be inverted has no such part, and its shape is left out.
-    match rounded.is_finite() && rounded.determinant() != 0.0 {
-        true => rounded,
+    let unit = (largest_of(&stretch) * ROUNDED_TO).log2().ceil().exp2();
+    // One over the largest number of the inverse is near the smallest factor by which a distance is scaled.
+    let is_flat = largest_of(&stretch.inverse()) * unit > ROUNDED_FROM.recip();
+    let rounded = |number: f64| match is_flat {
+        true => number,
+        // The sum has no zero with a sign.
+        false => (number / unit).round() * unit + 0.0,
+    };
+    let stretch = DMat3::from_cols_array(&stretch.to_cols_array().map(rounded)).as_mat3();
+    match stretch.is_finite() && stretch.inverse().is_finite() {
+        true => stretch,
         false => Mat3::IDENTITY,
     }
 }
 
-/// The unit to which a stretch is rounded, as a share of its largest number. Radii are off by as much.
+/// The largest absolute value of a matrix.
+fn largest_of(matrix: &DMat3) -> f64 {
+    matrix.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max)
+}
+
+/// The unit to which a stretch is rounded, as a share of its largest number; it is a power of two up to twice as large.
 const ROUNDED_TO: f64 = 1.0 / 16384.0;
+/// A stretch that scales a distance by less than so many units is not rounded: radii would be off by over a hundredth.
+const ROUNDED_FROM: f64 = 100.0;
 
 #[cfg(test)]
 mod tests {
@@ -169,7 +191,11 @@ mod tests {
                 assert!((rest * rest.transpose()).abs_diff_eq(Mat3::IDENTITY, 1e-3) && rest.determinant() > 0.0);
             }
         }
-        assert_eq!(stretch_of(&Affine3A::from_rotation_x(0.7)), Mat3::IDENTITY);
+        let bits = |stretch: Mat3| stretch.to_cols_array().map(f32::to_bits);
+        for turns in 0..50 {
+            let turned = Affine3A::from_rotation_x(0.7 * turns as f32) * Affine3A::from_rotation_z(1.3 * turns as f32);
+            assert_eq!(bits(stretch_of(&turned)), bits(Mat3::IDENTITY), "zeros have one sign");
+        }
         for singular in [
             Mat3::ZERO,
             Mat3::from_diagonal(Vec3::new(1.0, 0.0, 1.0)),
@@ -177,5 +203,33 @@ mod tests {
         ] {
             assert_eq!(stretch_of(&Affine3A::from_mat3(singular)), Mat3::IDENTITY);
         }
+    }
+    #[test]
+    fn flat_transforms_keep_the_radii() {
+        for thickness in [0.03, 1e-3, 2e-5] {
+            for turns in 0..20 {
+                let turned = Mat3::from_euler(glam::EulerRot::XYZ, 0.3 * turns as f32, 1.7, -0.9 * turns as f32);
+                let first = Mat3::from_rotation_y(0.2 * turns as f32);
+                let placed = turned * Mat3::from_diagonal(Vec3::new(1.0, 1.0, thickness)) * first;
+                let stretch = stretch_of(&Affine3A::from_mat3(placed));
+                let rest = placed.as_dmat3() * stretch.as_dmat3().inverse();
+                let off = rest * rest.transpose() - DMat3::IDENTITY;
+                let off = off.to_cols_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+                assert!(off < 0.02, "{thickness} {turns}: {off}");
+            }
+        }
+    }
+    #[test]
+    fn bounds_after_a_transform_have_the_same_radii() {
+        let strands = Strands {
+            points: vec![Vec4::new(1.0, 0.0, 0.0, 0.5), Vec4::new(2.0, 1.0, 0.0, 0.25)],
+            firsts: vec![0],
+            shortest: (2, 1),
+        };
+        let bounds = strands.bounds_in(&Affine3A::from_scale(Vec3::splat(10.0)));
+        assert_eq!(
+            (bounds.min, bounds.max),
+            (Vec3::new(9.5, -0.5, -0.5), Vec3::new(20.25, 10.25, 0.5))
+        );
     }
 }

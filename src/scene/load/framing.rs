@@ -29,7 +29,13 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
         }
         ShapeKind::Solid(solid) => Aabb::from_points(solid.corners()),
         ShapeKind::Instance | ShapeKind::Frame => return None,
-        ShapeKind::Mesh(file) => mesh?.shapes.get(file.shape_index as usize)?.bounds,
+        ShapeKind::Mesh(file) => {
+            let shape = mesh?.shapes.get(file.shape_index as usize)?;
+            if file.format.is_of_curves() {
+                return Some(shape.data.strands.bounds_in(to_world));
+            }
+            shape.bounds
+        }
     };
     Some(local.transformed(to_world))
 }
