@@ -20,8 +20,15 @@ use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
 use crate::scene::{Solid, TriangleMesh};
 
-/// The size up to which meshes are built at once on request: that takes about a millisecond, less than a frame.
+/// The triangles and parts of curves up to which a hierarchy is built at once on request: that takes about a
+/// millisecond, less than a frame.
 const SMALL: usize = 4096;
+
+/// The bits of the identity, see [`MeshKey::Curves`].
+const UNSTRETCHED: [u32; 9] = {
+    let (one, zero) = (1.0_f32.to_bits(), 0.0_f32.to_bits());
+    [one, zero, zero, zero, one, zero, zero, zero, one]
+};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MeshKey {
@@ -43,6 +50,16 @@ pub(super) enum MeshKey {
     Triangle,
     /// A building part, by its number among the parts in use.
     Solid(u64),
+}
+
+impl MeshKey {
+    /// Whether these are the same curves with any stretch.
+    fn is_similar(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Curves { id, basis, .. }, Self::Curves { id: its, basis: of, .. }) => (id, basis) == (its, of),
+            _ => false,
+        }
+    }
 }
 
 /// A mesh, or the curves of a file, that can be rendered.
@@ -79,6 +96,8 @@ struct Entry {
     built: Option<BuiltMesh>,
     /// The build that is running.
     ticket: Option<u64>,
+    /// The number of the last build, which grows from build to build.
+    number: u64,
     failure: Option<BuildError>,
     used: bool,
 }
@@ -206,7 +225,7 @@ impl BlasCache {
             .entries
             .get(&key)
             .is_some_and(|entry| Arc::ptr_eq(&entry.data, data) && entry.method == policy.method);
-        if !current {
+        if !current && (policy.wait || !self.is_similar_pending(&key)) {
             self.start(key, data, policy);
         }
         let pending = self.entries.get(&key).is_some_and(|entry| entry.ticket.is_some());
@@ -219,15 +238,39 @@ impl BlasCache {
         }
     }
 
-    /// The same curves with another stretch, which are shown until these are built.
-    fn similar_curves(&self, sought: MeshKey) -> Option<&BuiltMesh> {
-        let MeshKey::Curves { id, basis, .. } = sought else {
-            return None;
-        };
-        let is_similar =
-            |key: &MeshKey| matches!(key, MeshKey::Curves { id: its, basis: of, .. } if (*its, *of) == (id, basis));
-        let mut similar = self.entries.iter().filter(|(key, _)| is_similar(key));
-        similar.find_map(|(_, entry)| entry.built.as_ref())
+    /// Whether the same curves are being built with another stretch. Curves that are scaled with the mouse ask for a
+    /// stretch in each frame: only one is built at a time, and they ask again when it is done.
+    fn is_similar_pending(&self, key: &MeshKey) -> bool {
+        let mut others = self.entries.iter().filter(|(other, _)| *other != key);
+        others.any(|(other, entry)| entry.ticket.is_some() && other.is_similar(key))
+    }
+
+    /// The same curves with another stretch, the newest ones, which are shown until those sought are built. A build of
+    /// them that is running stays in use.
+    fn similar_curves(&mut self, sought: MeshKey) -> Option<&BuiltMesh> {
+        let similar = self.entries.iter_mut().filter(|(key, _)| key.is_similar(&sought));
+        let mut newest: Option<&mut Entry> = None;
+        for (_, entry) in similar {
+            entry.used |= entry.ticket.is_some();
+            let is_newer = newest.as_ref().is_none_or(|newest| newest.number < entry.number);
+            if entry.built.is_some() && is_newer {
+                newest = Some(entry);
+            }
+        }
+        let newest = newest?;
+        newest.used = true;
+        newest.built.as_ref()
+    }
+
+    /// Whether a hierarchy needs a copy of its mesh, with memory of its own: the memory that came with a file is for one
+    /// hierarchy of its curves as they are, and a file may hold the control points of splines and of lines at once.
+    fn needs_copy(&self, key: &MeshKey, data: &Arc<MeshData>) -> bool {
+        let is_unstretched = |key: &MeshKey| matches!(key, MeshKey::Curves { stretch, .. } if *stretch == UNSTRETCHED);
+        let mut others = self.entries.iter().filter(|(other, _)| *other != key);
+        match is_unstretched(key) {
+            true => others.any(|(other, entry)| is_unstretched(other) && Arc::ptr_eq(&entry.data, data)),
+            false => matches!(key, MeshKey::Curves { .. }),
+        }
     }
 
     fn start(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) {
@@ -246,16 +289,22 @@ impl BlasCache {
             method: policy.method,
             built,
             ticket: Some(ticket),
+            number: ticket,
             failure: None,
             used: true,
         };
+        let parts = match key {
+            MeshKey::Curves { basis, .. } => data.strands.most_parts(basis),
+            _ => 0,
+        };
+        let is_copied = self.needs_copy(&key, data);
         let (data, method) = (data.clone(), policy.method);
-        if data.triangles.len() + data.strands.points.len() <= SMALL {
-            entry.finish(build(key, data, method, similar));
+        if data.triangles.len() + parts <= SMALL {
+            entry.finish(build(key, data, method, similar, is_copied));
         } else {
             let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
             let task = move || {
-                let result = build(key, data, method, similar);
+                let result = build(key, data, method, similar, is_copied);
                 // The receiver is gone when the application ends.
                 let _ = sender.send(Finished { key, ticket, result });
                 if let Some(wake) = wake_up.0 {
@@ -304,21 +353,19 @@ impl Entry {
     }
 }
 
-/// Builds a hierarchy. `similar` is the hierarchy of the mesh before its change, built by the same method.
+/// Builds a hierarchy. `similar` is the hierarchy of the mesh before its change, built by the same method. `is_copied`
+/// says whether curves need a copy of their mesh, see [`BlasCache::needs_copy`].
 fn build(
     key: MeshKey,
     mut data: Arc<MeshData>,
     method: SplitMethod,
     similar: Option<Arc<Blas>>,
+    is_copied: bool,
 ) -> Result<BuiltMesh, BuildError> {
     let begin = Instant::now();
     if let MeshKey::Curves { basis, stretch, .. } = key {
-        return build_curves(
-            data,
-            basis,
-            &Mat3::from_cols_array(&stretch.map(f32::from_bits)),
-            method,
-        );
+        let stretch = Mat3::from_cols_array(&stretch.map(f32::from_bits));
+        return build_curves(data, basis, &stretch, method, is_copied);
     }
     if matches!(key, MeshKey::Asset { upside_down: true, .. }) {
         let flipped = data.with_flipped_tex_coords();
@@ -350,9 +397,10 @@ fn build_curves(
     basis: Basis,
     stretch: &Mat3,
     method: SplitMethod,
+    is_copied: bool,
 ) -> Result<BuiltMesh, BuildError> {
     let begin = Instant::now();
-    if *stretch != Mat3::IDENTITY {
+    if is_copied {
         let stretched = data.with_stretched_strands(stretch).map_err(|shortage| {
             let points = data.strands.points.len();
             BuildError::MemoryOfCurves { points, shortage }
@@ -373,3 +421,6 @@ fn build_curves(
 fn caught<T>(build: impl FnOnce() -> T) -> Result<T, BuildError> {
     catch_unwind(AssertUnwindSafe(build)).map_err(|payload| BuildError::Panic(text_of_panic(payload.as_ref())))
 }
+
+#[cfg(test)]
+mod tests;
