@@ -149,6 +149,11 @@ impl<'a> Shapes<'a> {
             Some(placements) => placements.places.iter().map(|place| Affine3A::from(*place)).collect(),
             None => vec![shape.to_world],
         };
+        let is_of_curves = |&member: &usize| self.scene.shapes[member].shape.is_of_curves();
+        let lightmap_scale = match self.members[group].iter().any(is_of_curves) {
+            true => 0.0,
+            false => shape.shape.lightmap_scale,
+        };
         let is_crowd = shape.placements.is_some();
         let keys = shape.identity.keys.as_ref().filter(|_| !is_crowd);
         if is_crowd && shape.identity.keys.is_some() {
@@ -181,7 +186,7 @@ impl<'a> Shapes<'a> {
                 },
                 pose,
                 mesh: Some(mesh),
-                lightmap_scale: Some(shape.shape.lightmap_scale),
+                lightmap_scale: Some(lightmap_scale),
                 ..Node::default()
             };
             let node = writer.add_node(node, parent);
@@ -373,9 +378,8 @@ impl<'a> Shapes<'a> {
             return Ok(known.clone());
         }
         let mesh = shown(form, placing.baked, placing.is_turned, is_unwelded);
-        let values = colors
-            .as_ref()
-            .map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
+        let values = colors.as_ref();
+        let values = values.map(|colors| vertex_colors(&form.mesh, colors, is_unwelded));
         let attributes = writer.add_vertices(&mesh, values.as_deref())?;
         self.vertices.insert(key, attributes.clone());
         Ok(attributes)
@@ -388,12 +392,8 @@ impl<'a> Shapes<'a> {
         }
         let mirrored = self.mirrored(form, placing, false);
         let has = |side: bool| mirrored.contains(&side);
-        let sides = [(false, Side::Upright), (true, Side::Mirrored)];
-        sides
-            .into_iter()
-            .filter(|(side, _)| has(*side))
-            .map(|(_, part)| part)
-            .collect()
+        let sides = [(false, Side::Upright), (true, Side::Mirrored)].into_iter();
+        sides.filter(|(side, _)| has(*side)).map(|(_, part)| part).collect()
     }
 
     /// For each triangle whether its picture is mirrored, as the triangle is written.
@@ -466,10 +466,8 @@ impl<'a> Shapes<'a> {
                 && sides.as_ref().is_none_or(|sides| sides[triangle] == part.is_mirrored())
         };
         let corners = tangents::written_corners(form, is_unwelded, runs_backwards).enumerate();
-        let triangles: Vec<[u32; 3]> = corners
-            .filter(|(triangle, _)| is_here(*triangle))
-            .map(|(_, corners)| corners)
-            .collect();
+        let here = corners.filter(|(triangle, _)| is_here(*triangle));
+        let triangles: Vec<[u32; 3]> = here.map(|(_, corners)| corners).collect();
         let vertices = match is_unwelded {
             true => 3 * mesh.triangles.len(),
             false => mesh.positions.len(),
