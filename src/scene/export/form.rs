@@ -18,7 +18,7 @@ use crate::scene::assets::triangle_mesh::{TriangleMesh, basis_of, load_mesh};
 use crate::scene::components::description::{SceneDescription, ShapeDescription};
 use crate::scene::{MeshFormat, ShapeKind};
 
-/// The most triangles in place of the curves of a file.
+/// The most triangles in place of all curves.
 const MOST_TRIANGLES: usize = 4_000_000;
 
 /// The vertex colours of a mesh: the name of its attribute, and a factor.
@@ -48,6 +48,8 @@ pub(super) struct Forms<'a> {
     access: &'a Access,
     files: HashMap<PathBuf, Option<TriangleMesh>>,
     forms: HashMap<String, Option<Form>>,
+    /// The triangles that may still take the place of curves.
+    left_for_curves: usize,
 }
 
 impl<'a> Forms<'a> {
@@ -56,6 +58,7 @@ impl<'a> Forms<'a> {
             access,
             files: HashMap::new(),
             forms: HashMap::new(),
+            left_for_curves: MOST_TRIANGLES,
         }
     }
 
@@ -128,13 +131,16 @@ impl<'a> Forms<'a> {
     ) -> Option<Arc<MeshData>> {
         let curves = self.mesh_of_file(file, name, messages)?;
         let stretched = curves.with_stretched_strands(&stretch?).ok()?;
-        let tubes = tubes(&stretched.strands, basis_of(file.format)?, MOST_TRIANGLES);
+        let tubes = tubes(&stretched.strands, basis_of(file.format)?, self.left_for_curves);
         match &tubes {
-            Some(_) => messages.note("shape", name, "the curves become tubes of triangles"),
+            Some(tubes) => {
+                self.left_for_curves -= tubes.triangles.len();
+                messages.note("shape", name, "the curves become tubes of triangles");
+            }
             None => messages.left_out(
                 "shape",
                 name,
-                format!("its curves would be more than {MOST_TRIANGLES} triangles"),
+                format!("with its curves, more than {MOST_TRIANGLES} triangles would take the place of curves"),
             ),
         }
         tubes.map(Arc::new)
