@@ -128,7 +128,8 @@ fn parse_lengths(text: &str, unit: LengthUnit) -> Result<Rgb, AssignError> {
 pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.parsed("flip_normals", &mut shape.flip_normals, parse_boolean);
-        if !shape.is_frame() {
+        // Curves have no lightmaps.
+        if !shape.is_frame() && !shape.is_of_curves() {
             visitor.bounded("lightmap_scale", &mut shape.lightmap_scale, Shape::LIGHTMAP_SCALES);
         }
         match &mut shape.kind {
