@@ -262,8 +262,8 @@ impl BlasCache {
         newest.built.as_ref()
     }
 
-    /// Whether a hierarchy needs a copy of its mesh, with memory of its own: the memory that came with a file is for one
-    /// hierarchy of its curves as they are, and a file may hold the control points of splines and of lines at once.
+    /// Whether a hierarchy needs a copy of its mesh, with memory of its own. The memory that came with a file is for
+    /// one hierarchy of its curves as they are, and a file may hold the control points of splines and of lines.
     fn needs_copy(&self, key: &MeshKey, data: &Arc<MeshData>) -> bool {
         let is_unstretched = |key: &MeshKey| matches!(key, MeshKey::Curves { stretch, .. } if *stretch == UNSTRETCHED);
         let mut others = self.entries.iter().filter(|(other, _)| *other != key);
