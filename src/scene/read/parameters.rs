@@ -7,7 +7,7 @@ use bevy::math::Affine3A;
 use super::picture_search::PictureSearch;
 use crate::color::Rgb;
 use crate::document::{Reader, Severity};
-use crate::scene::{Parameter, Texture};
+use crate::scene::{Declared, Parameter, Texture};
 
 /// Reads one kind of parameter. None if the file does not give it, or if its value is invalid, which has been reported.
 pub trait Parameters {
@@ -27,6 +27,8 @@ pub trait Parameters {
     fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// The texture given for a parameter.
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture>;
+    /// Reads all declared parameters that the file gives.
+    fn declared(&mut self, values: &mut impl Declared, pictures: &mut PictureSearch);
     /// The transform `to_world`; the identity if it is absent, None (with an error) if it is not invertible.
     fn to_world(&mut self) -> Option<Affine3A>;
 }

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use bevy::math::Affine3A;
 
+use super::from_file::FromFile;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use super::spectra::{is_spectrum, read_spectrum};
@@ -11,7 +12,7 @@ use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::{Category, Object, Reader, TransformOp};
-use crate::scene::{Parameter, Texture, ToWorld};
+use crate::scene::{Declared, Parameter, Texture, ToWorld};
 
 /// The most nested textures of a parameter.
 const MOST_TEXTURES: usize = 256;
@@ -95,6 +96,10 @@ impl Parameters for Reader<'_, '_> {
         }
         check_textures_inside(self, name, object)?;
         self.nested(object, |reader| read_texture(reader, pictures))
+    }
+
+    fn declared(&mut self, values: &mut impl Declared, pictures: &mut PictureSearch) {
+        FromFile { reader: self, pictures }.read_all(values);
     }
 
     fn to_world(&mut self) -> Option<Affine3A> {

@@ -3,7 +3,6 @@
 use bevy::math::Affine2;
 use glam::Vec3;
 
-use super::from_file::FromFile;
 use super::parameters::Parameters;
 use super::picture_search::PictureSearch;
 use crate::color::Rgb;
@@ -31,7 +30,7 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
             times: reader.texture("times", pictures).map(Box::new),
         },
         plugin if let Some(mut pattern) = Pattern::of_plugin(plugin) => {
-            FromFile { reader, pictures }.read_all(&mut pattern);
+            reader.declared(&mut pattern, pictures);
             Texture::Pattern(Box::new(pattern))
         }
         plugin => {
