@@ -47,7 +47,7 @@ pub use components::parameters::{
     SunPosition,
 };
 pub(crate) use components::parameters::{Declared, ParameterMut, ParameterRef};
-pub use components::pattern::{Choice, Pattern, Stop};
+pub use components::pattern::{Choice, Stop};
 pub use components::sensor::{Crop, Film, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use components::settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use components::shape::{MeshFile, MeshFormat, Shape, ShapeKind};
@@ -56,7 +56,9 @@ pub use components::status::{
     ActiveSensor, FileProblem, FileReadAgain, FreeView, OpenScene, ReloadSummary, SceneState, SceneStatus,
 };
 pub use components::sun_sky::SunSky;
-pub use components::texture::{Bitmap, ChosenPicture, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
+pub use components::texture::{
+    Bitmap, ChosenPicture, Parameter, Pattern, SquarePath, Texture, TextureFilter, TextureWrap,
+};
 pub use components::unit::LengthUnit;
 pub(crate) use components::unit::decimal;
 pub use components::wall_openings::Opening;

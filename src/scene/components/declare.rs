@@ -4,7 +4,7 @@
 //! [`Declared`](crate::scene::Declared), through which all others access the parameters: the reader and the writer of
 //! files, panels, scripts and the checks of ranges.
 //!
-//! The declaring file has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
+//! A declaring file has `Declared`, `ParameterInfo`, `ParameterRef`, `ParameterMut` and `PluginInfo` in scope.
 
 use std::ops::RangeInclusive;
 
@@ -56,6 +56,14 @@ impl PluginInfo {
 /// A kind is a variant of `ParameterRef` and `ParameterMut`. The second form is for parameters that are a struct of
 /// their own: `as_mut` gives that from a reference to what the variant holds.
 macro_rules! declare_plugins {
+    ($($declaration:tt)*) => {
+        $crate::scene::components::declare::declare_plugin_type! { $($declaration)* }
+        $crate::scene::components::declare::declare_plugin_parameters! { $($declaration)* }
+    };
+}
+
+/// The type of `declare_plugins` alone. The file of a type that parameters may hold does not know `ParameterRef`.
+macro_rules! declare_plugin_type {
     ($(#[$meta:meta])* pub enum $Family:ident { $(
         $(#[$doc:meta])*
         [$plugin:expr]
@@ -68,7 +76,18 @@ macro_rules! declare_plugins {
         pub enum $Family {
             $($(#[$doc])* $Variant $({ $($(#[$field_doc])* $field: $type),* })? $(($Inside))?,)*
         }
+    };
+}
 
+/// The plugins of `declare_plugins` and their parameters, for a type that `declare_plugin_type` has declared.
+macro_rules! declare_plugin_parameters {
+    ($(#[$meta:meta])* pub enum $Family:ident { $(
+        $(#[$doc:meta])*
+        [$plugin:expr]
+        $Variant:ident
+        $({ $($(#[$field_doc:meta])* $field:ident: $type:ty = $default:expr => $kind:ident($info:expr)),* $(,)? })?
+        $(($inside:ident: $Inside:ty => $as_mut:path))?
+    ),* $(,)? }) => {
         impl $Family {
             /// The declarations of all plugins, in the order of lists.
             pub(crate) const DECLARED: &'static [PluginInfo] = &[$($plugin),*];
@@ -147,4 +166,4 @@ macro_rules! declare_parameters {
     };
 }
 
-pub(in crate::scene) use {declare_parameters, declare_plugins};
+pub(in crate::scene) use {declare_parameters, declare_plugin_parameters, declare_plugin_type, declare_plugins};

@@ -27,6 +27,7 @@ pub(super) mod object_state;
 pub(super) mod parameter_info;
 pub(crate) mod parameters;
 pub mod pattern;
+mod pattern_parameters;
 pub(super) mod presence;
 pub mod sensor;
 pub mod settings;

@@ -1,253 +1,256 @@
-//! Procedural textures: the plugins whose values follow from formulas, each declared once.
+//! Procedural textures: the plugins whose values follow from formulas, each declared once, and the types of values that
+//! they alone have.
 //!
 //! All are extensions of the format. Other programs get pictures of them, see [`crate::scene::write::portable`].
 
-use bevy::math::Affine2;
-
-use super::declare::{PluginInfo, declare_plugins};
 use super::parameter_info::ParameterInfo;
-use super::parameters::{Declared, ParameterMut, ParameterRef};
-use super::texture::{Parameter, Texture};
-use super::texture_parameters::TO_UV;
 use crate::color::Rgb;
 use crate::document::value::{ValueError, fields, format_float, parse_float};
 
-declare_plugins! {
-    /// A procedural texture. Coordinates are uv, or lengths inside a box projection.
-    #[derive(Clone, Debug, PartialEq)]
-    pub enum Pattern {
-        /// Gradient noise.
-        [PluginInfo::new("noise", "noise")]
-        Noise {
-            color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(LOW),
-            color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(HIGH),
-            octaves: i32 = 4 => Integer(ParameterInfo::new(
-                "octaves",
-                "Octaves",
-                "How many noises, each of half the size of the one before, are added up.",
-                "1 to 16",
-            )
-            .within(1.0..=16.0)),
-            gain: f32 = 0.5 => Number(ParameterInfo::new(
-                "gain",
-                "Gain",
-                "Strength of each octave relative to the one before: small is smooth, large is rough.",
-                "0 to 1",
-            )
-            .within(0.0..=1.0)
-            .offering(0.0..=1.0)),
-            distortion: f32 = 0.0 => Number(ParameterInfo::new(
-                "distortion",
-                "Distortion",
-                "How far places are moved by another noise beforehand: lines bend as in marble.",
-                "cells of the noise",
-            )
-            .within(-1e3..=1e3)
-            .offering(0.0..=4.0)),
-            ridged: bool = false => Flag(ParameterInfo::switch(
-                "ridged",
-                "Ridges",
-                "Shows lines where the noise crosses its mean, as veins, instead of the noise.",
-            )),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
+/// Hands the declaration of all patterns to a macro: in `texture` it makes the type, because textures and patterns hold
+/// each other, and in `pattern_parameters` the rest, because references to parameters know textures.
+macro_rules! with_patterns {
+    ($declare:ident) => {
+        $declare! {
+            /// A procedural texture. Coordinates are uv, or lengths inside a box projection.
+            #[derive(Clone, Debug, PartialEq)]
+            pub enum Pattern {
+                /// Gradient noise.
+                [PluginInfo::new("noise", "noise")]
+                Noise {
+                    color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(LOW),
+                    color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(HIGH),
+                    octaves: i32 = 4 => Integer(ParameterInfo::new(
+                        "octaves",
+                        "Octaves",
+                        "How many noises, each of half the size of the one before, are added up.",
+                        "1 to 16",
+                    )
+                    .within(1.0..=16.0)),
+                    gain: f32 = 0.5 => Number(ParameterInfo::new(
+                        "gain",
+                        "Gain",
+                        "Strength of each octave relative to the one before: small is smooth, large is rough.",
+                        "0 to 1",
+                    )
+                    .within(0.0..=1.0)
+                    .offering(0.0..=1.0)),
+                    distortion: f32 = 0.0 => Number(ParameterInfo::new(
+                        "distortion",
+                        "Distortion",
+                        "How far places are moved by another noise beforehand: lines bend as in marble.",
+                        "cells of the noise",
+                    )
+                    .within(-1e3..=1e3)
+                    .offering(0.0..=4.0)),
+                    ridged: bool = false => Flag(ParameterInfo::switch(
+                        "ridged",
+                        "Ridges",
+                        "Shows lines where the noise crosses its mean, as veins, instead of the noise.",
+                    )),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
 
-        /// Cells around scattered points.
-        [PluginInfo::new("cells", "cells")]
-        Cells {
-            color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(LOW),
-            color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(HIGH),
-            value: Choice = Choice::first(&["distance", "border", "random"]) => Choice(ParameterInfo::new(
-                "value",
-                "Shows",
-                "The distance from the nearest point, what is missing to the border between two cells, or a random number for each cell.",
-                "distance, border or random",
-            )),
-            scatter: f32 = 0.8 => Number(ParameterInfo::new(
-                "scatter",
-                "Scatter",
-                "How irregular the cells are: 0 gives squares.",
-                "0 to 1",
-            )
-            .within(0.0..=1.0)
-            .offering(0.0..=1.0)),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
+                /// Cells around scattered points.
+                [PluginInfo::new("cells", "cells")]
+                Cells {
+                    color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(LOW),
+                    color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(HIGH),
+                    value: Choice = Choice::first(&["distance", "border", "random"]) => Choice(ParameterInfo::new(
+                        "value",
+                        "Shows",
+                        "The distance from the nearest point, what is missing to the border between two cells, or a random number for each cell.",
+                        "distance, border or random",
+                    )),
+                    scatter: f32 = 0.8 => Number(ParameterInfo::new(
+                        "scatter",
+                        "Scatter",
+                        "How irregular the cells are: 0 gives squares.",
+                        "0 to 1",
+                    )
+                    .within(0.0..=1.0)
+                    .offering(0.0..=1.0)),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
 
-        /// Bricks, tiles and boards with joints.
-        [PluginInfo::new("bricks", "bricks")]
-        Bricks {
-            color0: Parameter<Rgb> = Rgb::splat(0.4).into() => Nested(ParameterInfo::new(
-                "color0",
-                "Colour 1",
-                "Each brick has a colour between this one and the other. A texture lies differently on each.",
-                "linear colour, or another texture",
-            )),
-            color1: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
-                "color1",
-                "Colour 2",
-                "Each brick has a colour between the other one and this. A texture lies differently on each.",
-                "linear colour, or another texture",
-            )),
-            joint_color: Parameter<Rgb> = Rgb::splat(0.2).into() => Nested(ParameterInfo::new(
-                "joint_color",
-                "Joints",
-                "Colour of the joints.",
-                "linear colour, or another texture",
-            )),
-            width: f32 = 0.215 => Length(ParameterInfo::new(
-                "width",
-                "Width",
-                "Of a brick without its joints.",
-                "above 0",
-            )
-            .within(1e-4..=f32::MAX)),
-            height: f32 = 0.065 => Length(ParameterInfo::new(
-                "height",
-                "Height",
-                "Of a brick without its joints.",
-                "above 0",
-            )
-            .within(1e-4..=f32::MAX)),
-            joint: f32 = 0.01 => Length(ParameterInfo::new(
-                "joint",
-                "Joint",
-                "Width of the joints.",
-                "0 or more",
-            )
-            .within(0.0..=f32::MAX)),
-            bevel: f32 = 0.0 => Length(ParameterInfo::new(
-                "bevel",
-                "Bevel",
-                "Width of the strip along the edges in which the joint's colour turns into the brick's: for heights, a rounded edge.",
-                "0 or more",
-            )
-            .within(0.0..=f32::MAX)),
-            bond: Choice = Choice::first(&["running", "random", "herringbone"]) => Choice(ParameterInfo::new(
-                "bond",
-                "Bond",
-                "Rows moved by the offset, rows moved at random as floorboards, or the steps of parquet.",
-                "running, random or herringbone",
-            )),
-            offset: f32 = 0.5 => Number(ParameterInfo::new(
-                "offset",
-                "Offset",
-                "How far each row of a running bond is moved against the one below: 0 gives straight joints.",
-                "0 to 1, a share of a brick",
-            )
-            .within(0.0..=1.0)
-            .offering(0.0..=1.0)),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
+                /// Bricks, tiles and boards with joints.
+                [PluginInfo::new("bricks", "bricks")]
+                Bricks {
+                    color0: Parameter<Rgb> = Rgb::splat(0.4).into() => Nested(ParameterInfo::new(
+                        "color0",
+                        "Colour 1",
+                        "Each brick has a colour between this one and the other. A texture lies differently on each.",
+                        "linear colour, or another texture",
+                    )),
+                    color1: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
+                        "color1",
+                        "Colour 2",
+                        "Each brick has a colour between the other one and this. A texture lies differently on each.",
+                        "linear colour, or another texture",
+                    )),
+                    joint_color: Parameter<Rgb> = Rgb::splat(0.2).into() => Nested(ParameterInfo::new(
+                        "joint_color",
+                        "Joints",
+                        "Colour of the joints.",
+                        "linear colour, or another texture",
+                    )),
+                    width: f32 = 0.215 => Length(ParameterInfo::new(
+                        "width",
+                        "Width",
+                        "Of a brick without its joints.",
+                        "above 0",
+                    )
+                    .within(1e-4..=f32::MAX)),
+                    height: f32 = 0.065 => Length(ParameterInfo::new(
+                        "height",
+                        "Height",
+                        "Of a brick without its joints.",
+                        "above 0",
+                    )
+                    .within(1e-4..=f32::MAX)),
+                    joint: f32 = 0.01 => Length(ParameterInfo::new(
+                        "joint",
+                        "Joint",
+                        "Width of the joints.",
+                        "0 or more",
+                    )
+                    .within(0.0..=f32::MAX)),
+                    bevel: f32 = 0.0 => Length(ParameterInfo::new(
+                        "bevel",
+                        "Bevel",
+                        "Width of the strip along the edges in which the joint's colour turns into the brick's: for heights, a rounded edge.",
+                        "0 or more",
+                    )
+                    .within(0.0..=f32::MAX)),
+                    bond: Choice = Choice::first(&["running", "random", "herringbone"]) => Choice(ParameterInfo::new(
+                        "bond",
+                        "Bond",
+                        "Rows moved by the offset, rows moved at random as floorboards, or the steps of parquet.",
+                        "running, random or herringbone",
+                    )),
+                    offset: f32 = 0.5 => Number(ParameterInfo::new(
+                        "offset",
+                        "Offset",
+                        "How far each row of a running bond is moved against the one below: 0 gives straight joints.",
+                        "0 to 1, a share of a brick",
+                    )
+                    .within(0.0..=1.0)
+                    .offering(0.0..=1.0)),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
 
-        /// The grain of wood.
-        [PluginInfo::new("wood", "wood")]
-        Wood {
-            color0: Parameter<Rgb> = Rgb::new(0.55, 0.36, 0.19).into() => Nested(ParameterInfo::new(
-                "color0",
-                "Early wood",
-                "Colour of the wood that grows in spring.",
-                "linear colour, or another texture",
-            )),
-            color1: Parameter<Rgb> = Rgb::new(0.36, 0.2, 0.09).into() => Nested(ParameterInfo::new(
-                "color1",
-                "Late wood",
-                "Colour of the dark lines that grow in summer and autumn.",
-                "linear colour, or another texture",
-            )),
-            ring: f32 = 0.003 => Length(ParameterInfo::new(
-                "ring",
-                "Ring",
-                "Width of an annual ring.",
-                "above 0; 0.001 to 0.005 m in most woods",
-            )
-            .within(1e-6..=f32::MAX)),
-            waviness: f32 = 1.0 => Number(ParameterInfo::new(
-                "waviness",
-                "Waviness",
-                "How far rings deviate from circles.",
-                "widths of a ring",
-            )
-            .within(0.0..=100.0)
-            .offering(0.0..=6.0)),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
+                /// The grain of wood.
+                [PluginInfo::new("wood", "wood")]
+                Wood {
+                    color0: Parameter<Rgb> = Rgb::new(0.55, 0.36, 0.19).into() => Nested(ParameterInfo::new(
+                        "color0",
+                        "Early wood",
+                        "Colour of the wood that grows in spring.",
+                        "linear colour, or another texture",
+                    )),
+                    color1: Parameter<Rgb> = Rgb::new(0.36, 0.2, 0.09).into() => Nested(ParameterInfo::new(
+                        "color1",
+                        "Late wood",
+                        "Colour of the dark lines that grow in summer and autumn.",
+                        "linear colour, or another texture",
+                    )),
+                    ring: f32 = 0.003 => Length(ParameterInfo::new(
+                        "ring",
+                        "Ring",
+                        "Width of an annual ring.",
+                        "above 0; 0.001 to 0.005 m in most woods",
+                    )
+                    .within(1e-6..=f32::MAX)),
+                    waviness: f32 = 1.0 => Number(ParameterInfo::new(
+                        "waviness",
+                        "Waviness",
+                        "How far rings deviate from circles.",
+                        "widths of a ring",
+                    )
+                    .within(0.0..=100.0)
+                    .offering(0.0..=6.0)),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
 
-        /// Colours by a value.
-        [PluginInfo::new("ramp", "ramp")]
-        Ramp {
-            input: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
-                "input",
-                "Input",
-                "The texture whose values become colours. Without one u is taken, so that colours follow each other along the surface.",
-                "a texture, or none",
-            )),
-            stops: Vec<Stop> = default_stops() => Stops(ParameterInfo::new(
-                "stops",
-                "Stops",
-                "The colours, each with the value that it belongs to. Between them colours blend.",
-                "for each the value and the linear red, green and blue, with ; between them, in ascending order",
-            )),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
+                /// Colours by a value.
+                [PluginInfo::new("ramp", "ramp")]
+                Ramp {
+                    input: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
+                        "input",
+                        "Input",
+                        "The texture whose values become colours. Without one u is taken, so that colours follow each other along the surface.",
+                        "a texture, or none",
+                    )),
+                    stops: Vec<Stop> = default_stops() => Stops(ParameterInfo::new(
+                        "stops",
+                        "Stops",
+                        "The colours, each with the value that it belongs to. Between them colours blend.",
+                        "for each the value and the linear red, green and blue, with ; between them, in ascending order",
+                    )),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
 
-        /// Two textures by a third.
-        [PluginInfo::new("mix", "mixture")]
-        Mix {
-            color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(ParameterInfo::new(
-                "color0",
-                "Colour 1",
-                "The first colour.",
-                "linear colour, or another texture",
-            )),
-            color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(ParameterInfo::new(
-                "color1",
-                "Colour 2",
-                "The second colour.",
-                "linear colour, or another texture",
-            )),
-            weight: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
-                "weight",
-                "Weight",
-                "How much there is of the second colour.",
-                "0 to 1, or another texture",
-            )),
-            mode: Choice = Choice::first(&["mix", "multiply", "add"]) => Choice(ParameterInfo::new(
-                "mode",
-                "Mode",
-                "The second takes the place of the first, multiplies it, or is added to it.",
-                "mix, multiply or add",
-            )),
-        },
+                /// Two textures by a third.
+                [PluginInfo::new("mix", "mixture")]
+                Mix {
+                    color0: Parameter<Rgb> = Rgb::ZERO.into() => Nested(ParameterInfo::new(
+                        "color0",
+                        "Colour 1",
+                        "The first colour.",
+                        "linear colour, or another texture",
+                    )),
+                    color1: Parameter<Rgb> = Rgb::ONE.into() => Nested(ParameterInfo::new(
+                        "color1",
+                        "Colour 2",
+                        "The second colour.",
+                        "linear colour, or another texture",
+                    )),
+                    weight: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
+                        "weight",
+                        "Weight",
+                        "How much there is of the second colour.",
+                        "0 to 1, or another texture",
+                    )),
+                    mode: Choice = Choice::first(&["mix", "multiply", "add"]) => Choice(ParameterInfo::new(
+                        "mode",
+                        "Mode",
+                        "The second takes the place of the first, multiplies it, or is added to it.",
+                        "mix, multiply or add",
+                    )),
+                },
 
-        /// A texture by the place on the shape.
-        [PluginInfo::new("boxprojection", "box projection")]
-        BoxProjection {
-            input: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
-                "input",
-                "Texture",
-                "What is laid on the shape from the six sides of a box, in lengths of the scene, whatever uv and scale the shape has.",
-                "a texture",
-            )),
-            up: Choice = Choice::first(&["y", "z"]) => Choice(ParameterInfo::new(
-                "up",
-                "Up",
-                "The axis of the scene that is up: rows of bricks lie level.",
-                "y or z",
-            )),
-            to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
-        },
-    }
+                /// A texture by the place on the shape.
+                [PluginInfo::new("boxprojection", "box projection")]
+                BoxProjection {
+                    input: Parameter<Rgb> = Rgb::splat(0.5).into() => Nested(ParameterInfo::new(
+                        "input",
+                        "Texture",
+                        "What is laid on the shape from the six sides of a box, in lengths of the scene, whatever uv and scale the shape has.",
+                        "a texture",
+                    )),
+                    up: Choice = Choice::first(&["y", "z"]) => Choice(ParameterInfo::new(
+                        "up",
+                        "Up",
+                        "The axis of the scene that is up: rows of bricks lie level.",
+                        "y or z",
+                    )),
+                    to_uv: Affine2 = Affine2::IDENTITY => Placing(TO_UV),
+                },
+            }
+        }
+    };
 }
 
-const LOW: ParameterInfo = ParameterInfo::new(
+pub(super) use with_patterns;
+
+pub(super) const LOW: ParameterInfo = ParameterInfo::new(
     "color0",
     "Colour 1",
     "Colour where the value is 0.",
     "linear colour, or another texture",
 );
 
-const HIGH: ParameterInfo = ParameterInfo::new(
+pub(super) const HIGH: ParameterInfo = ParameterInfo::new(
     "color1",
     "Colour 2",
     "Colour where the value is 1.",
@@ -263,7 +266,7 @@ pub struct Choice {
 
 impl Choice {
     /// The first of the names.
-    const fn first(names: &'static [&'static str]) -> Self {
+    pub(super) const fn first(names: &'static [&'static str]) -> Self {
         Self {
             names,
             chosen: names[0],
@@ -296,7 +299,7 @@ pub struct Stop {
     pub color: Rgb,
 }
 
-fn default_stops() -> Vec<Stop> {
+pub(super) fn default_stops() -> Vec<Stop> {
     let stop = |at: f32| Stop {
         at,
         color: Rgb::splat(at),
@@ -351,48 +354,6 @@ pub fn parse_stops(text: &str) -> Result<Vec<Stop>, StopsError> {
     match stops.len() {
         1..=MOST_STOPS => Ok(stops),
         count => Err(StopsError::Count(count)),
-    }
-}
-
-impl Pattern {
-    /// The name of a plugin in lists; empty if there is no such plugin.
-    pub(crate) fn label(plugin: &str) -> &'static str {
-        let declared = Self::DECLARED.iter().find(|declared| declared.name == plugin);
-        declared.map_or("", |declared| declared.label)
-    }
-
-    /// Calls `meet` with every texture among the parameters.
-    pub(crate) fn for_each_nested<'p>(&'p self, meet: &mut dyn FnMut(&'p Texture)) {
-        self.visit(&mut |_, value| match value {
-            ParameterRef::Nested(Parameter::Texture(texture)) | ParameterRef::OptionalTexture(Some(texture)) => {
-                meet(texture);
-            }
-            _ => {}
-        });
-    }
-
-    /// Calls `meet` with every texture among the parameters, mutable.
-    pub(crate) fn for_each_nested_mut(&mut self, meet: &mut dyn FnMut(&mut Texture)) {
-        self.visit_mut(&mut |_, value| match value {
-            ParameterMut::Nested(Parameter::Texture(texture)) | ParameterMut::OptionalTexture(Some(texture)) => {
-                meet(texture);
-            }
-            _ => {}
-        });
-    }
-
-    /// Calls `meet` with its uv transform; one that belongs to lengths of a shape counts as well.
-    pub(crate) fn for_own_placing(&mut self, meet: &mut dyn FnMut(&mut Affine2)) {
-        self.visit_mut(&mut |_, value| {
-            if let ParameterMut::Placing(to_uv) = value {
-                meet(to_uv);
-            }
-        });
-    }
-
-    /// Whether its textures have coordinates of their own, apart from uv.
-    pub(crate) fn has_own_coordinates(&self) -> bool {
-        matches!(self, Self::BoxProjection { .. })
     }
 }
 

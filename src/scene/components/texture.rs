@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use bevy::math::Affine2;
 use bevy::prelude::*;
 
-use super::parameters::{Declared, ParameterMut};
-use super::pattern::{Choice, Pattern};
+use super::declare::declare_plugin_type;
+use super::pattern::{Choice, Stop, with_patterns};
 use crate::color::Rgb;
 
 /// A parameter that is constant or varies over the surface.
@@ -144,6 +144,8 @@ pub enum Texture {
     Pattern(Box<Pattern>),
 }
 
+with_patterns!(declare_plugin_type);
+
 /// A picture with its filter, wrapping and uv transform.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bitmap {
@@ -261,22 +263,7 @@ impl Texture {
                     }
                 }
             }
-            Self::Pattern(pattern) => {
-                let mut numbers = 0..;
-                pattern.visit_mut(&mut |_, value| match value {
-                    ParameterMut::Nested(nested) if numbers.next() == Some(number) => meet(nested),
-                    ParameterMut::OptionalTexture(texture) if numbers.next() == Some(number) => {
-                        let mut inside = texture
-                            .take()
-                            .map_or(Parameter::Constant(Rgb::ZERO), Parameter::Texture);
-                        meet(&mut inside);
-                        if let Parameter::Texture(changed) = inside {
-                            *texture = Some(changed);
-                        }
-                    }
-                    _ => {}
-                });
-            }
+            Self::Pattern(pattern) => pattern.for_nested(number, meet),
         }
     }
 
