@@ -61,6 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pose = at(0.0, 1.3, 7.0) * Affine3A::from_rotation_y(PI);
     let view = View {
         camera: Camera::new(pose, 40.0, width as f32 / height as f32, 1e-2, 1e4, None),
+        film_camera: None,
         width,
         height,
         medium: None,

@@ -22,8 +22,7 @@ use crate::geometry::ply_write::binary_ply;
 use crate::memory;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::{
-    Bitmap, Declared, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
-    TextureWrap,
+    Bitmap, Declared, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter, TextureWrap,
 };
 use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
 
@@ -219,7 +218,9 @@ fn mesh_of(kind: &ShapeKind, access: &Access) -> Option<(Arc<MeshData>, bool)> {
     };
     // Coordinates of the file are not used.
     let loaded = load_mesh(&file.path, access).ok()?;
-    let mesh = loaded.data(file.shape_index).filter(|mesh| !mesh.triangles.is_empty())?;
+    let mesh = loaded
+        .data(file.shape_index)
+        .filter(|mesh| !mesh.triangles.is_empty())?;
     Some((mesh.clone(), file.face_normals))
 }
 

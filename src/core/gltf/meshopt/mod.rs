@@ -127,7 +127,7 @@ mod tests {
         assert_eq!(floats(&values), expected);
         let stream = "a1990515555555550000000204c4f4c4f4c4f4c41c3c1c0f007c040c0400000000000000000000000000000000000000000080bf12";
         let values = decoded(stream, "ATTRIBUTES", None, 20, 4);
-        let sign = |i: u8| if i % 2 == 0 { -1.0 } else { 1.0 };
+        let sign = |i: u8| if i.is_multiple_of(2) { -1.0 } else { 1.0 };
         let expected: Vec<f32> = (0..20u8).map(|i| sign(i) * (1.0 + f32::from(i) / 64.0)).collect();
         assert_eq!(floats(&values), expected);
     }
