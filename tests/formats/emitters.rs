@@ -272,8 +272,8 @@ fn what_is_wrong_is_said_with_its_place() {
             "2:23: error: `intensity` is negative",
         ),
         (
-            "<shape type='disk'><emitter type='area'><texture type='noise' name='radiance'/></emitter></shape>",
-            "2:41: warning: texture `noise` is not supported",
+            "<shape type='disk'><emitter type='area'><texture type='volume' name='radiance'/></emitter></shape>",
+            "2:41: warning: texture `volume` is not supported",
         ),
         ("<emitter type='sunski'/>", "2:1: error: emitter `sunski` is not known"),
     ] {

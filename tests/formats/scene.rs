@@ -306,8 +306,8 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
             "2: warning: an `aov` without `aovs`, a list of layers such as `dd:depth,nn:sh_normal`, has none",
         ),
         (
-            "<bsdf type='diffuse'>\n<texture type='noise' name='reflectance'/></bsdf>",
-            "3: warning: texture `noise` is not supported",
+            "<bsdf type='diffuse'>\n<texture type='volume' name='reflectance'/></bsdf>",
+            "3: warning: texture `volume` is not supported",
         ),
         (
             "<bsdf type='diffuse'>\n\n<float name='roughness' value='1'/></bsdf>",
