@@ -85,6 +85,8 @@ fn direct(
     mesh: &Mesh,
     store: &mut Store,
 ) -> Result<(), String> {
+    // Any number of primitives may share a stream, and each has values of its own.
+    store.reserve(value_bytes(draco, mesh))?;
     let mut views = BTreeMap::new();
     for (name, &id) in &draco.attributes {
         let Some(&index) = primitive.attributes.get(name) else {
@@ -117,6 +119,17 @@ fn direct(
     Ok(())
 }
 
+/// The bytes of all values and indices that [`direct`] makes for a primitive.
+fn value_bytes(draco: &DracoPrimitive, mesh: &Mesh) -> u64 {
+    let attributes = draco.attributes.values();
+    let vertex: u64 = attributes
+        .filter_map(|&id| mesh.attribute_by_unique_id(id))
+        .map(|attribute| u64::from(attribute.num_components()) * attribute.data_type().byte_length() as u64)
+        .sum();
+    let vertices = (mesh.num_points() as u64).saturating_mul(vertex);
+    vertices.saturating_add(12 * mesh.num_faces() as u64)
+}
+
 /// The values of an attribute, one for each vertex.
 fn values(name: &str, id: u32, accessor: &Accessor, mesh: &Mesh) -> Result<Vec<u8>, String> {
     let attribute = mesh
@@ -142,4 +155,50 @@ fn values(name: &str, id: u32, accessor: &Accessor, mesh: &Mesh) -> Result<Vec<u
         bytes.extend_from_slice(value.ok_or_else(|| format!("has too few values of {name}"))?);
     }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::store::COPIES;
+    use crate::memory;
+
+    /// A square with coordinates of 16 bits, of the encoder of Draco 1.5.7.
+    const SQUARE: &str = "445241434f02020100000002040100010200020301020009030000030402000102010001010003030130011003\
+        003482880400000000ff0000000001010003030130011003003482a40000000000ffff00000000000000000000\
+        000000000000803f08";
+
+    /// The bytes that are reserved, and those of the unpacked buffers, for primitives that share a stream.
+    fn unpacked(primitives: usize) -> (u64, u64) {
+        let pair = |at: usize| u8::from_str_radix(&SQUARE[at..at + 2], 16).expect("digits");
+        let stream: Vec<u8> = (0..SQUARE.len()).step_by(2).map(pair).collect();
+        let primitive = r#"{"attributes": {"POSITION": 0}, "indices": 1,
+            "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}}"#;
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": {length}}}],
+                "bufferViews": [{{"buffer": 0, "byteLength": {length}}}],
+                "accessors": [{{"componentType": 5126, "type": "VEC3", "count": 4}},
+                              {{"componentType": 5123, "type": "SCALAR", "count": 6}}],
+                "meshes": [{{"primitives": [{}]}}]}}"#,
+            vec![primitive; primitives].join(","),
+            length = stream.len(),
+        );
+        let mut root: Root = serde_json::from_str(&text).expect("a file");
+        let mut store = Store::new(vec![stream], 0, memory::reserve(0).expect("nothing"));
+        unpack(&mut root, &mut store);
+        let faults = root.meshes[0]
+            .primitives
+            .iter()
+            .filter_map(|primitive| primitive.fault.as_ref());
+        assert_eq!(faults.count(), 0);
+        let made = store.buffers[1..].iter().map(|buffer| buffer.len() as u64).sum();
+        (store.needed, made)
+    }
+
+    #[test]
+    fn memory_is_reserved_for_each_primitive_of_a_shared_stream() {
+        let ((one, bytes), (many, all)) = (unpacked(1), unpacked(100));
+        assert_eq!((bytes, all), (4 * 12 + 6 * 4, 100 * bytes));
+        assert_eq!(many - one, 99 * COPIES * bytes);
+    }
 }
