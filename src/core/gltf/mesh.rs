@@ -331,20 +331,38 @@ pub(super) fn weighted<'a>(
 
 impl Root {
     /// The number of vectors in the morph targets with nonzero weights, of all meshes and of nodes with weights of
-    /// their own.
-    pub(super) fn moves(&self) -> usize {
+    /// their own, and of the primitives and targets that are looked at. The sum ends above `most`: in a file of 1 MB,
+    /// thousands of nodes may each have weights for thousands of primitives.
+    pub(super) fn moves(&self, most: usize) -> usize {
         let of_meshes = self.meshes.iter().map(|mesh| (mesh, mesh.weights.as_slice()));
         let of_nodes = self.nodes.iter().filter_map(|node| {
             let mesh = self.meshes.get(node.mesh?)?;
             Some((mesh, node.weights.as_deref()?))
         });
-        let targets = of_meshes.chain(of_nodes).flat_map(|(mesh, weights)| {
-            let primitives = mesh.primitives.iter();
-            primitives.flat_map(move |primitive| weighted(primitive, weights))
-        });
+        let shapes = of_meshes.chain(of_nodes);
+        let primitives = shapes.flat_map(|(mesh, weights)| mesh.primitives.iter().map(move |one| (one, weights)));
+        let mut sum = 0usize;
+        for (primitive, weights) in primitives {
+            sum = sum.saturating_add(self.moves_of(primitive, weights));
+            if sum > most {
+                break;
+            }
+        }
+        sum
+    }
+
+    /// The cost of adding the morph targets of a primitive: the number of vectors in those with nonzero weights, and
+    /// one for the primitive and for each of its targets.
+    pub(super) fn moves_of(&self, primitive: &Primitive, weights: &[f32]) -> usize {
+        let targets = weighted(primitive, weights);
         let accessors = targets.flat_map(|(target, _)| MOVED.iter().filter_map(|name| target.get(*name)));
-        let counts = accessors.filter_map(|&index| Some(self.accessors.get(index)?.count));
-        counts.fold(0, usize::saturating_add)
+        let counts = accessors.filter_map(|&index| {
+            let accessor = self.accessors.get(index)?;
+            let replaced = accessor.sparse.as_ref().map_or(0, |sparse| sparse.count);
+            Some(accessor.count.max(replaced))
+        });
+        let looked_at = 1 + primitive.targets.len().min(weights.len());
+        counts.fold(looked_at, usize::saturating_add)
     }
 }
 
@@ -367,5 +385,18 @@ mod tests {
         assert_eq!(triangles(TRIANGLES, &indices), Some(vec![[0, 1, 2]]));
         assert_eq!(triangles(FAN, &[]), Some(vec![]));
         assert_eq!(triangles(1, &indices), None);
+    }
+
+    #[test]
+    fn primitives_of_nodes_with_weights_are_counted_up_to_a_limit() {
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "meshes": [{{"primitives": [{}]}}], "nodes": [{}]}}"#,
+            [r#"{"attributes": {}, "targets": [{}]}"#; 100].join(","),
+            [r#"{"mesh": 0, "weights": [1]}"#; 100].join(","),
+        );
+        let root: Root = serde_json::from_str(&text).expect("a file");
+        // Each node has 100 primitives with a target, and the mesh has no weights.
+        assert_eq!(root.moves(MOST_MOVES), 100 * 200 + 100);
+        assert_eq!(root.moves(1000), 1002);
     }
 }
