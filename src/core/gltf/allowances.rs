@@ -61,25 +61,44 @@ impl Gltf {
     }
 }
 
-/// The bytes of meshes that may still be made of a file.
-pub(super) struct MeshAllowance(u64);
+/// The bytes of meshes that may still be made of a file, and the vectors of morph targets that may be added to them.
+pub(super) struct MeshAllowance {
+    bytes: u64,
+    moves: usize,
+}
 
 impl MeshAllowance {
     /// The allowance of a file before any mesh is made.
     pub fn of(gltf: &Gltf) -> Self {
         let [bytes, zeros] = gltf.sizes();
-        Self(MESH_BYTES * bytes + (VERTEX_BYTES + TRIANGLE_BYTES) * zeros + MORE_MESH_BYTES)
+        Self {
+            bytes: MESH_BYTES * bytes + (VERTEX_BYTES + TRIANGLE_BYTES) * zeros + MORE_MESH_BYTES,
+            moves: MOST_MOVES,
+        }
     }
 
     /// Whether no more meshes may be made.
     pub fn is_spent(&self) -> bool {
-        self.0 == 0
+        self.bytes == 0
+    }
+
+    /// Whether some morph targets may still be added.
+    pub fn has_moves(&self) -> bool {
+        self.moves > 0
+    }
+
+    /// Subtracts the morph targets of a mesh, which may be read again at each node with a shape of its own. False if
+    /// too few are left for them.
+    pub fn spend_moves(&mut self, moves: usize) -> bool {
+        let left = self.moves.checked_sub(moves);
+        self.moves = left.unwrap_or(0);
+        left.is_some()
     }
 
     /// Subtracts a mesh.
     pub fn spend(&mut self, mesh: &MeshData) {
         let bytes = VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64;
-        self.0 = self.0.saturating_sub(bytes);
+        self.bytes = self.bytes.saturating_sub(bytes);
     }
 }
 
@@ -159,6 +178,16 @@ impl<'a> PictureAllowance<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn morph_targets_are_bounded_in_sum() {
+        let mut allowance = MeshAllowance { bytes: 1, moves: 5 };
+        assert_eq!(
+            [3, 2, 0, 1].map(|moves| allowance.spend_moves(moves)),
+            [true, true, true, false]
+        );
+        assert!(!allowance.is_spent());
+    }
 
     #[test]
     fn the_first_place_of_a_primitive_is_free() {

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use glam::{Mat4, Vec2, Vec3};
 
-use super::allowances::MOST_MOVES;
+use super::allowances::{MOST_MOVES, MeshAllowance};
 use super::pose::skinned;
+use super::scene::Builder;
 use super::schema::{Material, Mesh, Primitive, Root};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
@@ -85,9 +86,7 @@ impl Gltf {
         }
         let mut warnings = Vec::new();
         if self.leaves_targets_out(primitive, weights) {
-            warnings.push(format!(
-                "the morph targets of the file have more than {MOST_MOVES} vectors, and do not count"
-            ));
+            warnings.push(too_many_moves());
         }
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let place = attribute("POSITION").ok_or_else(|| bad("has no positions".into()))?;
@@ -245,6 +244,22 @@ impl Gltf {
     }
 }
 
+impl Builder<'_> {
+    /// As [`Gltf::allowed_weights`], with a warning if the weights do not count.
+    pub(super) fn allowed_weights<'a>(&mut self, primitive: &Primitive, weights: &'a [f32]) -> &'a [f32] {
+        let allowed = self.gltf.allowed_weights(primitive, weights, &mut self.mesh_allowance);
+        if allowed.len() < weights.len() {
+            self.warn(too_many_moves());
+        }
+        allowed
+    }
+}
+
+/// The warning of a file with too many morph targets.
+fn too_many_moves() -> String {
+    format!("the morph targets of the file have more than {MOST_MOVES} vectors, and do not count")
+}
+
 /// A mesh without missing and impossible values, with warnings of these.
 fn completed(mut mesh: MeshData, index: usize, mut warnings: Vec<String>) -> LoadedMesh {
     let mut found = Warnings::default();
@@ -367,6 +382,18 @@ impl Root {
 }
 
 impl Gltf {
+    /// The weights by which a primitive is morphed: none once the file has added too many vectors of morph targets.
+    pub(super) fn allowed_weights<'a>(
+        &self,
+        primitive: &Primitive,
+        weights: &'a [f32],
+        allowance: &mut MeshAllowance,
+    ) -> &'a [f32] {
+        let is_allowed = weights.is_empty()
+            || allowance.has_moves() && allowance.spend_moves(self.root.moves_of(primitive, weights));
+        if is_allowed { weights } else { &[] }
+    }
+
     /// Whether morph targets of a primitive are left out, because the file has too many.
     pub(super) fn leaves_targets_out(&self, primitive: &Primitive, weights: &[f32]) -> bool {
         self.moves > MOST_MOVES && weighted(primitive, weights).next().is_some()

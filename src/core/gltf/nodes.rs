@@ -141,6 +141,7 @@ impl Gltf {
                         return None;
                     }
                     let weights = shape.weights.as_deref().unwrap_or(&about.weights);
+                    let weights = self.allowed_weights(primitive, weights, &mut allowance);
                     let read = self.read_primitive(number, primitive, weights, shape.bones.as_deref());
                     let mesh = read.ok()?.mesh;
                     allowance.spend(&mesh);

@@ -59,7 +59,7 @@ pub(super) struct Builder<'a> {
     /// The meshes by the number of the primitive, and the node if they have a shape of their own there; None for
     /// unreadable ones.
     meshes: BTreeMap<(u32, Option<usize>), Option<KnownMesh>>,
-    mesh_allowance: MeshAllowance,
+    pub mesh_allowance: MeshAllowance,
     repeats: RepeatAllowance,
     /// The pictures, by a text that describes them.
     pub(super) pictures: HashMap<String, KnownPicture>,
@@ -345,7 +345,7 @@ impl Builder<'_> {
             self.warn(what.to_owned());
             return Ok(None);
         }
-        let weights = pose.weights.as_deref().unwrap_or(weights);
+        let weights = self.allowed_weights(primitive, pose.weights.as_deref().unwrap_or(weights));
         let known = match self
             .gltf
             .read_primitive(number, primitive, weights, pose.bones.as_deref())
