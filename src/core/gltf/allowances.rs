@@ -152,14 +152,22 @@ impl Default for PictureAllowance<'_> {
 }
 
 impl<'a> PictureAllowance<'a> {
-    /// Makes a picture of an image, and counts it. An error if images used before have given too many pixels.
+    /// Makes a picture of one or two images, and counts it unless both are new. An error if images used before have
+    /// given too many pixels.
     pub fn spend(
         &mut self,
         gltf: &'a Gltf,
-        image: usize,
+        (image, second): (usize, Option<usize>),
         make: impl FnOnce() -> Result<PictureFile, GltfError>,
     ) -> Result<PictureFile, GltfError> {
-        let is_new = self.made.insert(gltf.source_of(image));
+        let first = gltf.source_of(image);
+        // The picture has the size of the larger image, which may be the second one.
+        let second = second.map(|second| gltf.source_of(second));
+        let is_second_new = match second.filter(|second| *second != first) {
+            Some(second) => self.made.insert(second),
+            None => true,
+        };
+        let is_new = self.made.insert(first) && is_second_new;
         if !is_new && self.pixels_left == 0 {
             return Err(GltfError::Image {
                 index: image,
@@ -202,8 +210,8 @@ mod tests {
 
     #[test]
     fn the_first_picture_of_an_image_is_free() {
-        let text =
-            br#"{"asset": {"version": "2.0"}, "images": [{"uri": "a.png"}, {"uri": "b.png"}, {"uri": "a.png"}]}"#;
+        let text = br#"{"asset": {"version": "2.0"}, "images": [{"uri": "a.png"}, {"uri": "b.png"}, {"uri": "a.png"},
+                {"uri": "c.png"}, {"uri": "d.png"}]}"#;
         let gltf = Gltf::open(text, &mut |_| Err(std::io::ErrorKind::NotFound.into())).expect("opens");
         let mut allowance = PictureAllowance {
             pixels_left: 100,
@@ -211,16 +219,19 @@ mod tests {
         };
         let mut makings = 0;
         // The last image is the file of the first.
-        for (image, left) in [
-            (0, Some(100)),
-            (0, Some(36)),
-            (2, Some(0)),
-            (0, None),
-            (2, None),
-            (1, Some(0)),
-            (1, None),
+        for (images, left) in [
+            ((0, None), Some(100)),
+            ((0, None), Some(36)),
+            ((2, None), Some(0)),
+            ((0, None), None),
+            ((2, None), None),
+            // Each of these has one new image.
+            ((3, Some(0)), None),
+            ((0, Some(4)), None),
+            ((1, Some(1)), Some(0)),
+            ((1, None), None),
         ] {
-            let made = allowance.spend(&gltf, image, || {
+            let made = allowance.spend(&gltf, images, || {
                 makings += 1;
                 Ok(PictureFile {
                     bytes: Vec::new(),
@@ -229,7 +240,7 @@ mod tests {
                     pixels: 64,
                 })
             });
-            assert_eq!(made.is_ok(), left.is_some(), "{image}");
+            assert_eq!(made.is_ok(), left.is_some(), "{images:?}");
             assert_eq!(allowance.pixels_left, left.unwrap_or(0));
         }
         assert_eq!(makings, 4);

@@ -62,7 +62,8 @@ impl References for Parts<'_, '_, '_> {
 
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError> {
         let make = || self.gltf.picture(picture, self.read);
-        let made = self.allowance.spend(self.gltf, picture.image, make)?;
+        let images = (picture.image, picture.made.second());
+        let made = self.allowance.spend(self.gltf, images, make)?;
         if !made.is_as_written {
             self.replaced.insert(picture.image);
         }

@@ -88,8 +88,8 @@ pub enum Made {
 }
 
 impl Made {
-    /// The second image.
-    fn second(self) -> Option<usize> {
+    /// The second image, if the picture is made of two.
+    pub(super) fn second(self) -> Option<usize> {
         match self {
             Self::Light { of, .. } | Self::BaseOfSpecular { of, .. } | Self::MetalOfSpecular { of, .. } => of,
             Self::Stretched {
