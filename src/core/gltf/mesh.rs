@@ -102,7 +102,7 @@ impl Gltf {
         let mut positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
         self.morph("POSITION", primitive, weights, (vertices, used), &mut positions)?;
         let bones = bones.map(|bones| self.vertex_bones(primitive, bones, (vertices, used)));
-        let bones = bones.transpose()?;
+        let (bones, _memory) = bones.transpose()?.unzip();
         skinned(&mut positions, bones.as_deref(), false);
         if let Some(slot) = positions.iter().position(|position| !position.is_finite()) {
             let vertex = used.map_or(slot, |used| used[slot] as usize);

@@ -19,9 +19,14 @@ use super::pose::{Pose, Skins};
 use super::scene::Builder;
 use super::schema::{Node, Primitive, Skin};
 use super::{Gltf, GltfError};
+use crate::memory::{self, Reservation};
 
 /// The largest difference of two bone poses that count as equal, relative to the largest number of one.
 const SAME_POSE: f32 = 1e-3;
+
+/// Bytes for each vertex of a mesh that bones deform: a sum of weighted transforms (80), the joints and the weights (32),
+/// and the transform (64).
+const BONE_BYTES: u64 = 176;
 
 /// The most transforms of bones of all skins together.
 const MOST_BONES: usize = 1 << 22;
@@ -87,14 +92,16 @@ impl Gltf {
         }
     }
 
-    /// The transform of each used vertex of a primitive by the bones, world from mesh.
+    /// The transform of each used vertex of a primitive by the bones, world from mesh, and the memory for it.
     pub(super) fn vertex_bones(
         &self,
         primitive: &Primitive,
         bones: &[Option<Mat4>],
         (vertices, used): (usize, Option<&[u32]>),
-    ) -> Result<Vec<Mat4>, GltfError> {
-        let mut sums = vec![(Mat4::ZERO, 0.0); used.map_or(vertices, <[u32]>::len)];
+    ) -> Result<(Vec<Mat4>, Reservation), GltfError> {
+        let count = used.map_or(vertices, <[u32]>::len);
+        let memory = memory::reserve(BONE_BYTES.saturating_mul(count as u64)).map_err(GltfError::Memory)?;
+        let mut sums = vec![(Mat4::ZERO, 0.0); count];
         for set in 0.. {
             let accessor = |name: &str| primitive.attributes.get(&format!("{name}_{set}")).copied();
             let (Some(joints), Some(weights)) = (accessor("JOINTS"), accessor("WEIGHTS")) else {
@@ -120,7 +127,7 @@ impl Gltf {
         // A vertex without bones goes along with the first one.
         let first = bones.iter().flatten().next().copied().unwrap_or(Mat4::IDENTITY);
         let mean = |(sum, total): (Mat4, f32)| if total > 0.0 { sum * total.recip() } else { first };
-        Ok(sums.into_iter().map(mean).collect())
+        Ok((sums.into_iter().map(mean).collect(), memory))
     }
 }
 
