@@ -71,6 +71,27 @@ fn vertices_go_along_with_their_bones() {
 }
 
 #[test]
+fn mirrored_bones_keep_the_outer_side() {
+    // The bones stand apart, or they would place the mesh as a node.
+    let mirrored = r#"{"scale": [-1, 1, 1], "children": [2]}, {"translation": [0, 2, 0]}"#;
+    let file = bent(&LOWER_AND_UPPER, mirrored, &|_: &mut Parts| String::new());
+    let corners = [
+        Vec3::ZERO,
+        Vec3::NEG_X,
+        Vec3::new(-1.0, 2.0, 0.0),
+        Vec3::new(0.0, 2.0, 0.0),
+    ];
+    assert_near(&positions(&file, 0), &corners);
+    let placed = file.placed_meshes().expect("reads");
+    let mesh = &placed[0].0;
+    assert_near(&mesh.normals, &[Vec3::Z; 4]);
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        assert!((b - a).cross(c - a).z > 0.0, "{triangle:?}");
+    }
+}
+
+#[test]
 fn bones_are_those_at_the_start_of_their_animation() {
     let lifted = |parts: &mut Parts| {
         let times = parts.floats("SCALAR", &[0.0, 1.0]);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::allowances::{MOST_MOVES, MeshAllowance};
-use super::pose::skinned;
+use super::pose::{orientation, skinned, turn_mirrored};
 use super::scene::Builder;
 use super::schema::{Material, Mesh, Primitive, Root};
 use super::{Gltf, GltfError};
@@ -108,7 +108,7 @@ impl Gltf {
             let vertex = used.map_or(slot, |used| used[slot] as usize);
             return Err(bad(format!("the position of vertex {vertex} is not finite")));
         }
-        let triangles = match (indexed, used) {
+        let mut triangles = match (indexed, used) {
             (Some(indexed), Some(used)) => renumbered(indexed, used),
             _ => {
                 let all: Vec<u32> = (0..positions.len() as u32).collect();
@@ -118,6 +118,7 @@ impl Gltf {
         if triangles.is_empty() {
             return Err(no_triangles());
         }
+        turn_mirrored(&mut triangles, bones.as_deref().unwrap_or_default());
         // The accessor, unless it does not have one value per vertex.
         let mut per_vertex = |name: &str| -> Result<Option<usize>, GltfError> {
             let Some(accessor) = attribute(name) else {
@@ -213,7 +214,11 @@ impl Gltf {
         let mut tangents = self.vectors::<4>(accessor, "VEC4", used)?;
         for (tangent, bone) in tangents.iter_mut().zip(bones.into_iter().flatten()) {
             let [x, y, z, sign] = *tangent;
-            *tangent = bone.transform_vector3(Vec3::new(x, y, z)).extend(sign).to_array();
+            // Normals stay outside, so that a mirrored bitangent is on their other side.
+            *tangent = bone
+                .transform_vector3(Vec3::new(x, y, z))
+                .extend(sign * orientation(bone))
+                .to_array();
         }
         let unit = |[x, y, z, _]: &[f32; 4]| unit(Vec3::new(*x, *y, *z));
         let Some(directions) = tangents.iter().map(unit).collect::<Option<Vec<Vec3>>>() else {

@@ -49,14 +49,33 @@ pub(super) fn skinned(values: &mut [Vec3], bones: Option<&[Mat4]>, are_normals: 
             false => bone.transform_point3(*value),
             true => {
                 let map = Mat3::from_mat4(*bone);
-                // The matrix of cofactors: the transposed inverse times the determinant, which may be zero.
+                // The matrix of cofactors: the transposed inverse times the determinant, which may be zero. Normals stay
+                // outside where it is negative.
                 let cofactors = Mat3::from_cols(
                     map.y_axis.cross(map.z_axis),
                     map.z_axis.cross(map.x_axis),
                     map.x_axis.cross(map.y_axis),
                 );
-                (cofactors * *value).normalize_or_zero()
+                (orientation(bone) * (cofactors * *value)).normalize_or_zero()
             }
         };
+    }
+}
+
+/// -1 for a transform that mirrors, and 1 for others.
+pub(super) fn orientation(transform: &Mat4) -> f32 {
+    match transform.determinant() < 0.0 {
+        true => -1.0,
+        false => 1.0,
+    }
+}
+
+/// Turns the triangles of which bones mirror most corners, so that their sides stay outside.
+pub(super) fn turn_mirrored(triangles: &mut [[u32; 3]], bones: &[Mat4]) {
+    for triangle in triangles {
+        let corners = triangle.map(|vertex| bones.get(vertex as usize).map_or(1.0, orientation));
+        if corners.iter().sum::<f32>() < 0.0 {
+            triangle.swap(0, 1);
+        }
     }
 }
