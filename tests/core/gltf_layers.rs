@@ -9,7 +9,20 @@ use crate::gltf_support::{Parts, SQUARE, nothing_beside, open};
 /// The bsdf of a square with a material, the pictures by their names, and the warnings. Texture 0 is a picture of one
 /// texel, and texture 1 another one.
 fn read(material: &str, texels: [[u8; 4]; 2]) -> (Object, Vec<(String, image::Rgb32FImage)>, Vec<String>) {
+    read_with(material, texels, false)
+}
+
+/// As [`read`], where the vertices may be white.
+fn read_with(
+    material: &str,
+    texels: [[u8; 4]; 2],
+    has_colors: bool,
+) -> (Object, Vec<(String, image::Rgb32FImage)>, Vec<String>) {
     let mut parts = Parts::default();
+    let colors = match has_colors {
+        true => format!(r#", "COLOR_0": {}"#, parts.floats("VEC3", &[1.0; 12])),
+        false => String::new(),
+    };
     let positions = parts.floats("VEC3", &SQUARE);
     let uvs = parts.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     let images = texels.map(|texel| {
@@ -25,7 +38,7 @@ fn read(material: &str, texels: [[u8; 4]; 2]) -> (Object, Vec<(String, image::Rg
     });
     let text = parts.text(&format!(
         r#""images": [{}], "textures": [{{"source": 0}}, {{"source": 1}}], "materials": [{material}],
-           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}, "TEXCOORD_0": {uvs}}}, "mode": 6, "material": 0}}]}}],
+           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}, "TEXCOORD_0": {uvs}{colors}}}, "mode": 6, "material": 0}}]}}],
            "nodes": [{{"mesh": 0}}]"#,
         images.join(",")
     ));
@@ -186,6 +199,18 @@ fn a_specular_picture_gives_metal_and_gloss() {
         (r - 1.0).abs() < 0.02 && (g - 220.0 / 255.0).abs() < 0.02 && (b - 149.0 / 255.0).abs() < 0.02,
         "{r} {g} {b}"
     );
+    // White vertices change nothing, even where the diffuse colour is black.
+    let black = text.replace(
+        r#""diffuseTexture""#,
+        r#""diffuseFactor": [0, 0, 0, 1], "diffuseTexture""#,
+    );
+    let (bsdf, pictures, warnings) = read_with(&black, [[255, 220, 149, 204], [0, 0, 0, 255]], true);
+    assert_eq!(warnings, [""; 0]);
+    let colored = inside(&bsdf, "principled");
+    assert!(texel(colored, "metallic", &pictures)[0] > 0.98);
+    let factor = texel(colored, "times", &pictures);
+    near(factor[0], r);
+    near(factor[1], g);
     // A reflectance of 4 % is 56 in sRGB.
     let (bsdf, pictures, _) = read(text, [[56, 56, 56, 204], [20, 40, 200, 255]]);
     let plastic = inside(&bsdf, "principled");

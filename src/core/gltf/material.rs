@@ -318,13 +318,20 @@ impl Builder<'_> {
         let pbr = &material.pbr_metallic_roughness;
         let [r, g, b, _] = pbr.base_color_factor;
         let texture = pbr.base_color_texture.as_ref();
+        let base = |diffuse, specular, of| Made::BaseOfSpecular { diffuse, specular, of };
         if mesh.colors {
-            // The vertex colours include the factor.
-            let picture = texture.and_then(|texture| self.bitmap("times", texture, Made::Color([1.0; 3])));
+            // The vertex colours include the factor, unless there is a specular picture.
+            let factor = match material.specular_picture() {
+                Some(_) => [r, g, b],
+                None => [1.0; 3],
+            };
+            let picture = match self.of_specular("times", material, base) {
+                Some(bitmap) => Some(bitmap),
+                None => texture.and_then(|texture| self.bitmap("times", texture, Made::Color(factor))),
+            };
             let colors = picture.into_iter().fold(mesh_attribute(VERTEX_COLOR, name), with_child);
             return with_child(bsdf, colors);
         }
-        let base = |diffuse, specular, of| Made::BaseOfSpecular { diffuse, specular, of };
         if let Some(bitmap) = self.of_specular(name, material, base) {
             return with_child(bsdf, bitmap);
         }

@@ -192,7 +192,8 @@ impl Gltf {
                 .map(|[r, g, b]| [r, g, b, 1.0])
                 .collect(),
         };
-        // If the material has no texture, this product is the only place for its colour.
+        // If the material has no texture, this product is the only place for its colour. A picture of specular colour
+        // holds it, since the colour of metal there is not that of the diffuse factor.
         let factor = self.base_color(primitive);
         let linear = |[r, g, b, _]: &[f32; 4]| (Vec3::new(*r, *g, *b) * factor).to_array();
         attributes.push(of_vertices(VERTEX_COLOR, 3, colors.iter().flat_map(linear).collect()));
@@ -241,9 +242,11 @@ impl Gltf {
         self.root.materials.get(primitive.material?)
     }
 
+    /// The factor on vertex colours.
     fn base_color(&self, primitive: &Primitive) -> Vec3 {
-        let factor = self
-            .look_of(primitive)
+        let look = self.look_of(primitive);
+        let factor = look
+            .filter(|look| look.specular_picture().is_none())
             .map_or([1.0; 4], |look| look.pbr_metallic_roughness.base_color_factor);
         Vec3::new(factor[0], factor[1], factor[2])
     }
