@@ -46,6 +46,13 @@ impl Builder<'_> {
         for what in limits(material, mesh) {
             self.warn(format!("{title}: {what}"));
         }
+        let diffuse = material.pbr_metallic_roughness.base_color_texture.as_ref();
+        if let (Some((info, _)), Some(diffuse)) = (material.specular_picture(), diffuse)
+            && self.images_alike(info, diffuse).is_none()
+        {
+            let sentence = "its specular picture gives no colour, because its pictures lie differently";
+            self.warn(format!("{title}: {sentence}"));
+        }
     }
 }
 
@@ -118,15 +125,6 @@ fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
         dispersion.is_some_and(|given| given.dispersion > 0.0),
         "all its colours are refracted alike (no dispersion)",
     );
-    if let (Some((info, _)), Some(diffuse)) = (
-        material.specular_picture(),
-        material.pbr_metallic_roughness.base_color_texture.as_ref(),
-    ) {
-        check(
-            info.set() != diffuse.set() || info.extensions != diffuse.extensions,
-            "its specular picture gives no colour, because its pictures lie differently",
-        );
-    }
     check(
         extensions.unlit.is_some(),
         "it is unlit: a diffuse surface takes its place",
