@@ -92,6 +92,32 @@ fn mirrored_bones_keep_the_outer_side() {
 }
 
 #[test]
+fn bones_without_inverse_bind_matrices_are_named() {
+    let straight = r#"{"children": [2]}, {"translation": [0, 1, 0]}"#;
+    let mut keep = |name: &str, _: &[u8]| Ok(name.to_owned());
+    let mut warnings = |joints: &str| {
+        let mut parts = Parts::default();
+        let square = parts.floats("VEC3", &SQUARE);
+        let view = parts.view(&Mat4::IDENTITY.to_cols_array().map(f32::to_le_bytes).concat(), "");
+        let bound = parts.accessor(view, 5126, "MAT4", 1, "");
+        let file = open(&parts.text(&format!(
+            r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {square}}}, "mode": 6}}]}}],
+               "skins": [{{"joints": {joints}, "inverseBindMatrices": {bound}}}],
+               "nodes": [{{"mesh": 0, "skin": 0}}, {straight}], "scenes": [{{"nodes": [0, 1]}}]"#
+        )));
+        let file = file.expect("opens");
+        let imported = sunroom::gltf::files::take_apart(&file, &mut keep, &mut crate::gltf_support::nothing_beside);
+        imported.expect("imports").warnings
+    };
+    assert_eq!(warnings("[1]"), [""; 0]);
+    let short = warnings("[1, 2]");
+    assert!(
+        short.len() == 1 && short[0].contains("inverse bind matrices of skin 0"),
+        "{short:?}"
+    );
+}
+
+#[test]
 fn bones_are_those_at_the_start_of_their_animation() {
     let lifted = |parts: &mut Parts| {
         let times = parts.floats("SCALAR", &[0.0, 1.0]);

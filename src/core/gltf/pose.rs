@@ -32,6 +32,8 @@ pub(super) struct Skins {
     pub placing: BTreeMap<usize, Mat4>,
     /// The skins whose bones move.
     pub moving: BTreeSet<usize>,
+    /// Warnings of skins whose inverse bind matrices cannot be read.
+    pub unbound: Vec<String>,
 }
 
 impl Skins {

@@ -147,7 +147,7 @@ impl Gltf {
         let warnings = passed_over.chain(placed.warnings.iter().cloned());
         warnings.for_each(|warning| builder.warn(warning));
         let skins = self.skins(&placed);
-        builder.warn_of_moving_bones(&placed, &skins);
+        builder.warn_of_bones(&placed, &skins);
         let folders = builder.folders(&placed)?;
         for (place, node) in placed.nodes.iter().enumerate() {
             let about = self.get("node", &self.root.nodes, node.index)?;

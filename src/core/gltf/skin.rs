@@ -49,7 +49,15 @@ impl Gltf {
             left = left.saturating_sub(skin.joints.len());
             let bones: Vec<Option<Mat4>> = match left {
                 0 => Vec::new(),
-                _ => self.bones(skin, &poses),
+                _ => {
+                    let bound = self.bound(skin).unwrap_or_else(|error| {
+                        skins.unbound.push(format!(
+                            "the inverse bind matrices of skin {index} are left out: {error}"
+                        ));
+                        None
+                    });
+                    bones(skin, bound.as_deref(), &poses)
+                }
             };
             let mut known = bones.iter().flatten();
             let first = known.next();
@@ -70,17 +78,13 @@ impl Gltf {
         skins
     }
 
-    /// The transforms from the mesh to the world by the bones. None for bones outside of the scene.
-    fn bones(&self, skin: &Skin, poses: &[Option<&PlacedNode>]) -> Vec<Option<Mat4>> {
+    /// The inverse bind matrices of a skin, if it has some.
+    fn bound(&self, skin: &Skin) -> Result<Option<Vec<[f32; 16]>>, GltfError> {
         let used: Vec<u32> = (0..).take(skin.joints.len()).collect();
         let bound = skin.inverse_bind_matrices;
-        let bound = bound.and_then(|accessor| self.vectors::<16>(accessor, "MAT4", Some(&used)).ok());
-        let pose = |(number, joint): (usize, &usize)| {
-            let bone = poses.get(*joint).copied().flatten()?.world;
-            let from_mesh = bound.as_ref().map(|bound| Mat4::from_cols_array(&bound[number]));
-            Some(bone * from_mesh.unwrap_or(Mat4::IDENTITY))
-        };
-        skin.joints.iter().enumerate().map(pose).collect()
+        bound
+            .map(|accessor| self.vectors(accessor, "MAT4", Some(&used)))
+            .transpose()
     }
 
     /// The shape of the mesh of a node.
@@ -131,6 +135,17 @@ impl Gltf {
     }
 }
 
+/// The transforms from the mesh to the world by the bones, with the inverse bind matrices. None for bones outside of the
+/// scene.
+fn bones(skin: &Skin, bound: Option<&[[f32; 16]]>, poses: &[Option<&PlacedNode>]) -> Vec<Option<Mat4>> {
+    let pose = |(number, joint): (usize, &usize)| {
+        let bone = poses.get(*joint).copied().flatten()?.world;
+        let from_mesh = bound.and_then(|bound| bound.get(number));
+        Some(bone * from_mesh.map_or(Mat4::IDENTITY, Mat4::from_cols_array))
+    };
+    skin.joints.iter().enumerate().map(pose).collect()
+}
+
 fn is_same(one: Mat4, other: Mat4) -> bool {
     let numbers = one.to_cols_array().into_iter();
     let size = numbers.fold(1.0, |size: f32, number| size.max(number.abs()));
@@ -166,9 +181,10 @@ impl Gltf {
 }
 
 impl Builder<'_> {
-    /// Warns of meshes whose bones move, and of skins that are not there.
-    pub(super) fn warn_of_moving_bones(&mut self, placed: &PlacedNodes, skins: &Skins) {
+    /// Warns of meshes whose bones move, and of skins that cannot be read or are not there.
+    pub(super) fn warn_of_bones(&mut self, placed: &PlacedNodes, skins: &Skins) {
         let gltf = self.gltf;
+        skins.unbound.iter().for_each(|sentence| self.warn(sentence.clone()));
         let nodes = placed.nodes.iter().filter_map(|place| gltf.root.nodes.get(place.index));
         let is_moved = |node: &&Node| {
             let skin = node.skin.filter(|_| node.mesh.is_some());
