@@ -90,14 +90,21 @@ impl Builder<'_> {
                 }
             },
         };
-        let parts = [("roughness", Stretch::Roughness), ("anisotropic", Stretch::Anisotropic)];
-        parts.into_iter().fold(bsdf, |bsdf, (name, part)| {
+        let [roughness, anisotropic] = stretched(factor, strength);
+        let parts = [
+            ("roughness", Stretch::Roughness, roughness),
+            ("anisotropic", Stretch::Anisotropic, anisotropic),
+        ];
+        parts.into_iter().fold(bsdf, |bsdf, (name, part, number)| {
             let made = Made::Stretched {
                 part,
                 images,
                 factors: [factor, strength],
             };
-            self.bitmap(name, info, made).into_iter().fold(bsdf, with_child)
+            match self.bitmap(name, info, made) {
+                Some(bitmap) => with_child(bsdf, bitmap),
+                None => with_float(bsdf, name, number),
+            }
         })
     }
 
