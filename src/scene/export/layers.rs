@@ -30,9 +30,9 @@ impl Look {
         })
     }
 
-    /// The stretch of highlights, if there is some. The roughness becomes that across the tangent.
+    /// The stretch of highlights, if there is some beside a constant roughness, which becomes that across the tangent.
     pub fn anisotropy_layer(&self, pbr: &mut Pbr) -> Option<Anisotropy> {
-        if self.anisotropic <= 0.0 {
+        if self.anisotropic <= 0.0 || self.roughness.constant().is_none() {
             return None;
         }
         // The widths of facets of `principled`; the extension widens them to mix(alpha, 1, strength^2) along the
