@@ -114,6 +114,12 @@ fn limits(material: &Material, mesh: MeshValues) -> Vec<&'static str> {
             extensions.volume.is_some() && material.transmission().is_none(),
             "light goes through it as through a thin sheet, without its volume",
         );
+        let pbr = &material.pbr_metallic_roughness;
+        let is_metal = pbr.metallic_factor >= 1.0 && pbr.metallic_roughness_texture.is_none();
+        check(
+            material.transmission().is_none() && !material.is_matt() && !is_metal,
+            "its mirror reflection is dimmed by the share of matt light that goes through",
+        );
     }
     let film = extensions.iridescence.as_ref();
     check(
