@@ -213,7 +213,7 @@ fn a_specular_picture_gives_metal_and_gloss() {
     assert_eq!(warnings, [""; 0]);
     let colored = inside(&bsdf, "principled");
     assert!(texel(colored, "metallic", &pictures)[0] > 0.98);
-    let factor = texel(colored, "times", &pictures);
+    let factor = texel(inside(colored, "mesh_attribute"), "times", &pictures);
     near(factor[0], r);
     near(factor[1], g);
     // A reflectance of 4 % is 56 in sRGB.
