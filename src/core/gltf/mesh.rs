@@ -6,7 +6,6 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::allowances::{MOST_MOVES, MeshAllowance};
 use super::pose::{orientation, skinned, turn_mirrored};
-use super::scene::Builder;
 use super::schema::{Material, Mesh, Primitive, Root};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
@@ -252,19 +251,8 @@ impl Gltf {
     }
 }
 
-impl Builder<'_> {
-    /// As [`Gltf::allowed_weights`], with a warning if the weights do not count.
-    pub(super) fn allowed_weights<'a>(&mut self, primitive: &Primitive, weights: &'a [f32]) -> &'a [f32] {
-        let allowed = self.gltf.allowed_weights(primitive, weights, &mut self.mesh_allowance);
-        if allowed.len() < weights.len() {
-            self.warn(too_many_moves());
-        }
-        allowed
-    }
-}
-
 /// The warning of a file with too many morph targets.
-fn too_many_moves() -> String {
+pub(super) fn too_many_moves() -> String {
     format!("the morph targets of the file have more than {MOST_MOVES} vectors, and do not count")
 }
 
@@ -354,9 +342,13 @@ pub(super) fn weighted<'a>(
 
 impl Root {
     /// The number of vectors in the morph targets with nonzero weights, of all meshes and of nodes with weights of
-    /// their own, and of the primitives and targets that are looked at. The sum ends above `most`: in a file of 1 MB,
-    /// thousands of nodes may each have weights for thousands of primitives.
-    pub(super) fn moves(&self, most: usize) -> usize {
+    /// their own, and of the primitives and targets that are looked at. The sum ends above [`MOST_MOVES`]: in a file of
+    /// 1 MB, thousands of nodes may each have weights for thousands of primitives.
+    pub(super) fn moves(&self) -> usize {
+        self.moves_up_to(MOST_MOVES)
+    }
+
+    fn moves_up_to(&self, most: usize) -> usize {
         let of_meshes = self.meshes.iter().map(|mesh| (mesh, mesh.weights.as_slice()));
         let of_nodes = self.nodes.iter().filter_map(|node| {
             let mesh = self.meshes.get(node.mesh?)?;
@@ -431,7 +423,7 @@ mod tests {
         );
         let root: Root = serde_json::from_str(&text).expect("a file");
         // Each node has 100 primitives with a target, and the mesh has no weights.
-        assert_eq!(root.moves(MOST_MOVES), 100 * 200 + 100);
-        assert_eq!(root.moves(1000), 1002);
+        assert_eq!(root.moves(), 100 * 200 + 100);
+        assert_eq!(root.moves_up_to(1000), 1002);
     }
 }

@@ -49,7 +49,6 @@ mod zeros;
 
 use std::borrow::Cow;
 
-use self::allowances::MOST_MOVES;
 pub use self::error::{GltfError, MissingParts, ReadFile};
 use self::schema::{Material, Root};
 use self::store::{COPIES, Store};
@@ -105,7 +104,7 @@ pub struct Gltf {
     buffers: Vec<Vec<u8>>,
     /// The number of mesh elements that are zero without a buffer.
     zeros: usize,
-    /// The number of vectors in the morph targets that apply at rest, exact up to [`MOST_MOVES`].
+    /// The number of vectors in the morph targets that apply at rest, exact up to the limit.
     moves: usize,
     /// The memory reserved for the objects, the buffers and the mesh that is being made.
     _memory: Held,
@@ -205,7 +204,7 @@ impl Gltf {
         let needed = needed.saturating_add(zeros::zero_bytes(zeros));
         memory.resize(needed).map_err(GltfError::Memory)?;
         Ok(Self {
-            moves: root.moves(MOST_MOVES),
+            moves: root.moves(),
             root,
             buffers,
             zeros,

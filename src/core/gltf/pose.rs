@@ -51,8 +51,8 @@ pub(super) fn skinned(values: &mut [Vec3], bones: Option<&[Mat4]>, are_normals: 
             false => bone.transform_point3(*value),
             true => {
                 let map = Mat3::from_mat4(*bone);
-                // The matrix of cofactors: the transposed inverse times the determinant, which may be zero. Normals stay
-                // outside where it is negative.
+                // The matrix of cofactors: the transposed inverse times the determinant, which may be zero. Normals
+                // stay outside where it is negative.
                 let cofactors = Mat3::from_cols(
                     map.y_axis.cross(map.z_axis),
                     map.z_axis.cross(map.x_axis),

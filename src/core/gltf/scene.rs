@@ -10,7 +10,7 @@ use glam::{Affine3A, Mat4, Vec3};
 
 use super::allowances::{MOST_INSTANCES, MOST_REPEATS, MeshAllowance, RepeatAllowance};
 use super::lighting::{Glow, Lighting};
-use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR};
+use super::mesh::{MeshValues, VERTEX_ALPHA, VERTEX_COLOR, too_many_moves};
 use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::{KnownPicture, Picture};
@@ -345,7 +345,11 @@ impl Builder<'_> {
             self.warn(what.to_owned());
             return Ok(None);
         }
-        let weights = self.allowed_weights(primitive, pose.weights.as_deref().unwrap_or(weights));
+        let given = pose.weights.as_deref().unwrap_or(weights);
+        let weights = self.gltf.allowed_weights(primitive, given, &mut self.mesh_allowance);
+        if weights.len() < given.len() {
+            self.warn(too_many_moves());
+        }
         let known = match self
             .gltf
             .read_primitive(number, primitive, weights, pose.bones.as_deref())

@@ -24,8 +24,8 @@ use crate::memory::{self, Reservation};
 /// The largest difference of two bone poses that count as equal, relative to the largest number of one.
 const SAME_POSE: f32 = 1e-3;
 
-/// Bytes for each vertex of a mesh that bones deform: a sum of weighted transforms (80), the joints and the weights (32),
-/// and the transform (64).
+/// Bytes for each vertex of a mesh that bones deform: a sum of weighted transforms (80), the joints and the weights
+/// (32), and the transform (64).
 const BONE_BYTES: u64 = 176;
 
 /// The most transforms of bones of all skins together.
@@ -135,8 +135,8 @@ impl Gltf {
     }
 }
 
-/// The transforms from the mesh to the world by the bones, with the inverse bind matrices. None for bones outside of the
-/// scene.
+/// The transforms from the mesh to the world by the bones, with the inverse bind matrices. None for bones outside of
+/// the scene.
 fn bones(skin: &Skin, bound: Option<&[[f32; 16]]>, poses: &[Option<&PlacedNode>]) -> Vec<Option<Mat4>> {
     let pose = |(number, joint): (usize, &usize)| {
         let bone = poses.get(*joint).copied().flatten()?.world;
