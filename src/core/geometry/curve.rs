@@ -40,7 +40,7 @@ impl Basis {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurveRay {
     pub(super) origin: DVec3,
-    /// Of unit length.
+    /// The vector has unit length.
     pub(super) dir: DVec3,
     /// The length of the ray's direction, by which parameters become distances.
     pub(super) length: f64,

@@ -37,7 +37,8 @@ impl Root {
             .collect()
     }
 
-    /// Unpacks all compressed parts. What cannot be unpacked keeps the reason, which whoever reads it gets.
+    /// Unpacks all compressed parts. A part that cannot be unpacked keeps the
+    /// reason, which a later reading of the part returns.
     pub(super) fn unpack(&mut self, store: &mut Store) {
         for view in &mut self.buffer_views {
             let Some(source) = view.compressed() else {

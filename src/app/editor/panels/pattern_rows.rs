@@ -67,7 +67,10 @@ fn plain(ui: &mut Ui, info: &'static ParameterInfo, value: ParameterMut) -> bool
         ParameterMut::Choice(value) => choice(ui, info, value),
         ParameterMut::Placing(value) => texture::placing(ui, value),
         ParameterMut::Stops(value) => stops(ui, value),
-        _ => false,
+        other => {
+            debug_assert!(false, "{other:?} has no row");
+            false
+        }
     }
 }
 

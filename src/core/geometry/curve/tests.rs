@@ -124,7 +124,7 @@ fn a_straight_spline_is_a_cylinder() {
     assert!(hits > RAYS / 20, "{hits}");
 }
 
-/// Of curves from nearly straight hairs to bent, tapered tubes, whose radius is below that of their bends.
+/// The segments of curves from nearly straight hairs to bent, tapered tubes, whose radius is below that of their bends.
 #[test]
 fn bent_splines_are_met_where_a_search_along_them_finds_the_ray() {
     let mut rng = stream(2);

@@ -10,6 +10,7 @@ use std::sync::{Arc, Weak};
 use bevy::prelude::Entity;
 
 use super::search::Search;
+use super::shared_folders::{Place, SharedFolders};
 use crate::app::editor::model::item_list::ItemList;
 use crate::app::editor::model::{Item, Outline};
 
@@ -203,21 +204,10 @@ pub fn folders_of(name: &str) -> impl Iterator<Item = &str> {
     name.match_indices('/').map(|(end, _)| &name[..end])
 }
 
-/// The outermost folder that a thing is in.
-fn outermost(item: &Item) -> Option<&str> {
-    item.name
-        .trim_start_matches('/')
-        .split_once('/')
-        .map(|(folder, _)| folder)
-}
-
 /// Whether the thing is the transform of a folder.
 fn is_frame(item: &Item) -> bool {
     item.kind == GROUP && item.name.ends_with('/')
 }
-
-/// The index of a heading's list in [`Outline::groups`], and of an item in the list.
-type Place = (usize, usize);
 
 fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
     let search = Search::new(filter, outline);
@@ -261,42 +251,6 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> LineList {
         writer.folder("", 0, &nested);
     }
     lines
-}
-
-/// The lights and cameras that are in folders of shapes.
-#[derive(Default)]
-struct SharedFolders {
-    /// Things that are listed in the folder, in the order of their lists.
-    others: Vec<Place>,
-    /// The lights that are shapes, which are listed in the folder already.
-    repeated: HashSet<Place>,
-}
-
-impl SharedFolders {
-    fn of(outline: &Outline) -> Self {
-        let mut shared = Self::default();
-        let has_folders = |items: &ItemList| !items.is_flat();
-        if !has_folders(&outline.shapes) || ![&outline.lights, &outline.sensors].into_iter().any(has_folders) {
-            return shared;
-        }
-        let folders: HashSet<&str> = outline.shapes.iter().filter_map(outermost).collect();
-        let shapes: HashSet<Entity> = outline.shapes.iter().map(|item| item.entity).collect();
-        for (group, (_, items)) in outline.groups().into_iter().enumerate() {
-            if ![Outline::LIGHTS, Outline::CAMERAS].contains(&outline.groups()[group].0) {
-                continue;
-            }
-            for (index, item) in items.iter().enumerate() {
-                if !outermost(item).is_some_and(|folder| folders.contains(folder)) {
-                    continue;
-                }
-                match shapes.contains(&item.entity) {
-                    true => _ = shared.repeated.insert((group, index)),
-                    false => shared.others.push((group, index)),
-                }
-            }
-        }
-        shared
-    }
 }
 
 /// The items of `found` that are nested in no other of them, and for each its nested items.

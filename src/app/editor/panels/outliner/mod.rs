@@ -4,6 +4,7 @@ mod lines;
 mod marks;
 mod row;
 mod search;
+mod shared_folders;
 pub mod state;
 
 use std::sync::Arc;
