@@ -789,11 +789,11 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
 }
 
 /// A window that asks how to save a file that others changed.
-fn changed_file(edited_twice: Option<usize>) -> Harness<'static, Shown<Requests>> {
+fn changed_file(edited_twice: Option<&[&str]>) -> Harness<'static, Shown<Requests>> {
     let path = PathBuf::from("/there/box.xml");
     let error = SaveError::Changed {
         path: path.clone(),
-        edited_twice,
+        edited_twice: edited_twice.map(|names| names.iter().map(|name| (*name).to_owned()).collect()),
     };
     let requests = Requests {
         save_question: SaveQuestion::about(&error, &path),
@@ -812,17 +812,17 @@ fn a_file_that_others_changed_is_asked_about_once() {
         ("Overwrite", vec![save(OnChange::Overwrite)]),
         ("Cancel", Vec::new()),
     ] {
-        let mut harness = changed_file(Some(2));
+        let mut harness = changed_file(Some(&["lamp", "table"]));
         assert!(
             harness
-                .query_by_label_contains("2 things were edited both there and here")
+                .query_by_label_contains("lamp and table were edited both there and here")
                 .is_some()
         );
         click(&mut harness, button);
         assert_eq!(harness.state().commands, expected, "{button}");
         assert_eq!(harness.state().it.save_question, None, "{button}");
     }
-    let mut harness = changed_file(Some(1));
+    let mut harness = changed_file(Some(&["lamp"]));
     press(&mut harness, Key::Enter);
     assert!(
         harness.state().it.save_question.is_some(),
@@ -839,7 +839,7 @@ fn a_file_that_others_changed_is_asked_about_once() {
 
 #[test]
 fn while_another_name_is_chosen_the_question_is_not_over() {
-    let mut harness = changed_file(Some(1));
+    let mut harness = changed_file(Some(&["lamp"]));
     click(&mut harness, "Save as...");
     let state = &harness.state().it;
     assert_eq!(state.dialog, Some(FileDialogKind::SaveScene));

@@ -452,6 +452,7 @@ fn material_libraries_and_includes_are_watched() {
             radiance: Vec3::splat(2.0)
         }
     );
+    assert_eq!(open.status().files_read_again, [open.path("light.xml")]);
 }
 
 #[test]
@@ -512,10 +513,11 @@ fn edits_stay_where_the_file_did_not_change_the_same() {
     assert!(open.app.world().get::<Shape>(made).is_some());
     let expected = ReloadSummary {
         changed: 1,
-        replaced: 1,
+        replaced: vec!["blue".to_owned()],
         ..ReloadSummary::default()
     };
     assert_eq!(open.status().reload, expected);
+    assert_eq!(open.status().files_read_again, [open.path("scene.xml")]);
 
     // What is gone from the file but was edited here is not lost.
     let text = SCENE.replace("<shape type='sphere' id='ball'><ref id='red'/></shape>", "");
@@ -727,7 +729,7 @@ fn nameless_things_are_recognised_by_what_they_are() {
     open.until_revision(3);
     assert_eq!([2.0, 3.0, 4.0].map(|x| at(&mut open, x)), [second, third, fourth]);
     assert_eq!(open.app.world().get::<Shape>(edited), Some(&tall));
-    let reload = open.status().reload;
+    let reload = open.status().reload.clone();
     // The cube in the first place went, and with it its material; another came.
     assert_eq!((reload.added, reload.removed, reload.changed), (2, 2, 0), "{reload:?}");
     assert!(at(&mut open, 1.0).is_none() && at(&mut open, 7.0).is_some());
@@ -750,7 +752,7 @@ fn what_the_file_calls_as_something_here_gives_way() {
     let text = SCENE.replace("</scene>", "<shape type='disk' id='lamp'/></scene>");
     put(open.path("scene.xml"), text).unwrap();
     open.until_revision(2);
-    let reload = open.status().reload;
+    let reload = open.status().reload.clone();
     assert_eq!((reload.added, reload.renamed), (1, 1), "{}", reload.text());
     assert_ne!(open.by_id("lamp"), mine);
     assert_eq!(open.by_id("lamp-2"), mine);
@@ -885,9 +887,9 @@ fn what_is_read_waits_while_the_file_is_held() {
         matches!(
             refused,
             Err(write::SaveError::Changed {
-                edited_twice: Some(1),
+                edited_twice: Some(ref names),
                 ..
-            })
+            }) if names == &["ball"]
         ),
         "{refused:?}"
     );

@@ -17,6 +17,7 @@ pub(crate) mod free_name;
 pub mod group;
 pub mod identity;
 pub(super) mod keys;
+pub(crate) mod listed;
 pub mod material;
 pub mod medium;
 pub(super) mod missing;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use super::listed::listed;
 use super::missing::{NOT_THERE, sentence, with_grey};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::scene::{FileKind, Lens, MissingFile};
@@ -136,6 +137,8 @@ pub struct SceneStatus {
     pub revision: u64,
     /// Counts failed attempts.
     pub failures: u64,
+    /// The files of the scene whose text had changed at the last reload: the scene's own file and its includes.
+    pub files_read_again: Vec<PathBuf>,
     /// Whether the last successful load opened a new scene, and did not reload the open one.
     pub fresh_load: bool,
     /// The changes by the last reload.
@@ -230,8 +233,11 @@ impl FreeView {
     }
 }
 
-/// The numbers of things that a reload has changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The most things that a message about a reload names.
+const MOST_NAMED: usize = 3;
+
+/// What a reload has changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReloadSummary {
     /// The number of new things in the file.
     pub added: usize,
@@ -241,8 +247,8 @@ pub struct ReloadSummary {
     pub removed: usize,
     /// The number of things that keep edits which are not in the file.
     pub kept: usize,
-    /// The number of things edited both here and in the file; the file's edit counts.
-    pub replaced: usize,
+    /// The names of things edited both here and in the file; the file's edit counts.
+    pub replaced: Vec<String>,
     /// The number of things renamed here, because a new thing in the file has their name.
     pub renamed: usize,
 }
@@ -250,7 +256,7 @@ pub struct ReloadSummary {
 impl ReloadSummary {
     /// Whether the entities are unchanged.
     pub fn is_unchanged(&self) -> bool {
-        self.added + self.changed + self.removed + self.replaced + self.renamed == 0
+        self.added + self.changed + self.removed + self.renamed == 0 && self.replaced.is_empty()
     }
 
     /// The text, such as "2 things changed, 1 new, 3 edits kept"; empty if there are no changes.
@@ -260,13 +266,14 @@ impl ReloadSummary {
             (self.added, "new"),
             (self.removed, "gone"),
             (self.kept, "with edits kept"),
-            (self.replaced, "edited on both sides, the file's edit taken"),
             (self.renamed, "renamed here, for the file now has their names"),
         ];
         let parts = parts.iter().filter(|(count, _)| *count > 0);
-        parts
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect::<Vec<_>>()
-            .join(", ")
+        let mut parts: Vec<String> = parts.map(|(count, what)| format!("{count} {what}")).collect();
+        if !self.replaced.is_empty() {
+            let names = listed(&self.replaced, MOST_NAMED);
+            parts.push(format!("{names} edited on both sides, the file's edit taken"));
+        }
+        parts.join(", ")
     }
 }

@@ -1,7 +1,7 @@
 //! Loads scene files: the asset server reads them, and they are turned into entities.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
@@ -242,6 +242,7 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
         known.forget();
     }
     let mut file = world.resource_mut::<SceneFile>();
+    let files_read_again = files_that_differ(&file.good_diagnostics, &asset.diagnostics);
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
     file.volume_places.clone_from(&asset.description.volume_places);
@@ -263,12 +264,23 @@ fn taken_in(world: &mut World, arrived: Arrived, spawned: Option<Spawning>, relo
     status.file_is_broken = false;
     status.revision += 1;
     status.fresh_load = fresh;
+    status.files_read_again = files_read_again;
     status.reload = reload;
     if !waits {
         status.asked = None;
         status.state = SceneState::Ready;
         status.diagnostics = asset.diagnostics.clone();
     }
+}
+
+/// The files of `now` whose text is new since `before`.
+fn files_that_differ(before: &Diagnostics, now: &Diagnostics) -> Vec<PathBuf> {
+    let is_known = |source: &&SourceFile| {
+        let mut known = before.sources.iter();
+        known.any(|known| (&known.path, &known.text) == (&source.path, &source.text))
+    };
+    let sources = now.sources.iter().filter(|source| !is_known(source));
+    sources.map(|source| source.path.clone()).collect()
 }
 
 /// Updates the entities to a new reading of the scene's own file, without the asset server. Edits are kept as in a
@@ -279,7 +291,9 @@ pub(in crate::scene) fn take_in_read(world: &mut World, scene: SceneDescription,
     if let Some(mut known) = world.get_resource_mut::<KnownTexts>() {
         known.forget();
     }
+    let mut files_read_again = Vec::new();
     if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
+        files_read_again = files_that_differ(&file.good_diagnostics, &diagnostics);
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&scene.picture_places);
         file.volume_places.clone_from(&scene.volume_places);
@@ -289,6 +303,7 @@ pub(in crate::scene) fn take_in_read(world: &mut World, scene: SceneDescription,
         status.file_is_broken = false;
         status.revision += 1;
         status.fresh_load = false;
+        status.files_read_again = files_read_again;
         status.reload = reload;
         status.state = SceneState::Ready;
         status.diagnostics = diagnostics;

@@ -154,7 +154,13 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
             continue;
         };
         let ours = ObjectState::of(world, entity);
-        let now = taken_over(&base, known, &theirs, &ours, &mut summary);
+        let now = taken_over(
+            &base,
+            known,
+            &thing.identity(scene).name,
+            (&theirs, &ours),
+            &mut summary,
+        );
         let now = ObjectState {
             order: if keeps_order { ours.order } else { theirs.order },
             ..now
@@ -198,7 +204,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         // A user who moves the camera in the file wants its view.
         world.insert_resource(FreeView::default());
     }
-    summary.replaced += usize::from(is_integrator_edited_twice(world, scene));
+    summary.replaced.extend(integrator_edited_twice(world, scene));
     take_over_remains(world, scene);
     if base.scene.unit != scene.unit {
         world.insert_resource(scene.unit);
@@ -206,9 +212,9 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     summary
 }
 
-/// The number of things that [`update`] would find edited both here and in the file; the integrator's settings count as
-/// one. Changes nothing.
-pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
+/// The names of things that [`update`] would find edited both here and in the file, the integrator among them. Changes
+/// nothing.
+pub fn edited_twice(world: &World, scene: &SceneDescription) -> Vec<String> {
     let none = FileBase::default();
     let base = world.get_resource::<FileBase>().unwrap_or(&none);
     let recognised = Recognised::new(&base.scene, scene);
@@ -222,10 +228,12 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
         let known = recognised.before(thing);
         if let Some(known) = known.filter(|known| known.entity(&base.entities) == entity) {
             let (theirs, ours) = (thing.state(scene, &entities), ObjectState::of(world, entity));
-            taken_over(base, known, &theirs, &ours, &mut summary);
+            let name = &thing.identity(scene).name;
+            taken_over(base, known, name, (&theirs, &ours), &mut summary);
         }
     }
-    summary.replaced + usize::from(is_integrator_edited_twice(world, scene))
+    summary.replaced.extend(integrator_edited_twice(world, scene));
+    summary.replaced
 }
 
 /// Renames things of the scene whose ids are taken by new things of the file. Returns their number.
@@ -283,12 +291,13 @@ fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> 
     places.is_sorted_by(|a, b| a.1 < b.1)
 }
 
-/// The merged state of a thing, which is `theirs` in the file now and `ours` here. `known` is the thing in `base`.
+/// The merged state of a thing with this name in the file, which is `theirs` in the file now and `ours` here. `known`
+/// is the thing in `base`.
 fn taken_over(
     base: &FileBase,
     known: Thing,
-    theirs: &ObjectState,
-    ours: &ObjectState,
+    name: &str,
+    (theirs, ours): (&ObjectState, &ObjectState),
     summary: &mut ReloadSummary,
 ) -> ObjectState {
     let (before, new) = (known.state(&base.scene, &base.entities).unordered(), theirs.unordered());
@@ -297,7 +306,7 @@ fn taken_over(
         if before == new {
             return ours.clone();
         }
-        summary.replaced += 1;
+        summary.replaced.push(name.to_owned());
         return theirs.clone();
     }
     let marks = ObjectState {
@@ -307,7 +316,9 @@ fn taken_over(
     };
     let merged = ObjectState::merged(&before, &new, &marks, &ours.unordered());
     summary.kept += usize::from(merged.kept && before != new);
-    summary.replaced += usize::from(merged.replaced);
+    if merged.replaced {
+        summary.replaced.push(name.to_owned());
+    }
     summary.changed += usize::from(merged.state != ours.unordered() && !merged.replaced);
     merged.state
 }
@@ -354,7 +365,8 @@ fn update_cameras(world: &mut World, of_file: &[Entity]) {
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(in crate::scene) struct StandInSensor;
 
-fn is_integrator_edited_twice(world: &World, scene: &SceneDescription) -> bool {
+/// The integrator as the name of a thing, if its settings were edited both here and in the file.
+fn integrator_edited_twice(world: &World, scene: &SceneDescription) -> Option<String> {
     let theirs = (scene.integrator, &scene.integrator_keys);
     let of_file = |settings: IntegratorSettings| IntegratorSettings {
         strategy: scene.integrator.strategy,
@@ -366,11 +378,9 @@ fn is_integrator_edited_twice(world: &World, scene: &SceneDescription) -> bool {
     let ours = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
     let ours = (of_file(ours), our_keys);
     let base = world.get_resource::<FileBase>();
-    base.and_then(|base| base.integrator.as_ref())
-        .is_some_and(|(settings, keys)| {
-            let before = (of_file(*settings), keys);
-            before != theirs && before != ours && ours != theirs
-        })
+    let (settings, keys) = base?.integrator.as_ref()?;
+    let before = (of_file(*settings), keys);
+    (before != theirs && before != ours && ours != theirs).then(|| "the integrator".to_owned())
 }
 
 /// The command line and the panels may have changed the settings, so only changes of the file are taken. Settings that

@@ -164,9 +164,9 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
         return Err(SaveError::Broken { path, reason });
     }
     follow_file(world);
-    let count = spawn::edited_twice(world, &scene);
-    if on_change == OnChange::Refuse && count > 0 {
-        let edited_twice = Some(count);
+    let names = spawn::edited_twice(world, &scene);
+    if on_change == OnChange::Refuse && !names.is_empty() {
+        let edited_twice = Some(names);
         return Err(SaveError::Changed { path, edited_twice });
     }
     loading::take_in_read(world, scene, diagnostics.into());

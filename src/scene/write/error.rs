@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::document::{self, SourceError};
 use crate::files::WriteError;
 use crate::scene::assets::without_patterns::PatternError;
+use crate::scene::listed::listed;
 
 /// The reason why a scene is not saved. In all cases the file is unchanged.
 #[derive(Debug, thiserror::Error)]
@@ -31,10 +32,13 @@ pub enum SaveError {
     /// There is a folder or a device, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),
-    /// The file was changed by others since it was read. `edited_twice` is the number of things edited both there and
+    /// The file was changed by others since it was read. `edited_twice` are the names of things edited both there and
     /// here; None if unknown.
-    #[error("{} was changed elsewhere{}", path.display(), also_edited(*edited_twice))]
-    Changed { path: PathBuf, edited_twice: Option<usize> },
+    #[error("{} was changed elsewhere{}", path.display(), also_edited(edited_twice.as_deref()))]
+    Changed {
+        path: PathBuf,
+        edited_twice: Option<Vec<String>>,
+    },
     #[error("{} was changed elsewhere and cannot be read as it is now: {reason}", path.display())]
     Broken { path: PathBuf, reason: String },
     #[error("another window has been saving in {} for seconds: try again", folder.display())]
@@ -43,12 +47,15 @@ pub enum SaveError {
     Restless { path: PathBuf },
 }
 
-fn also_edited(count: Option<usize>) -> String {
-    match count {
-        None => String::new(),
-        Some(1) => ", and one thing was edited both there and here".to_owned(),
-        Some(count) => format!(", and {count} things were edited both there and here"),
-    }
+/// The most things that the message names.
+const MOST_NAMED: usize = 5;
+
+fn also_edited(names: Option<&[String]>) -> String {
+    let Some(names) = names else {
+        return String::new();
+    };
+    let was = if names.len() == 1 { "was" } else { "were" };
+    format!(", and {} {was} edited both there and here", listed(names, MOST_NAMED))
 }
 
 impl From<WriteError> for SaveError {

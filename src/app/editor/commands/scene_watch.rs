@@ -26,6 +26,7 @@ use crate::app::editor::words::files::gone;
 use crate::document::Severity;
 use crate::engine::{PackedScene, RenderControl, SightControl};
 use crate::math::Ray;
+use crate::scene::listed::listed;
 use crate::scene::{
     ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, Sensor, ToWorld, find_camera,
 };
@@ -65,13 +66,7 @@ pub fn follow_scene(
     let before = std::mem::replace(&mut *seen, (status.revision, status.failures));
     // The permission was for this load alone, whatever its result.
     let news = trusted.as_mut().and_then(|trusted| trusted.take_news());
-    let file = status
-        .path
-        .as_ref()
-        .and_then(|path| path.file_name())
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
+    let file = status.path.as_deref().map(name_of).unwrap_or_default();
     if status.revision != before.0 {
         toasts.forget(Topic::SceneFile);
         if status.fresh_load {
@@ -112,10 +107,15 @@ pub fn follow_scene(
             if let Some(news) = news {
                 toasts.info(news);
             }
+            let changed: Vec<String> = status.files_read_again.iter().map(|path| name_of(path)).collect();
+            let files = match changed.is_empty() {
+                true => file,
+                false => listed(&changed, MOST_NAMED),
+            };
             if !status.reload.is_unchanged() {
-                toasts.info(format!("Reloaded {file}: {}", status.reload.text()));
+                toasts.info(format!("Reloaded {files}: {}", status.reload.text()));
             } else if is_answer && !has_news {
-                toasts.info(format!("Reloaded {file}: nothing new in it"));
+                toasts.info(format!("Reloaded {files}: nothing new in it"));
             }
         }
     }
@@ -143,8 +143,7 @@ pub fn follow_files(
     mut known: Local<FileTroubles>,
 ) {
     for FileReadAgain(path) in read_again.read() {
-        let file = path.file_name().unwrap_or_default().to_string_lossy();
-        toasts.info(format!("Reloaded {file}"));
+        toasts.info(format!("Reloaded {}", name_of(path)));
     }
     if !status.is_changed() {
         return;
@@ -230,25 +229,23 @@ pub(crate) fn choose_camera(world: &mut World) {
     }
 }
 
-/// The most missing files that the message names.
+/// The most files that a message names.
 const MOST_NAMED: usize = 5;
 
 /// The message about all files that are missing; None if there are none.
 fn missing(files: &[PathBuf]) -> Option<String> {
-    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut names: Vec<String> = files.iter().take(MOST_NAMED).map(name).collect();
-    if let Some(more @ 1..) = files.len().checked_sub(MOST_NAMED) {
-        names.push(format!("{more} more"));
+    let names: Vec<String> = files.iter().map(|path| name_of(path)).collect();
+    let listed = listed(&names, MOST_NAMED);
+    match names.len() {
+        0 => None,
+        1 => Some(format!("A file of the scene is missing: {listed}")),
+        count => Some(format!("{count} files of the scene are missing: {listed}")),
     }
-    let last = names.pop()?;
-    Some(match names.is_empty() {
-        true => format!("A file of the scene is missing: {last}"),
-        false => format!(
-            "{} files of the scene are missing: {} and {last}",
-            files.len(),
-            names.join(", ")
-        ),
-    })
+}
+
+/// The name of a file without its folder.
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn failure(path: &Path, has_good_scene: bool) -> String {

@@ -55,7 +55,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
         .expect_err("both changed the radius")
         .to_string();
     assert!(
-        error.contains("one thing was edited both") && error.contains("merge"),
+        error.contains("and a was edited both there and here") && error.contains("merge"),
         "{error}"
     );
     assert!(world.resource::<Requests>().save_question.is_none());

@@ -107,8 +107,8 @@ fn a_save_has_what_was_there_when_it_was_copied() {
     // The edits are edits of the new file.
     let summary = large.reload();
     assert_eq!(
-        (summary.added, summary.changed, summary.removed, summary.replaced),
-        (0, 0, 0, 0)
+        (summary.added, summary.changed, summary.removed, &summary.replaced[..]),
+        (0, 0, 0, &[][..])
     );
     let ball = large.ball("ball-7");
     let pose = pose_of(&large.world, ball).expect("it has a place");
