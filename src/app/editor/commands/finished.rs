@@ -179,6 +179,9 @@ pub fn take_snapshot(world: &mut World) -> Result<(), CommandError> {
         return Err("There is no picture to keep.".into());
     }
     let samples = world.resource::<RenderFilm>().samples;
+    if samples == 0 {
+        return Err("The picture has no samples yet. Take the snapshot when it has its first one.".into());
+    }
     let film_corners = film_corners(world);
     let mut comparison = world.resource_mut::<Comparison>();
     comparison.snapshot = Some(Snapshot {

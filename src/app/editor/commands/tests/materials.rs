@@ -82,6 +82,8 @@ fn a_deleted_material_comes_back_to_its_shapes() {
     say(&mut world, SelectionCommand::Select(vec![material], Extend::Replace));
     say(&mut world, SceneEdit::Delete);
     assert!(world.get::<UsesMaterial>(ball).is_none() && world.get::<Material>(material).is_none());
+    let messages: Vec<&str> = world.resource::<Toasts>().texts().collect();
+    assert_eq!(messages, ["sphere has no material now"]);
     say(&mut world, HistoryCommand::Undo);
     assert_eq!(world.get::<UsesMaterial>(ball).map(|uses| uses.0), Some(material));
     assert!(world.get::<Material>(material).is_some());
