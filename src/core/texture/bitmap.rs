@@ -86,6 +86,11 @@ impl Bitmap {
         self.image.mean(self.raw)
     }
 
+    /// The extent of a texel, in coordinates after `to_uv`.
+    pub(super) fn texel_extent(&self) -> f32 {
+        self.size().recip().min_element()
+    }
+
     fn size(&self) -> Vec2 {
         Vec2::new(self.image.width() as f32, self.image.height() as f32)
     }

@@ -7,9 +7,9 @@ use crate::color::Rgb;
 
 /// A texture that is looked up by the place on the shape instead of by uv.
 ///
-/// The box has the axes of the shape, and its coordinates are lengths of the world from the origin of the shape: its
-/// scale does not stretch the texture. Of the six sides that counts which the geometric normal faces most. On the sides
-/// v points upwards; above and below, u and v are two of the axes.
+/// The box has the axes of the shape, and its coordinates are lengths of the world along these from the origin of the
+/// shape: its scale does not stretch the texture. A sheared shape shears it. Of the six sides that counts which the
+/// geometric normal faces most. On the sides v points upwards; above and below, u and v are two of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxProjection {
     /// The texture before this one in the table, or a constant.
@@ -51,6 +51,8 @@ pub struct ObjectPoint {
     pub place: Vec3,
     /// The directions of the shape's own axes in the world, unit vectors.
     pub axes: [Vec3; 3],
+    /// The derivatives of `place` by the position in the world. They are the axes unless the shape is sheared.
+    pub gradients: [Vec3; 3],
     /// The geometric normal in the world.
     pub normal: Vec3,
     /// The derivatives of the point in the world by the surface's own u and v.
@@ -65,28 +67,57 @@ impl ObjectPoint {
     /// of the point by u and v are `derivatives`, all in the world.
     pub fn new(world_from_shape: &Affine3A, position: Vec3, normal: Vec3, derivatives: [Vec3; 2]) -> Self {
         let columns = world_from_shape.matrix3.to_cols_array_2d().map(Vec3::from);
-        let local = world_from_shape.inverse().transform_point3(position);
-        let lengths = Vec3::from(columns.map(Vec3::length));
+        let axes = columns.map(Vec3::normalize_or_zero);
+        let lengths = columns.map(Vec3::length);
+        let inverse = world_from_shape.inverse();
+        let local = inverse.transform_point3(position);
+        let rows = inverse.matrix3.transpose().to_cols_array_2d().map(Vec3::from);
+        // A flat transform has no inverse.
+        let is_flat = !(local.is_finite() && rows.iter().all(|row| row.is_finite()));
         Self {
-            // A flat transform has no inverse.
-            place: if local.is_finite() { lengths * local } else { Vec3::ZERO },
-            axes: columns.map(Vec3::normalize_or_zero),
+            place: match is_flat {
+                true => Vec3::ZERO,
+                false => Vec3::from(lengths) * local,
+            },
+            axes,
+            gradients: match is_flat {
+                true => axes,
+                false => std::array::from_fn(|axis| lengths[axis] * rows[axis]),
+            },
             normal,
             derivatives,
         }
     }
 
-    /// The coordinates on the side that the point is on, and the directions in which they grow.
-    pub fn project(&self, up: Up) -> (Vec2, [Vec3; 2]) {
+    /// The point that lies this far along the surface's u and v, on the same side of the box.
+    pub(super) fn moved(&self, step: Vec2) -> Self {
+        let [u, v] = self.derivatives;
+        let way = step.x * u + step.y * v;
+        Self {
+            place: self.place + Vec3::from(self.gradients.map(|gradient| gradient.dot(way))),
+            ..*self
+        }
+    }
+
+    /// The number of the shape's axis that is nearest to the vertical, and whether it points down.
+    pub fn upright(&self, up: Up) -> (usize, bool) {
         let upwards = match up {
             Up::Y => Vec3::Y,
             Up::Z => Vec3::Z,
         };
-        let (side, upright) = (self.nearest_axis(self.normal), self.nearest_axis(upwards));
-        let (vertical, is_down) = match side == upright {
+        let upright = nearest(&self.axes, upwards);
+        (upright, self.axes[upright].dot(upwards) < 0.0)
+    }
+
+    /// The coordinates on the side that the point is on, and their derivatives by the position in the world.
+    pub fn project(&self, up: Up) -> (Vec2, [Vec3; 2]) {
+        // The sides of a sheared box are perpendicular to the gradients.
+        let across = self.gradients.map(Vec3::normalize_or_zero);
+        let side = nearest(&across, self.normal);
+        let (vertical, is_down) = match self.upright(up) {
             // On level sides there is no upright direction.
-            true => ([2, 2, 1][side], false),
-            false => (upright, self.axes[upright].dot(upwards) < 0.0),
+            (upright, _) if upright == side => ([2, 2, 1][side], false),
+            found => found,
         };
         let horizontal = 3 - side - vertical;
         let v = if is_down { -1.0 } else { 1.0 };
@@ -98,13 +129,13 @@ impl ObjectPoint {
             1.0
         };
         let uv = Vec2::new(u * self.place[horizontal], v * self.place[vertical]);
-        (uv, [u * self.axes[horizontal], v * self.axes[vertical]])
+        (uv, [u * self.gradients[horizontal], v * self.gradients[vertical]])
     }
+}
 
-    /// The axis that is nearest to a direction or its opposite.
-    fn nearest_axis(&self, direction: Vec3) -> usize {
-        let nearness = |axis: usize| PREFERENCE[axis] * direction.dot(self.axes[axis]).abs();
-        let nearer = |best: usize, axis: usize| if nearness(axis) > nearness(best) { axis } else { best };
-        (1..3).fold(0, nearer)
-    }
+/// The direction of three that is nearest to another or its opposite.
+fn nearest(directions: &[Vec3; 3], other: Vec3) -> usize {
+    let nearness = |axis: usize| PREFERENCE[axis] * other.dot(directions[axis]).abs();
+    let nearer = |best: usize, axis: usize| if nearness(axis) > nearness(best) { axis } else { best };
+    (1..3).fold(0, nearer)
 }

@@ -69,6 +69,15 @@ impl TexturePoint<'_> {
             object: None,
         }
     }
+
+    /// The point that lies this far along the surface's u and v. Values of meshes stay those of this point.
+    fn moved(&self, step: Vec2) -> Self {
+        Self {
+            uv: self.uv + step,
+            object: self.object.map(|object| object.moved(step)),
+            ..*self
+        }
+    }
 }
 
 /// A point on a triangle of a mesh.

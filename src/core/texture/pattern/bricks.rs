@@ -63,6 +63,9 @@ const ROW: u32 = 301;
 const OWN: u32 = 302;
 const PLACE: u32 = 303;
 
+/// The most rows after which a bond is taken to repeat.
+const MOST_ROWS: u32 = 12;
+
 /// The bricks are moved within the plane of their textures by up to so many lengths.
 const FAR: f32 = 16.0;
 
@@ -80,6 +83,40 @@ impl Bricks {
             false => R::select(R::ZERO.is_at_most(to_edge), R::ONE, R::ZERO),
         };
         BrickPlace { at, share, brick }
+    }
+
+    /// The lower left corner of the brick at a point, in coordinates of the pattern.
+    pub fn corner(&self, at: [f32; 2]) -> [f32; 2] {
+        let place = self.place(at);
+        let [along, across] = match self.is_upright(place.brick) {
+            true => [place.at[1], place.at[0]],
+            false => place.at,
+        };
+        [at[0] - along, at[1] - across]
+    }
+
+    /// Whether a brick of a herringbone stands upright.
+    fn is_upright(&self, brick: [f32; 2]) -> bool {
+        self.bond == Bond::Herringbone && brick[0] != brick[0].floor()
+    }
+
+    /// The lengths after which bricks repeat along both axes, apart from their random numbers: whole bricks and rows.
+    /// If no number of rows up to 12 repeats exactly, or if rows are moved at random, the bond changes there at a joint.
+    pub fn period(&self) -> [f32; 2] {
+        let [length, height] = self.pitch();
+        match self.bond {
+            Bond::Herringbone => [2.0 * self.steps() * height; 2],
+            Bond::Random => [length, height],
+            Bond::Running => {
+                let deviation = |rows: u32| {
+                    let moved = rows as f32 * self.offset;
+                    // Rounding does not decide between equal numbers.
+                    (moved - moved.round()).abs().max(1e-4)
+                };
+                let best = |best: u32, rows: u32| if deviation(rows) < deviation(best) { rows } else { best };
+                [length, (2..=MOST_ROWS).fold(1, best) as f32 * height]
+            }
+        }
     }
 
     /// The random number of a brick in [0, 1).
@@ -164,10 +201,18 @@ impl Bricks {
         }
     }
 
-    /// The step of uv for derivatives.
+    /// The step for derivatives, in coordinates of the pattern. Edges without a bevel get slopes that are narrower than
+    /// the joint.
     pub(in crate::texture) fn step(&self) -> f32 {
         let [length, height] = self.size;
-        let finest = [self.joint, self.bevel].into_iter().filter(|width| *width > 0.0);
-        STEP * finest.fold(length.min(height), f32::min) / stretch(&self.to_uv)
+        let widths = [8.0 * self.joint, self.bevel];
+        let finest = widths.into_iter().filter(|width| *width > 0.0);
+        STEP * finest.fold(length.min(height), f32::min)
+    }
+
+    /// The largest coordinate of the textures on a brick.
+    pub(in crate::texture) fn farthest(&self) -> f32 {
+        let [length, height] = self.size;
+        (FAR + 1.0) * length.max(height)
     }
 }

@@ -69,8 +69,8 @@ impl Cells {
         mixed(table, self.colors, share, at)
     }
 
-    /// The step of uv for derivatives.
+    /// The step for derivatives, in coordinates of the pattern.
     pub(in crate::texture) fn step(&self) -> f32 {
-        STEP / stretch(&self.to_uv)
+        STEP
     }
 }

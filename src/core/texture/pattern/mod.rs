@@ -25,8 +25,9 @@ pub use noise::Noise;
 pub use ramp::{Ramp, Stop};
 pub use wood::Wood;
 
-/// The steps of bump maps, as a share of the finest detail of a pattern.
-const STEP: f32 = 0.125;
+/// The steps of bump maps, as a share of the finest detail of a pattern: the error of a quotient of differences grows
+/// with the square of the step, and its rounding with the inverse.
+const STEP: f32 = 1.0 / 64.0;
 
 /// The largest coordinate of a pattern: numbers beyond have no digits left for details.
 const FARTHEST: f32 = 4e6;

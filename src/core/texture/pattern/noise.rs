@@ -60,9 +60,10 @@ impl Noise {
         mixed(table, self.colors, share, at)
     }
 
-    /// The step of uv for derivatives.
+    /// The step for derivatives, in coordinates of the pattern.
     pub(in crate::texture) fn step(&self) -> f32 {
-        STEP / stretch(&self.to_uv) / (1_u32 << (self.octaves.clamp(1, Self::MOST_OCTAVES) - 1)) as f32
+        // Below the least step values of the last octaves would differ by rounding.
+        (STEP / (1_u32 << (self.octaves.clamp(1, Self::MOST_OCTAVES) - 1)) as f32).max(1e-5)
     }
 }
 

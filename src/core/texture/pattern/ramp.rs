@@ -71,11 +71,20 @@ impl Ramp {
         V::of_color(self.color(input).into())
     }
 
-    /// The step of uv for derivatives, without that of the input.
+    /// The step for derivatives without an input, in coordinates of the pattern.
     pub(in crate::texture) fn step(&self) -> f32 {
-        match self.input {
-            Some(_) => f32::INFINITY,
-            None => STEP / stretch(&self.to_uv),
-        }
+        let widest = self.gaps().fold(0.0, f32::max);
+        STEP * self.gaps().fold(if widest > 0.0 { widest } else { 1.0 }, f32::min)
+    }
+
+    /// The narrowest interval between two stops, at most 1: a share of the detail of the input.
+    pub(in crate::texture) fn narrowest(&self) -> f32 {
+        self.gaps().fold(1.0, f32::min)
+    }
+
+    /// The intervals between stops at different values.
+    fn gaps(&self) -> impl Iterator<Item = f32> + '_ {
+        let gaps = self.stops.windows(2).map(|pair| pair[1].at - pair[0].at);
+        gaps.filter(|gap| *gap > 0.0)
     }
 }

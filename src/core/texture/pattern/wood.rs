@@ -65,8 +65,8 @@ impl Wood {
         mixed(table, self.colors, share, at)
     }
 
-    /// The step of uv for derivatives.
+    /// The step for derivatives, in coordinates of the pattern.
     pub(in crate::texture) fn step(&self) -> f32 {
-        STEP * self.ring / stretch(&self.to_uv)
+        STEP * self.ring
     }
 }
