@@ -7,13 +7,30 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use super::curve::{Basis, Spline};
 use super::mesh::MeshData;
 use super::strands::Strands;
+use crate::memory::{self, Shortage};
 
 /// The corners of a cross-section and the rings of a segment of a spline, from fine to coarse.
 const FINENESS: [[u32; 2]; 4] = [[8, 4], [6, 2], [4, 1], [3, 1]];
 
-/// Open tubes around the curves, with normals and with texture coordinates as curves have them. They are as fine as
-/// `most` triangles allow; None if there are more at the coarsest.
-pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Option<MeshData> {
+/// The reason why there are no tubes around curves.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TubeError {
+    /// They have more triangles at the coarsest than are allowed.
+    #[error("more triangles than allowed")]
+    TooMany,
+    /// The memory budget does not suffice.
+    #[error("they need {0}")]
+    Memory(#[from] Shortage),
+}
+
+/// Bytes of a vertex: its position, normal and texture coordinates.
+const VERTEX_BYTES: u64 = 32;
+/// Bytes of a triangle.
+const TRIANGLE_BYTES: u64 = 12;
+
+/// Open tubes around the curves, with normals and with texture coordinates as curves have them, and with memory reserved
+/// for them. They are as fine as `most` triangles allow.
+pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Result<MeshData, TubeError> {
     let segments = strands.segment_count(basis);
     let triangles = |[corners, rings]: [u32; 2]| 2 * segments as u64 * u64::from(corners * rings);
     let rings_of = |rings| match basis {
@@ -23,8 +40,19 @@ pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Option<MeshData> {
     let [corners, rings] = FINENESS
         .into_iter()
         .map(|[corners, rings]| [corners, rings_of(rings)])
-        .find(|fineness| triangles(*fineness) <= most as u64)?;
-    let mut mesh = MeshData::default();
+        .find(|fineness| triangles(*fineness) <= most as u64)
+        .ok_or(TubeError::TooMany)?;
+    let rows = segments as u64 * u64::from(rings) + strands.firsts.len() as u64;
+    let (vertices, triangles) = (rows * u64::from(corners + 1), triangles([corners, rings]));
+    let memory = memory::reserve(VERTEX_BYTES * vertices + TRIANGLE_BYTES * triangles)?;
+    let mut mesh = MeshData {
+        positions: Vec::with_capacity(vertices as usize),
+        normals: Vec::with_capacity(vertices as usize),
+        uvs: Vec::with_capacity(vertices as usize),
+        triangles: Vec::with_capacity(triangles as usize),
+        memory: memory.into(),
+        ..MeshData::default()
+    };
     let mut before = 0;
     for curve in strands.curves() {
         let points = &strands.points[curve];
@@ -38,7 +66,7 @@ pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Option<MeshData> {
         add_tube(&mut mesh, &along, v, corners);
         before += count;
     }
-    Some(mesh)
+    Ok(mesh)
 }
 
 /// The middle of a curve and its radius after `step` of `rings` steps for each segment.
@@ -106,6 +134,10 @@ mod tests {
             let area: f32 = (0..mesh.triangles.len())
                 .map(|triangle| mesh.area_of_triangle(triangle))
                 .sum();
+            // No more vertices than memory was reserved for.
+            assert!(
+                mesh.positions.len() == mesh.positions.capacity() && mesh.triangles.len() == mesh.triangles.capacity()
+            );
             // A polygon of eight corners has 97.4 % of the circle's circumference.
             assert!((area / (TAU * 0.5 * length) - 0.974).abs() < 1e-2, "{area}");
             for (index, triangle) in mesh.triangles.iter().enumerate() {
@@ -129,6 +161,6 @@ mod tests {
             [192, 191, 71, 23].map(|most| triangles(Basis::BSpline, most)),
             [192, 72, 24, 18]
         );
-        assert!(tubes(&strands, Basis::Linear, 29).is_none());
+        assert_eq!(tubes(&strands, Basis::Linear, 29), Err(TubeError::TooMany));
     }
 }

@@ -11,7 +11,7 @@ use crate::files::Access;
 use crate::geometry::attribute::AttributeDomain;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::strands::stretch_of;
-use crate::geometry::tube::tubes;
+use crate::geometry::tube::{TubeError, tubes};
 use crate::scene::assets::box_lying::{laid, projection_of};
 use crate::scene::assets::shape_mesh::{shape_mesh, unit_form};
 use crate::scene::assets::triangle_mesh::{TriangleMesh, basis_of, load_mesh};
@@ -133,17 +133,20 @@ impl<'a> Forms<'a> {
         let stretched = curves.with_stretched_strands(&stretch?).ok()?;
         let tubes = tubes(&stretched.strands, basis_of(file.format)?, self.left_for_curves);
         match &tubes {
-            Some(tubes) => {
+            Ok(tubes) => {
                 self.left_for_curves -= tubes.triangles.len();
                 messages.note("shape", name, "the curves become tubes of triangles");
             }
-            None => messages.left_out(
+            Err(TubeError::TooMany) => messages.left_out(
                 "shape",
                 name,
                 format!("with its curves, more than {MOST_TRIANGLES} triangles would take the place of curves"),
             ),
+            Err(TubeError::Memory(shortage)) => {
+                messages.left_out("shape", name, format!("tubes in place of its curves need {shortage}"));
+            }
         }
-        tubes.map(Arc::new)
+        tubes.ok().map(Arc::new)
     }
 
     fn mesh_of_file(
