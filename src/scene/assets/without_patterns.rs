@@ -1,15 +1,17 @@
 //! A scene for programs that do not have patterns: pictures take the place of these, and shapes on which they lie by
 //! box projection become meshes with the coordinates of the box.
 
+use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bevy::math::{Affine2, Vec2};
+use bevy::math::{Affine2, Affine3A, Vec2};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use rayon::prelude::*;
 
-use super::box_lying::{laid, projection_of};
+use super::box_lying::{LyingBox, as_mesh, mirrored};
+use super::group_copies::with_groups_by_box;
 use super::packed_pattern::packed_pattern;
 use super::pattern_tile::Tile;
 use super::shape_mesh::{shape_mesh, unit_form};
@@ -50,11 +52,14 @@ pub(in crate::scene) fn without_patterns(
     access: &Access,
     set: &mut FileSet,
 ) -> Result<Option<SceneDescription>, PatternError> {
+    let split = with_groups_by_box(scene);
+    let scene = split.as_ref().unwrap_or(scene);
     let mut changed = scene.clone();
     let mut maker = Maker {
         target,
         access,
         known: Vec::new(),
+        meshes: HashMap::new(),
         set,
         files: 0,
     };
@@ -92,6 +97,8 @@ struct Maker<'a> {
     access: &'a Access,
     /// The pictures made so far.
     known: Vec<(Texture, Use, Bitmap)>,
+    /// The meshes made so far, by their form and their box.
+    meshes: HashMap<String, PathBuf>,
     set: &'a mut FileSet,
     /// The number of files added to the set.
     files: usize,
@@ -108,22 +115,45 @@ impl Maker<'_> {
         Ok(path)
     }
 
-    /// Replaces shapes whose textures lie by box projection.
+    /// Replaces shapes whose textures lie by box projection. Members of groups have the coordinates that they have in
+    /// the first instance of the group, or of a crowd.
     fn lay_shapes(&mut self, scene: &SceneDescription, changed: &mut SceneDescription) -> Result<(), PatternError> {
+        let mut placements: HashMap<usize, Affine3A> = HashMap::new();
+        for shape in &scene.shapes {
+            if let Some(group) = shape.instance_of {
+                let places = shape.placements.as_ref();
+                let first = places.and_then(|many| many.places.first().map(|place| Affine3A::from(*place)));
+                placements.entry(group).or_insert(first.unwrap_or(shape.to_world));
+            }
+        }
         for (shape, changed) in scene.shapes.iter().zip(&mut changed.shapes) {
             if shape.shape.is_of_curves() {
                 continue;
             }
-            let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
+            let (plain, shape_from_mesh) = unit_form(&shape.shape.kind);
+            let placement = shape.member_of.and_then(|group| placements.get(&group));
+            let Some(lying) = LyingBox::of(scene, shape, &shape_from_mesh, placement) else {
                 continue;
             };
-            let (plain, shape_from_mesh) = unit_form(&shape.shape.kind);
             let Some((mesh, is_flat)) = mesh_of(&plain, self.access) else {
                 continue;
             };
-            let mesh = laid(&mesh, &(shape.to_world * shape_from_mesh), up);
-            let path = self.add("box", "ply", &binary_ply(&mesh))?;
-            changed.to_world = shape.to_world * shape_from_mesh;
+            let to_world = shape.to_world * shape_from_mesh;
+            let (mirror, to_world) = as_mesh(&plain, to_world);
+            let key = format!("{plain:?} {} {mirror}", lying.key());
+            let path = match self.meshes.get(&key) {
+                Some(path) => path.clone(),
+                None => {
+                    let no_room =
+                        |shortage| PatternError::Picture(format!("a mesh for box projections needs {shortage}"));
+                    let laid = lying.laid(&mesh).map_err(no_room)?;
+                    let laid = if mirror { mirrored(laid) } else { laid };
+                    let path = self.add("box", "ply", &binary_ply(&laid))?;
+                    self.meshes.insert(key, path.clone());
+                    path
+                }
+            };
+            changed.to_world = to_world;
             changed.shape.kind = ShapeKind::Mesh(MeshFile {
                 path,
                 format: MeshFormat::Ply,

@@ -12,7 +12,7 @@ use crate::geometry::attribute::AttributeDomain;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::strands::stretch_of;
 use crate::geometry::tube::{TubeError, tubes};
-use crate::scene::assets::box_lying::{laid, projection_of};
+use crate::scene::assets::box_lying::{LyingBox, has_projection};
 use crate::scene::assets::shape_mesh::{shape_mesh, unit_form};
 use crate::scene::assets::triangle_mesh::{TriangleMesh, basis_of, load_mesh};
 use crate::scene::components::description::{SceneDescription, ShapeDescription};
@@ -104,6 +104,62 @@ impl<'a> Forms<'a> {
         form
     }
 
+    /// The form of a shape with coordinates of the box, if all its textures are box projections. `placement`: the
+    /// transform of the instance, for a member of a group.
+    pub fn laid(
+        &mut self,
+        scene: &SceneDescription,
+        shape: &ShapeDescription,
+        placement: Option<&Affine3A>,
+        messages: &mut Messages,
+    ) -> Option<Form> {
+        let form = self.of(shape, messages)?;
+        let name = &*shape.identity.name;
+        let Some(lying) = LyingBox::of(scene, shape, &form.shape_from_mesh, placement) else {
+            if has_projection(scene, shape) {
+                let what = "beside other textures, those of box projections lie by uv";
+                messages.note("shape", name, what);
+            }
+            return Some(form);
+        };
+        if lying.is_sheared() {
+            let what = "it is sheared, so that bumps of box projections lean";
+            messages.note("shape", name, what);
+        }
+        let key = format!("{} {}", form.key, lying.key());
+        let known = self.forms.entry(key.clone()).or_insert_with(|| {
+            let mesh = lying.laid(&form.mesh);
+            let laid = |mesh| Form {
+                key,
+                mesh: Arc::new(mesh),
+                ..form.clone()
+            };
+            mesh.map(laid)
+                .map_err(|_| {
+                    let what = "textures of box projections lie by uv, because the memory budget has no room";
+                    messages.note("shape", name, what);
+                })
+                .ok()
+        });
+        let laid = known.clone().map(|laid| Form {
+            shape_from_mesh: form.shape_from_mesh,
+            ..laid
+        });
+        Some(laid.unwrap_or(form))
+    }
+
+    /// The key of the coordinates of the box that a member of a group has in an instance; None without a box.
+    pub fn key_of_box(
+        &mut self,
+        scene: &SceneDescription,
+        member: &ShapeDescription,
+        placement: &Affine3A,
+        messages: &mut Messages,
+    ) -> Option<String> {
+        let form = self.of(member, messages)?;
+        Some(LyingBox::of(scene, member, &form.shape_from_mesh, Some(placement))?.key())
+    }
+
     /// The pictures named by the materials of a shape's mesh file.
     pub fn pictures_of_file(&mut self, shape: &ShapeDescription) -> Vec<PathBuf> {
         let ShapeKind::Mesh(file) = &shape.shape.kind else {
@@ -168,19 +224,6 @@ impl<'a> Forms<'a> {
             true => Some(mesh.clone()),
             false => mesh.with_flipped_tex_coords().ok().map(Arc::new),
         }
-    }
-}
-
-/// The form with coordinates of the box, if all textures of the shape's material are box projections.
-pub(super) fn box_laid(scene: &SceneDescription, shape: &ShapeDescription, form: Form) -> Form {
-    let Some(up) = shape.material.and_then(|material| projection_of(scene, material)) else {
-        return form;
-    };
-    let world = shape.to_world * form.shape_from_mesh;
-    Form {
-        key: format!("{} box {up:?} {:?}", form.key, world.matrix3),
-        mesh: Arc::new(laid(&form.mesh, &world, up)),
-        ..form
     }
 }
 

@@ -7,7 +7,7 @@ use super::look::{Appearance, Look};
 use super::messages::Messages;
 use super::pictures::Pictures;
 use crate::color::Rgb;
-use crate::scene::assets::pattern_tile::Tile;
+use crate::scene::assets::pattern_tile::is_projected;
 use crate::scene::components::description::MaterialDescription;
 use crate::scene::{
     Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Principled, PrincipledIndex, PrincipledThin,
@@ -63,7 +63,7 @@ impl Looks<'_, '_> {
                 height: Parameter::Texture(texture),
                 scale,
                 ..
-            } if Tile::of(texture).is_some() => {
+            } if is_projected(texture) => {
                 let bumps = Map::Bumps {
                     scale: *scale,
                     is_mirrored: false,

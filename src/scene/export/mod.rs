@@ -5,6 +5,7 @@
 
 mod error;
 mod form;
+mod groups;
 mod in_use;
 mod layers;
 mod level;

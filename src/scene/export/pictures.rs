@@ -9,6 +9,7 @@ use std::sync::Arc;
 use bevy::math::{Affine2, Vec2};
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat};
+use rayon::prelude::*;
 
 use super::level::{Map, Varying};
 use super::messages::Messages;
@@ -99,7 +100,7 @@ impl<'a> Pictures<'a> {
         let side = 16;
         let places =
             (0..side * side).map(|i| Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) / side as f32);
-        let sum: Rgb = places.map(|uv| value(&table, id, varying, uv, Vec2::ZERO)).sum();
+        let sum: Rgb = places.map(|uv| value(&table, id, varying, uv, 1.0 / side as f32)).sum();
         varying.factor * sum / (side * side) as f32
     }
 
@@ -139,11 +140,10 @@ impl<'a> Pictures<'a> {
             let what = format!("a picture of {BAKED} x {BAKED} pixels over the unit square of uv takes the place");
             messages.note("texture", &name, what);
         } else if let Some(extent) = all.first().and_then(|varying| Tile::of(&varying.texture)) {
-            let extent = extent.place(Vec2::ONE) - extent.place(Vec2::ZERO);
+            let extent = extent.extent();
             let what = format!(
                 "a picture of {BAKED} x {BAKED} pixels takes the place, which repeats after {:.3} x {:.3}",
-                extent.x.abs(),
-                extent.y.abs()
+                extent.x, extent.y
             );
             messages.note("texture", &name, what);
         }
@@ -225,25 +225,31 @@ impl<'a> Pictures<'a> {
         let has_alpha = channels[3].is_some();
         let table = TextureTable::new(textures);
         let size = Vec2::new(width as f32, height as f32);
-        let pixel_of = |tile: &Tile| tile.place(size.recip()) - tile.place(Vec2::ZERO);
-        let mut pixels: Vec<[f32; 4]> = Vec::with_capacity(width as usize * height as usize);
-        for y in 0..height {
-            for x in 0..width {
-                let uv = Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
-                let value = |varying: &Varying, id| match Tile::of(&varying.texture).filter(|_| lies_alike) {
-                    Some(tile) => tile.value(uv, |at| value(&table, id, varying, tile.place(at), pixel_of(&tile))),
-                    None => value(&table, id, varying, uv, Vec2::ZERO),
-                };
-                let color = color.map_or(Rgb::ONE, |(varying, id)| value(varying, id));
-                let mut pixel = [color.x, color.y, color.z, 1.0];
-                for (channel, plane) in pixel.iter_mut().zip(channels) {
-                    if let Some((varying, id)) = plane {
-                        *channel = value(varying, id).x;
-                    }
+        let varyings = color.iter().chain(channels.iter().flatten());
+        let tiles: Vec<(&Varying, Option<Tile>)> = varyings
+            .map(|(varying, _)| (*varying, Tile::of(&varying.texture).filter(|_| lies_alike)))
+            .collect();
+        let tile_of = |varying: &Varying| tiles.iter().find(|(known, _)| std::ptr::eq(*known, varying))?.1;
+        let pixel = |number: u64| {
+            let (x, y) = (number % u64::from(width), number / u64::from(width));
+            let uv = (Vec2::new(x as f32, y as f32) + 0.5) / size;
+            let value = |varying: &Varying, id| match tile_of(varying) {
+                Some(tile) => {
+                    let pixel = (tile.extent() / size).min_element();
+                    tile.value(uv, |at| value(&table, id, varying, tile.place(at), pixel))
                 }
-                pixels.push(pixel);
+                None => value(&table, id, varying, uv, size.recip().min_element()),
+            };
+            let color = color.map_or(Rgb::ONE, |(varying, id)| value(varying, id));
+            let mut pixel = [color.x, color.y, color.z, 1.0];
+            for (channel, plane) in pixel.iter_mut().zip(channels) {
+                if let Some((varying, id)) = plane {
+                    *channel = value(varying, id).x;
+                }
             }
-        }
+            pixel
+        };
+        let pixels: Vec<[f32; 4]> = (0..pixels).into_par_iter().map(pixel).collect();
         let peak = match planes.is_light {
             true => pixels.iter().flat_map(|pixel| &pixel[..3]).copied().fold(0.0, f32::max),
             false => 1.0,
@@ -258,14 +264,17 @@ impl<'a> Pictures<'a> {
             };
             (65535.0 * coded).round() as u16
         };
-        let coded = pixels.iter().map(|pixel| {
-            let mut channel = 0..4;
-            pixel.map(|value| code(value, channel.next() < Some(3)))
+        let coded = pixels.par_iter().map(|[r, g, b, a]| {
+            let [r, g, b] = [r, g, b].map(|value| code(*value, true));
+            [r, g, b, code(*a, false)]
         });
         let picture = match has_alpha {
-            true => ImageBuffer::from_raw(width, height, coded.flatten().collect()).map(DynamicImage::ImageRgba16),
+            true => {
+                let rgba = coded.flat_map_iter(|pixel| pixel);
+                ImageBuffer::from_raw(width, height, rgba.collect()).map(DynamicImage::ImageRgba16)
+            }
             false => {
-                let rgb = coded.flat_map(|[r, g, b, _]| [r, g, b]);
+                let rgb = coded.flat_map_iter(|[r, g, b, _]| [r, g, b]);
                 ImageBuffer::from_raw(width, height, rgb.collect()).map(DynamicImage::ImageRgb16)
             }
         }?;
@@ -307,7 +316,7 @@ impl<'a> Pictures<'a> {
                 }
             }
             Texture::Pattern(_) => Lie {
-                to_uv: Tile::of(texture)?.to_uv,
+                to_uv: place_of(&Tile::of(texture)?)?,
                 filter: TextureFilter::Bilinear,
                 wraps: [TextureWrap::Repeat; 2],
                 size: (BAKED, BAKED),
@@ -374,18 +383,14 @@ fn has_alpha(file: &[u8]) -> bool {
 }
 
 /// The value at a point, without the factor. `pixel`: the extent of a pixel, over which slopes of bumps are measured.
-fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2, pixel: Vec2) -> Rgb {
+/// They are those along the coordinates of the surface, to which tangents belong, however the texture is turned.
+fn value(table: &TextureTable, id: TextureId, varying: &Varying, uv: Vec2, pixel: f32) -> Rgb {
     if let Map::Bumps { scale, is_mirrored } = varying.map {
         let height = |at: Vec2| scale * table.float(texture::Parameter::Texture(id), &TexturePoint::of_uv(at));
-        let step = 0.5 * pixel;
-        let (u, v) = (Vec2::new(step.x, 0.0), Vec2::new(0.0, step.y));
-        let slopes = Vec2::new(height(uv + u) - height(uv - u), height(uv + v) - height(uv - v)) / pixel;
-        let slopes = if is_mirrored {
-            Vec2::new(slopes.x, -slopes.y)
-        } else {
-            slopes
-        };
-        return 0.5 * (Rgb::new(-slopes.x, -slopes.y, 1.0).normalize_or(Rgb::Z) + Rgb::ONE);
+        let slope = |axis: Vec2| (height(uv + 0.5 * pixel * axis) - height(uv - 0.5 * pixel * axis)) / pixel;
+        let (u, v) = (slope(Vec2::X), slope(Vec2::Y));
+        let v = if is_mirrored { -v } else { v };
+        return 0.5 * (Rgb::new(-u, -v, 1.0).normalize_or(Rgb::Z) + Rgb::ONE);
     }
     let at = TexturePoint::of_uv(uv);
     let value = match varying.as_number {
@@ -404,6 +409,12 @@ fn common_lie(lies: &[Option<Lie>]) -> Option<Lie> {
         let is_alike = Lie { size, ..so_far } == Lie { size, ..lie };
         is_alike.then_some(Lie { size, ..so_far })
     })
+}
+
+/// The map of a tile that glTF can have; None if there is none.
+fn place_of(tile: &Tile) -> Option<Affine2> {
+    let maps = [Some(tile.to_uv), tile.square_to_uv()].into_iter().flatten();
+    maps.into_iter().find(|map| transform_of(map).is_some())
 }
 
 /// The map as a texture transform of glTF; None if it shears.

@@ -5,10 +5,8 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use bevy::math::Affine3A;
-
 use super::error::ExportError;
-use super::form::{Colors, Form, Forms, box_laid, is_of_triangles, shown, vertex_colors};
+use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
 use super::motion::{Motion, placed};
@@ -26,7 +24,7 @@ use crate::scene::{AreaLight, ShapeKind};
 pub(super) struct Shapes<'a> {
     pub scene: &'a SceneDescription,
     pub materials: Materials<'a>,
-    forms: Forms<'a>,
+    pub(super) forms: Forms<'a>,
     /// The attributes by the key of their vertices.
     vertices: HashMap<String, Attributes>,
     /// The indices by their key; None for no triangles.
@@ -36,11 +34,11 @@ pub(super) struct Shapes<'a> {
     /// For each triangle whether pictures are mirrored on it, by key.
     mirrored: HashMap<String, Rc<[bool]>>,
     meshes: HashMap<String, usize>,
-    /// The meshes of groups, by the group and whether its instances mirror them; None for groups without visible
-    /// shapes.
-    groups: HashMap<(usize, bool), Option<usize>>,
+    /// The meshes of groups, by the group, whether its instances mirror them, and the coordinates that its members have
+    /// by box projection; None for groups without visible shapes.
+    pub(super) groups: HashMap<(usize, bool, Vec<Option<String>>), Option<usize>>,
     /// The members of each group.
-    members: Vec<Vec<usize>>,
+    pub(super) members: Vec<Vec<usize>>,
 }
 
 impl<'a> Shapes<'a> {
@@ -83,8 +81,7 @@ impl<'a> Shapes<'a> {
             return self.write_instances(shape, group, writer, folders, messages);
         }
         let name = &*shape.identity.name;
-        let form = self.forms.of(shape, messages);
-        let Some(form) = form.map(|form| box_laid(self.scene, shape, form)) else {
+        let Some(form) = self.forms.laid(self.scene, shape, None, messages) else {
             return Ok(());
         };
         let world = shape.to_world * form.shape_from_mesh;
@@ -133,121 +130,6 @@ impl<'a> Shapes<'a> {
         Ok(())
     }
 
-    /// Adds the instances of a group: nodes with one mesh.
-    fn write_instances(
-        &mut self,
-        shape: &ShapeDescription,
-        group: usize,
-        writer: &mut GltfWriter,
-        folders: &mut Folders,
-        messages: &mut Messages,
-    ) -> Result<(), ExportError> {
-        let name = &*shape.identity.name;
-        let branch = folders.branch(name, writer);
-        let parent_from_world = branch.world_from_parent.inverse();
-        let places: Vec<Affine3A> = match &shape.placements {
-            Some(placements) => placements.places.iter().map(|place| Affine3A::from(*place)).collect(),
-            None => vec![shape.to_world],
-        };
-        let is_of_curves = |&member: &usize| self.scene.shapes[member].shape.is_of_curves();
-        let lightmap_scale = match self.members[group].iter().any(is_of_curves) {
-            true => 0.0,
-            false => shape.shape.lightmap_scale,
-        };
-        let is_crowd = shape.placements.is_some();
-        let keys = shape.identity.keys.as_ref().filter(|_| !is_crowd);
-        if is_crowd && shape.identity.keys.is_some() {
-            messages.note("shape", name, "nothing moves, because these are many instances in one");
-        }
-        let mut parent = branch.parent;
-        if is_crowd {
-            let node = Node {
-                name: branch.leaf.clone(),
-                ..Node::default()
-            };
-            parent = Some(writer.add_node(node, parent));
-        }
-        for (number, world) in places.into_iter().enumerate() {
-            if !is_invertible(&world) {
-                messages.left_out("shape", name, "the transform cannot be inverted");
-                continue;
-            }
-            let (pose, baked) = pose_or_baked(&(parent_from_world * world));
-            let Some(mesh) = self.group_mesh(group, is_mirrored(&world), baked, writer, messages)? else {
-                messages.left_out("shape", name, "light passes it as if there was nothing");
-                return Ok(());
-            };
-            let leaf = &branch.leaf;
-            let node = Node {
-                name: if is_crowd {
-                    format!("{leaf}-{}", number + 1)
-                } else {
-                    leaf.clone()
-                },
-                pose,
-                mesh: Some(mesh),
-                lightmap_scale: Some(lightmap_scale),
-                ..Node::default()
-            };
-            let node = writer.add_node(node, parent);
-            match keys {
-                Some(keys) if baked.is_none() => {
-                    let local = |value: &crate::document::Value| Some(parent_from_world * placed(value)?);
-                    let motion = Motion { keys, local: &local };
-                    motion.write(node, "shape", name, writer, messages);
-                }
-                Some(_) => messages.note("shape", name, "nothing moves, because the pose shears"),
-                None => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// The mesh of a group; None if it has no visible shapes.
-    fn group_mesh(
-        &mut self,
-        group: usize,
-        is_mirrored_place: bool,
-        baked: Option<Affine3A>,
-        writer: &mut GltfWriter,
-        messages: &mut Messages,
-    ) -> Result<Option<usize>, ExportError> {
-        let key = (group, is_mirrored_place);
-        if let Some(known) = self.groups.get(&key).filter(|_| baked.is_none()) {
-            return Ok(*known);
-        }
-        let is_shared = baked.is_none();
-        let scene = self.scene;
-        let mut primitives = Vec::new();
-        for member in self.members[group].clone() {
-            let member = &scene.shapes[member];
-            let form = self.forms.of(member, messages);
-            let Some(form) = form.map(|form| box_laid(scene, member, form)) else {
-                continue;
-            };
-            let in_group = member.to_world * form.shape_from_mesh;
-            if !is_invertible(&in_group) {
-                messages.left_out("shape", &member.identity.name, "the transform cannot be inverted");
-                continue;
-            }
-            let is_mirrored = is_mirrored(&in_group) ^ is_mirrored_place;
-            let is_turned = member.shape.flip_normals ^ (is_mirrored && form.turns_with_mirrors());
-            let placed = baked.unwrap_or(Affine3A::IDENTITY) * in_group;
-            let placing = Placing {
-                baked: (placed != Affine3A::IDENTITY).then_some(placed),
-                is_turned,
-                is_mirrored: baked.is_none() && is_mirrored_place,
-            };
-            primitives.extend(self.primitives(member, &form, placing, false, writer, messages)?);
-        }
-        let name = scene.groups[group].identity.name.to_string();
-        let mesh = (!primitives.is_empty()).then(|| writer.add_mesh(Mesh { name, primitives }));
-        if is_shared {
-            self.groups.insert(key, mesh);
-        }
-        Ok(mesh)
-    }
-
     /// The mesh of these primitives.
     fn mesh(&mut self, primitives: Vec<Primitive>, name: &str, writer: &mut GltfWriter) -> usize {
         let key = format!("{primitives:?}");
@@ -262,7 +144,7 @@ impl<'a> Shapes<'a> {
 
     /// The primitives of a shape, one for each visible material, or two if pictures are mirrored on a part of a shape
     /// with a normal map.
-    fn primitives(
+    pub(super) fn primitives(
         &mut self,
         shape: &ShapeDescription,
         form: &Form,
