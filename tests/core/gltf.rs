@@ -790,6 +790,23 @@ fn extensions_that_are_not_read_are_told_of_with_their_materials() {
 }
 
 #[test]
+fn variants_are_told_of_by_name() {
+    let (parts, rest) = textured_quad("{}");
+    let names: Vec<String> = (1..=7).map(|number| format!(r#"{{"name": "v{number}"}}"#)).collect();
+    let variants = format!(
+        r#""extensionsRequired": ["KHR_materials_variants"], "extensions": {{"KHR_materials_variants": {{"variants": [{}]}}}}, "#,
+        names.join(",")
+    );
+    let (imported, _) = import(&parts.text(&format!("{variants}{rest}")));
+    assert_eq!(
+        imported.warnings,
+        [
+            "the materials are those without a variant; the file also has `v1`, `v2`, `v3`, `v4`, `v5` and 2 more (KHR_materials_variants)"
+        ]
+    );
+}
+
+#[test]
 fn what_cannot_be_is_one_error() {
     let (parts, rest) = textured_quad("{}");
     let good = parts.text(&rest);

@@ -33,6 +33,13 @@ impl Builder<'_> {
                 unread.entry(name).or_default().push(index);
             }
         }
+        let variants = &root.extensions.variants.variants;
+        let names = first_names(variants, |variant| format!("`{}`", variant.name));
+        if !variants.is_empty() {
+            self.warn(format!(
+                "the materials are those without a variant; the file also has {names} (KHR_materials_variants)"
+            ));
+        }
         for (name, materials) in unread {
             let titles = first_names(&materials, |&index| title(Some(index), &root.materials[index]));
             self.warn(match materials.is_empty() {

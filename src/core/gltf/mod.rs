@@ -54,9 +54,9 @@ use self::schema::{Material, Root};
 use self::store::{COPIES, Store};
 use crate::memory::{self, Held};
 
-/// The extensions that a file may require. Of iridescence and dispersion only a warning remains, but a file is better
-/// opened without them than not at all.
-const SUPPORTED: [&str; 23] = [
+/// The extensions that a file may require. Of iridescence, dispersion and variants only a warning remains, but a file is
+/// better opened without them than not at all.
+const SUPPORTED: [&str; 24] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -74,6 +74,7 @@ const SUPPORTED: [&str; 23] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",

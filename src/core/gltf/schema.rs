@@ -58,6 +58,22 @@ pub struct Asset {
 pub struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub lights: Lights,
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Variants,
+}
+
+/// KHR_materials_variants, as far as it is needed for a warning.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Variants {
+    pub variants: Vec<Variant>,
+}
+
+/// A name of materials among which programs offer a choice.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Variant {
+    pub name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
