@@ -23,7 +23,7 @@ pub use beside::{libraries, noise, spectrum_file};
 pub use documents::{animation, numbers, spectra, transforms, xml};
 pub use folders::{includes, manifest, set};
 pub use meshes::{gltf, mtl, obj, ply, serialized, serialized_shape};
-pub use pictures::{bmp, exr, hdr, jpeg, layered, pfm, png, pnm, tga};
+pub use pictures::{bmp, exr, hdr, jpeg, layered, pfm, photometry, png, pnm, tga};
 pub use progress::{bake, part};
 pub use volumes::{media, vdb, vol};
 
@@ -31,7 +31,7 @@ pub use volumes::{media, vdb, vol};
 pub type Entry = fn(&[u8]);
 
 /// All entries by the names of their fuzz targets and of their folders in the corpus.
-pub const ENTRIES: [(&str, Entry); 32] = [
+pub const ENTRIES: [(&str, Entry); 33] = [
     ("xml", xml),
     ("dialect", xml),
     ("animation", |bytes| _ = animation(bytes)),
@@ -53,6 +53,7 @@ pub const ENTRIES: [(&str, Entry); 32] = [
     ("exr", exr),
     ("layered", |bytes| _ = layered(bytes)),
     ("pfm", pfm),
+    ("photometry", photometry),
     ("vdb", vdb),
     ("vol", vol),
     ("media", |bytes| _ = media(bytes)),

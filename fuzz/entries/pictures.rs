@@ -1,5 +1,6 @@
 //! Pictures.
 
+use sunroom_core::photometry;
 use sunroom_core::render::image_io::{FileFormat, FileOptions, encode_layered, load_picture};
 use sunroom_core::texture::load_image;
 
@@ -80,6 +81,25 @@ pub fn layered(bytes: &[u8]) -> bool {
 pub fn pfm(bytes: &[u8]) {
     let kind = if bytes.get(1) == Some(&b'f') { b"Pf" } else { b"PF" };
     picture(&beginning_with(kind, bytes));
+}
+
+/// The intensities of a lamp: no picture has a negative one, and the flux is that of the picture.
+pub fn photometry(bytes: &[u8]) {
+    if !photometry::is_profile(bytes) {
+        return;
+    }
+    let picture = match photometry::read_profile(bytes) {
+        Ok(distribution) => distribution.picture(),
+        Err(error) => {
+            let lines = bytes.split(|byte| *byte == b'\n').count();
+            assert!((1..=lines).contains(&error.line), "{error}");
+            return;
+        }
+    };
+    assert_eq!(picture.candela.len(), picture.width as usize * picture.height as usize);
+    assert!(picture.candela.iter().all(|candela| *candela >= 0.0));
+    assert!(picture.lumens() >= 0.0);
+    self::picture(bytes);
 }
 
 fn picture(bytes: &[u8]) {

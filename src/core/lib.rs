@@ -23,6 +23,7 @@ pub mod math;
 pub mod medium;
 pub mod memory;
 pub mod metrics;
+pub mod photometry;
 pub mod render;
 pub mod sampling;
 pub mod shading;

@@ -77,6 +77,7 @@ mod meshes;
 mod motion;
 mod outer_walls;
 mod patterns;
+mod photometry;
 mod probes;
 mod projected_light;
 mod reach;

@@ -11,7 +11,9 @@ use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
 use sunroom::light::emission::{EmittedRay, Start};
-use sunroom::light::{Atmosphere, EnvironmentMap, LightId, LightReference, LightSource, Projector, Spot, SurfaceHit};
+use sunroom::light::{
+    Atmosphere, EnvironmentMap, LightId, LightReference, LightSource, Luminaire, Projector, Spot, SurfaceHit,
+};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::sampling::{Sampler, SequenceKind};
@@ -92,6 +94,23 @@ fn sky(width: u32, height: u32) -> LightSource {
     }
 }
 
+/// A lamp whose picture has this number of columns and nine rows, of which the last `lit` shine.
+fn lamp(columns: u32, lit: u32) -> LightSource {
+    let candela = |row: u32, column: u32| match row + lit >= 9 {
+        true => 0.5 + row as f32 + (column % 3) as f32,
+        false => 0.0,
+    };
+    let pixels = (0..9).flat_map(|row| (0..columns).map(move |column| candela(row, column)));
+    let samples = Samples::F32(pixels.collect());
+    let image = Image::new(columns, 9, 1, samples, Transfer::Linear).expect("a whole picture");
+    LightSource::Luminaire(Luminaire {
+        position: Vec3::new(0.0, 3.0, 1.0),
+        world_from_local: Mat3::from_rotation_x(1.9) * Mat3::from_rotation_z(0.4),
+        map: Arc::new(EnvironmentMap::new(Arc::new(image), false)),
+        scale: Rgb::new(3.0, 1.0, 2.0),
+    })
+}
+
 /// Lights of every kind, each alone.
 fn lights() -> Vec<(&'static str, RenderScene)> {
     let turned = placed(Vec3::ONE, 0.8, Vec3::new(0.3, -0.2, 0.5));
@@ -138,6 +157,9 @@ fn lights() -> Vec<(&'static str, RenderScene)> {
             "sheared spot",
             alone(spot(placed(Vec3::new(1.5, 0.7, 1.1), 0.8, Vec3::new(0.0, 3.0, 1.0)))),
         ),
+        ("lamp", alone(lamp(12, 7))),
+        ("lamp for all directions", alone(lamp(5, 9))),
+        ("narrow lamp", alone(lamp(1, 2))),
         (
             "projector",
             alone(LightSource::Projector(Projector {

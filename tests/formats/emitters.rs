@@ -49,11 +49,15 @@ fn defaults_are_those_of_the_format() {
         ("envmap", "<string name='filename' value='sky.exr'/>"),
         ("spot", ""),
         ("projector", "<float name='fov' value='45'/>"),
+        ("ies", "<string name='filename' value='lamp.ies'/>"),
         ("sunsky", ""),
     ] {
         let (mut emitter, to_world) = only_emitter(&format!("<emitter type='{plugin}'>{needed}</emitter>"));
         if let EmitterKind::Environment { picture, .. } = &mut emitter.kind {
             assert_eq!(std::mem::take(picture), Path::new("/somewhere/sky.exr"));
+        }
+        if let EmitterKind::Luminaire { profile, .. } = &mut emitter.kind {
+            assert_eq!(std::mem::take(profile), Path::new("/somewhere/lamp.ies"));
         }
         assert_eq!(Some(emitter), Emitter::of_plugin(plugin));
         assert_eq!(to_world, Affine3A::IDENTITY);
@@ -475,6 +479,49 @@ fn a_projector_shows_its_picture_upright() {
         );
     }
     assert_eq!(open.arriving(Vec3::new(4.1, 0.0, 0.0)), Rgb::ZERO, "beyond its edge");
+}
+
+/// A lamp of 100 cd in all directions but up, in a file.
+fn write_lamp(folder: &Path) {
+    let text = "IES:LM-63-2019\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0\n1 1.1 10\n0 90 180\n0\n100 100 0\n";
+    std::fs::write(folder.join("lamp.ies"), text).unwrap();
+}
+
+#[test]
+fn a_lamp_has_the_lumens_of_its_file_or_its_own() {
+    let body = |flux: f32| {
+        format!(
+            "<emitter type='ies'><string name='filename' value='lamp.ies'/><rgb name='scale' value='1, 0.5, 0.25'/>
+             <float name='flux' value='{flux}'/>
+             <transform name='to_world'><lookat origin='0, 4, 0' target='0, 0, 0' up='0, 0, -1'/></transform></emitter>"
+        )
+    };
+    // In the upper half the intensity falls linearly with the angle: the integral of (2 - 2 theta / pi) sin(theta) is
+    // 2 / pi.
+    let of_file = 100.0 * TAU * (1.0 + 2.0 / PI);
+    for (flux, candela) in [(0.0, 100.0), (of_file, 100.0), (3.0 * of_file, 300.0)] {
+        let open = Open::new(&body(flux), write_lamp);
+        let expected = Rgb::new(1.0, 0.5, 0.25) * (candela / 683.0 / 16.0);
+        let arriving = open.arriving(Vec3::ZERO);
+        assert!(close(arriving, expected, 1e-3), "{flux}: {arriving}, {expected}");
+        let above = open.arriving(Vec3::Y * 8.0);
+        assert!(above.max_element() < 1e-3 * expected.x, "{flux}: {above}");
+    }
+}
+
+#[test]
+fn an_edited_lamp_file_shines_anew() {
+    let body = "<emitter type='ies'><string name='filename' value='lamp.ies'/></emitter>";
+    let mut open = Open::new(body, write_lamp);
+    let before = open.arriving(Vec3::Z);
+    let path = open.folder.path().join("lamp.ies");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("100 100", "300 100")).unwrap();
+    open.until("the other lamp", |world| {
+        let scene = world.resource::<PackedScene>().scene.as_ref();
+        let sample = scene.and_then(|scene| sample(scene, Vec3::Z, 0.5));
+        sample.is_some_and(|sample| close(sample.radiance / sample.pdf, 3.0 * before, 1e-3))
+    });
 }
 
 #[test]

@@ -28,7 +28,12 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("sampling", &["math"], false),
     ("geometry", &["math", "color", "memory", "sampling"], false),
     ("accel", &["math", "color", "sampling", "geometry"], false),
-    ("texture", &["math", "color", "memory", "sampling", "geometry"], false),
+    ("photometry", &[], false),
+    (
+        "texture",
+        &["math", "color", "memory", "sampling", "geometry", "photometry"],
+        false,
+    ),
     ("shading", BELOW_SHADING, false),
     (
         "material",
@@ -50,7 +55,17 @@ const RULES: &[(&str, &[&str], bool)] = &[
     (
         "scene/assets",
         &[
-            "math", "color", "layer", "files", "memory", "document", "geometry", "gltf", "texture", "medium",
+            "math",
+            "color",
+            "layer",
+            "files",
+            "memory",
+            "document",
+            "geometry",
+            "gltf",
+            "photometry",
+            "texture",
+            "medium",
         ],
         true,
     ),
@@ -77,12 +92,32 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("main", &["KERNEL", "document", "scene", "engine", "app", "cli"], true),
 ];
 
-const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel", "texture"];
+const BELOW_SHADING: &[&str] = &[
+    "math",
+    "color",
+    "sampling",
+    "geometry",
+    "accel",
+    "texture",
+    "photometry",
+];
 
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
-    "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
-    "layer", "metrics",
+    "math",
+    "memory",
+    "color",
+    "sampling",
+    "geometry",
+    "accel",
+    "photometry",
+    "texture",
+    "shading",
+    "material",
+    "light",
+    "medium",
+    "layer",
+    "metrics",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

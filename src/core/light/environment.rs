@@ -82,6 +82,32 @@ impl EnvironmentMap {
         }
     }
 
+    /// The number of columns.
+    pub(super) fn width(&self) -> u32 {
+        self.image.width()
+    }
+
+    /// The number of rows; the first is at one pole, the last at the other.
+    pub(super) fn rows(&self) -> u32 {
+        self.image.height().max(LEAST_ROWS)
+    }
+
+    /// The greatest luminance, and the number of black rows at the top.
+    pub(super) fn peak_and_dark_rows(&self) -> (f32, u32) {
+        let brightest = |row: u32| {
+            let pixels = (0..self.width()).map(|column| luminance(usable(self.image.pixel(column, row))));
+            pixels.fold(0.0, f32::max)
+        };
+        let rows = (0..self.image.height()).map(brightest);
+        let dark = rows.clone().take_while(|brightest| *brightest == 0.0).count();
+        (rows.fold(0.0, f32::max), dark as u32)
+    }
+
+    /// The average luminance over all directions.
+    pub fn mean_luminance(&self) -> f32 {
+        self.mean
+    }
+
     /// Radiance from the direction with these coordinates of [`uv`].
     fn radiance(&self, uv: Vec2) -> Rgb {
         let (width, height) = (self.image.width(), self.image.height());

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::bounds::LightBounds;
 use super::hit::SurfaceHit;
+use super::luminaire::LuminaireLight;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
 use super::reference::Reference;
@@ -22,6 +23,7 @@ pub(super) enum FiniteLight {
     Surface(SurfaceLight),
     Point(PointLight),
     Spot(SpotLight),
+    Luminaire(LuminaireLight),
     Projector(ProjectorLight),
 }
 
@@ -29,7 +31,7 @@ impl FiniteLight {
     pub fn parts(&self) -> u32 {
         match self {
             Self::Surface(light) => light.parts(),
-            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => 1,
+            Self::Point(_) | Self::Spot(_) | Self::Luminaire(_) | Self::Projector(_) => 1,
         }
     }
 
@@ -37,7 +39,7 @@ impl FiniteLight {
     pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
         match self {
             Self::Surface(light) => light.part_of(hit),
-            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => None,
+            Self::Point(_) | Self::Spot(_) | Self::Luminaire(_) | Self::Projector(_) => None,
         }
     }
 
@@ -47,6 +49,7 @@ impl FiniteLight {
             Self::Surface(light) => light.bounds(part),
             Self::Point(light) => light.bounds(),
             Self::Spot(light) => light.bounds(),
+            Self::Luminaire(light) => light.bounds(),
             Self::Projector(light) => light.bounds(),
         }
     }
@@ -64,6 +67,7 @@ impl FiniteLight {
             Self::Surface(light) => light.sample(part, from, u, textures),
             Self::Point(light) => light.sample(from.position),
             Self::Spot(light) => light.sample(from, textures),
+            Self::Luminaire(light) => light.sample(from),
             Self::Projector(light) => light.sample(from, textures),
         }
     }
@@ -74,6 +78,7 @@ impl FiniteLight {
             Self::Surface(light) => light.sample_place(part, u),
             Self::Point(light) => light.position,
             Self::Spot(light) => light.position(),
+            Self::Luminaire(light) => light.position,
             Self::Projector(light) => light.position(),
         }
     }
@@ -82,7 +87,7 @@ impl FiniteLight {
     pub fn pdf(&self, part: u32, reference: &LightReference, hit: &SurfaceHit) -> f32 {
         match self {
             Self::Surface(light) => light.pdf(part, reference.position, hit),
-            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => 0.0,
+            Self::Point(_) | Self::Spot(_) | Self::Luminaire(_) | Self::Projector(_) => 0.0,
         }
     }
 

@@ -44,6 +44,7 @@ impl LightSource {
             | (L::Directional { irradiance: own, .. }, L::Directional { irradiance: new, .. })
             | (L::Constant { radiance: own }, L::Constant { radiance: new }) => ratio(replace(own, *new), *new),
             (L::Spot(own), L::Spot(new)) => ratio(replace(&mut own.intensity, new.intensity), new.intensity),
+            (L::Luminaire(own), L::Luminaire(new)) => ratio(replace(&mut own.scale, new.scale), new.scale),
             (L::Projector(own), L::Projector(new)) => of_scale(&mut own.scale, new.scale),
             (
                 L::Environment { map, scale, .. },

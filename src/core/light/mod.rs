@@ -21,6 +21,7 @@ pub mod gain;
 mod hit;
 mod hosek_wilkie;
 mod infinite;
+mod luminaire;
 mod plain;
 mod point;
 mod projector;
@@ -47,6 +48,7 @@ use crate::texture::Parameter;
 pub use environment::EnvironmentMap;
 pub use hit::SurfaceHit;
 pub use hosek_wilkie::Atmosphere;
+pub use luminaire::Luminaire;
 pub use projector::Projector;
 pub use reference::{LightReference, ReferenceLanes};
 pub use spot::Spot;
@@ -90,6 +92,8 @@ pub enum LightSource {
     },
     /// A cone of light from a point, with an optional texture.
     Spot(Spot),
+    /// A point with the measured intensities of a lamp.
+    Luminaire(Luminaire),
     /// An image projected from a point.
     Projector(Projector),
     /// The same radiance from all directions.

@@ -13,6 +13,7 @@ use super::emission_choice::EmissionChoice;
 use super::environment::EnvironmentLight;
 use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
+use super::luminaire::LuminaireLight;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
 use super::reference::Reference;
@@ -149,6 +150,9 @@ impl LightTable {
                 Light::Infinite(InfiniteLight::Directional(DirectionalLight { direction, irradiance }))
             }
             LightSource::Spot(spot) => Light::Finite(FiniteLight::Spot(SpotLight::new(spot, textures))),
+            LightSource::Luminaire(ref luminaire) => {
+                Light::Finite(FiniteLight::Luminaire(LuminaireLight::new(luminaire)))
+            }
             LightSource::Projector(projector) => {
                 Light::Finite(FiniteLight::Projector(ProjectorLight::new(projector, textures)))
             }

@@ -1,5 +1,5 @@
 //! Decodes the bytes of a file to an [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance
-//! HDR and PFM (linear). The content decides on the format, never the name.
+//! HDR and PFM (linear), and the intensities of lamps (IES, EULUMDAT). The content decides on the format, never the name.
 
 use std::io::Cursor;
 
@@ -8,13 +8,18 @@ use ::image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, L
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, damaged, hold};
-use super::{exr_file, jpeg_file, pfm_file};
+use super::{exr_file, jpeg_file, pfm_file, profile_file};
 use crate::memory::{self, Reservation};
+use crate::photometry;
 
 /// Reads a whole file.
 pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
     if exr_file::is_exr(bytes) {
         return exr_file::load_exr(bytes);
+    }
+    // The first line may be a name that begins as pictures do.
+    if photometry::is_profile(bytes) {
+        return profile_file::load_profile(bytes);
     }
     if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
         return pfm_file::load_pfm(bytes);

@@ -6,13 +6,16 @@ use thiserror::Error;
 
 use super::image::Image;
 use crate::memory::{self, Reservation, Shortage};
+use crate::photometry::ProfileError;
 
 /// The reason why bytes are not a picture. Callers add the file's name.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageFileError {
-    #[error("not a picture in a known format: PNG, JPEG, BMP, TGA, PPM, EXR, HDR or PFM")]
+    #[error("not a picture in a known format: PNG, JPEG, BMP, TGA, PPM, EXR, HDR or PFM, nor a lamp (IES, EULUMDAT)")]
     UnknownFormat,
+    #[error("the file of luminous intensities has a fault in {0}")]
+    Profile(#[from] ProfileError),
     #[error("pictures in the format {0} are not read; save it as PNG, JPEG, HDR or EXR")]
     UnsupportedFormat(String),
     #[error("a picture of {width} x {height} pixels is promised, which is more than a file of {bytes} bytes can hold")]

@@ -15,6 +15,7 @@ mod jpeg_file;
 mod mesh_attribute;
 pub mod pattern;
 mod pfm_file;
+mod profile_file;
 mod slope;
 mod value;
 

@@ -1,5 +1,8 @@
 //! Packs emitters that are not surfaces, and the radiance of those that are.
 
+use std::f32::consts::PI;
+use std::path::Path;
+
 use bevy::math::Affine3A;
 
 use super::Checker;
@@ -7,7 +10,9 @@ use super::environment::Environments;
 use super::texture::TexturePacker;
 use super::view::rigid;
 use crate::color::Rgb;
-use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
+use crate::light::{Atmosphere, LightSource, Luminaire, Projector, Spot, WeightedSource};
+use crate::memory::Shortage;
+use crate::photometry::LUMENS_PER_WATT;
 use crate::scene::{Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
 use crate::texture::Parameter;
 
@@ -17,6 +22,16 @@ pub(in crate::engine) struct LightContext<'c, 'p> {
     pub environments: &'c mut Environments,
     /// Messages about lights that do not fit into the memory budget.
     pub shortages: &'c mut Vec<String>,
+}
+
+impl LightContext<'_, '_> {
+    /// Notes that the picture of a light cannot be sampled.
+    fn report_shortage(&mut self, name: &str, picture: &Path, shortage: &Shortage) {
+        let file = picture.display();
+        self.shortages.push(format!(
+            "{name}: sampling its picture {file} needs {shortage}; the light is left out"
+        ));
+    }
 }
 
 /// None for a light without a valid position or direction, and for one whose picture is not available yet.
@@ -59,10 +74,7 @@ pub(in crate::engine) fn pack_emitter(
             let map = match context.environments.get(&image, *mis_compensation) {
                 Ok(map) => map,
                 Err(shortage) => {
-                    let (file, name) = (picture.display(), check.name);
-                    context.shortages.push(format!(
-                        "{name}: sampling its picture {file} needs {shortage}; the light is left out"
-                    ));
+                    context.report_shortage(check.name, picture, &shortage);
                     return None;
                 }
             };
@@ -86,6 +98,28 @@ pub(in crate::engine) fn pack_emitter(
                 texture: texture
                     .as_ref()
                     .map_or(white, |texture| context.textures.parameter(texture)),
+            })
+        }
+        EmitterKind::Luminaire { profile, scale, flux } => {
+            let image = context.textures.picture(profile)?;
+            let map = match context.environments.get(&image, false) {
+                Ok(map) => map,
+                Err(shortage) => {
+                    context.report_shortage(check.name, profile, &shortage);
+                    return None;
+                }
+            };
+            let own_flux = 4.0 * PI * LUMENS_PER_WATT * map.mean_luminance();
+            let factor = if *flux > 0.0 && own_flux > 0.0 {
+                flux / own_flux
+            } else {
+                1.0
+            };
+            LightSource::Luminaire(Luminaire {
+                position: glam::Vec3::from(invertible(to_world, check)?.translation),
+                world_from_local: turning(to_world, check)?,
+                map,
+                scale: *scale * factor,
             })
         }
         EmitterKind::Projector {

@@ -5,6 +5,7 @@ pub(crate) mod cache_folder;
 pub mod file_source;
 pub mod gltf_scene;
 mod group_copies;
+pub(crate) mod lamp_file;
 pub(crate) mod mtl_picture;
 pub(crate) mod packed_pattern;
 pub mod parts_cache;

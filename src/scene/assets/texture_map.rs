@@ -96,7 +96,7 @@ impl AssetLoader for TextureMapLoader {
 
     fn extensions(&self) -> &[&str] {
         &[
-            "png", "jpg", "jpeg", "bmp", "tga", "ppm", "pgm", "pnm", "exr", "hdr", "rgbe", "pfm",
+            "png", "jpg", "jpeg", "bmp", "tga", "ppm", "pgm", "pnm", "exr", "hdr", "rgbe", "pfm", "ies", "ldt",
         ]
     }
 }

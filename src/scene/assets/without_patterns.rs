@@ -1,5 +1,6 @@
-//! A scene for programs that do not have patterns: pictures take the place of these, and shapes on which they lie by
-//! box projection become meshes with the coordinates of the box.
+//! A scene for programs that have neither patterns nor lamps with measured intensities: pictures take the place of
+//! patterns, shapes on which they lie by box projection become meshes with the coordinates of the box, and lamps become
+//! spots and point lights.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 
 use super::box_lying::{LyingBox, as_mesh, mirrored};
 use super::group_copies::with_groups_by_box;
+use super::lamp_file::standard_light;
 use super::packed_pattern::packed_pattern;
 use super::pattern_tile::Tile;
 use super::shape_mesh::{shape_mesh, unit_form};
@@ -24,7 +26,8 @@ use crate::geometry::ply_write::binary_ply;
 use crate::memory;
 use crate::scene::components::description::SceneDescription;
 use crate::scene::{
-    Bitmap, Declared, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter, TextureWrap,
+    Bitmap, Declared, EmitterKind, MeshFile, MeshFormat, Parameter, ParameterMut, ShapeKind, Texture, TextureFilter,
+    TextureWrap,
 };
 use crate::texture::{self, Checkerboard, Image, TextureId, TexturePoint, TextureTable};
 
@@ -72,10 +75,16 @@ pub(in crate::scene) fn without_patterns(
             maker.parameters(light)?;
         }
     }
+    let mut has_lamps = false;
     for emitter in &mut changed.emitters {
+        if let Some(light) = standard_light(&emitter.emitter, access) {
+            // Without its file the lamp is dark.
+            emitter.emitter.kind = light.unwrap_or(EmitterKind::Point { intensity: Rgb::ZERO });
+            has_lamps = true;
+        }
         maker.parameters(&mut emitter.emitter.kind)?;
     }
-    Ok((maker.files > 0).then_some(changed))
+    Ok((maker.files > 0 || has_lamps).then_some(changed))
 }
 
 /// The use of a picture, which decides on its coding.

@@ -1,4 +1,4 @@
-//! The lights of the scene. Radiometric units; no photometry.
+//! The lights of the scene. Units are radiometric but for the flux of lamps, which is in lumens.
 
 use std::collections::HashMap;
 use std::convert::identity;
@@ -12,7 +12,7 @@ use super::declare::{PluginInfo, declare_parameters, declare_plugins};
 use super::parameter_info::ParameterInfo;
 use super::parameters::{CUTOFF_ANGLE, Cone, Declared, FOV, FieldOfView, ParameterMut, ParameterRef};
 use super::sun_sky::SunSky;
-use crate::color::Rgb;
+use crate::color::{BRIGHTEST, Rgb};
 use crate::scene::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
 
 declare_parameters! {
@@ -114,6 +114,33 @@ declare_plugins! {
                 "A picture across the cone, as a slide in front of the lamp: factor on the intensity.",
                 "a texture, or none",
             )),
+        },
+
+        /// A point with the measured intensities of a lamp, whose beam goes along +z.
+        [PluginInfo::new("ies", "IES lamp")]
+        Luminaire {
+            /// The absolute path of the file, IES LM-63 or EULUMDAT.
+            profile: PathBuf = PathBuf::new() => Picture(ParameterInfo::new(
+                "filename",
+                "Lamp",
+                "A file of measured intensities as lamp makers publish them: IES (LM-63) or EULUMDAT (.ldt).",
+                "a file, found from the scene's folder",
+            )),
+            /// The factor on the intensities, by colour.
+            scale: Rgb = Rgb::ONE => Emission(ParameterInfo::new(
+                "scale",
+                "Strength",
+                "Factor on the intensities of the file, by colour.",
+                "0 or more",
+            )),
+            /// The luminous flux in lumens that replaces the file's; 0 for the file's.
+            flux: f32 = 0.0 => Number(ParameterInfo::new(
+                "flux",
+                "Lumens",
+                "The light of the lamp in all directions, in lumens, at a strength of 1. With 0 it is the file's.",
+                "lm, 0 or more",
+            )
+            .within(0.0..=BRIGHTEST)),
         },
 
         /// Projects a picture along +z, as a camera would see it.
@@ -255,7 +282,9 @@ impl Emitter {
     /// Calls `meet` with the absolute path of every picture.
     pub(crate) fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
         let texture = match &self.kind {
-            EmitterKind::Environment { picture, .. } => return meet(picture),
+            EmitterKind::Environment { picture, .. } | EmitterKind::Luminaire { profile: picture, .. } => {
+                return meet(picture);
+            }
             EmitterKind::Spot { texture, .. } => texture.as_ref(),
             EmitterKind::Projector {
                 irradiance: Parameter::Texture(texture),
@@ -272,7 +301,9 @@ impl Emitter {
     /// unchanged.
     pub fn set_picture(&mut self, place: SquarePath, path: PathBuf) {
         match &mut self.kind {
-            EmitterKind::Environment { picture, .. } => *picture = path,
+            EmitterKind::Environment { picture, .. } | EmitterKind::Luminaire { profile: picture, .. } => {
+                *picture = path;
+            }
             EmitterKind::Spot { texture, .. } => {
                 let mut slide = match texture.take() {
                     Some(texture) => Parameter::Texture(texture),

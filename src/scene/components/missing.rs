@@ -63,9 +63,13 @@ impl MissingFile {
 /// The problem of a missing file.
 pub(in crate::scene) const NOT_THERE: &str = "no such file";
 
-/// The problem of a picture that grey replaces.
-pub(in crate::scene) fn with_grey(what: &str) -> String {
-    format!("{what}; grey takes its place")
+/// The problem of a picture that grey replaces, or of the file of a lamp.
+pub(in crate::scene) fn with_replacement(path: &Path, what: &str) -> String {
+    let extension = path.extension().unwrap_or_default();
+    match ["ies", "ldt"].iter().any(|lamp| extension.eq_ignore_ascii_case(lamp)) {
+        true => format!("{what}; the lamp stays dark"),
+        false => format!("{what}; grey takes its place"),
+    }
 }
 
 /// The sentence about a file of this kind.

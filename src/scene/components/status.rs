@@ -7,7 +7,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::listed::listed;
-use super::missing::{NOT_THERE, sentence, with_grey};
+use super::missing::{NOT_THERE, sentence, with_replacement};
 use crate::document::{Diagnostics, Severity, Span};
 use crate::scene::{FileKind, Lens, MissingFile};
 
@@ -84,7 +84,7 @@ impl FileProblem {
     ) -> Self {
         let what = noted.map_or_else(|| NOT_THERE.to_owned(), MissingFile::what);
         let what = match kind {
-            FileKind::Picture => with_grey(&what),
+            FileKind::Picture => with_replacement(path, &what),
             FileKind::Mesh | FileKind::Volume => what,
         };
         Self {

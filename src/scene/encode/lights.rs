@@ -25,7 +25,9 @@ pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngle
         {
             with(object, "direction", Value::Vector(direction))
         }
-        EmitterKind::Spot { .. } | EmitterKind::Projector { .. } => with_view(object, to_world, angles),
+        EmitterKind::Spot { .. } | EmitterKind::Luminaire { .. } | EmitterKind::Projector { .. } => {
+            with_view(object, to_world, angles)
+        }
         _ => with_to_world(object, to_world, angles),
     }
 }

@@ -8,8 +8,10 @@ use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of, rigid};
 use crate::color::Rgb;
+use crate::files::Access;
 use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
+use crate::scene::assets::lamp_file::standard_light;
 use crate::scene::components::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
 
@@ -18,6 +20,7 @@ pub(super) struct Stage<'s> {
     pub writer: &'s mut GltfWriter,
     pub folders: &'s mut Folders,
     pub messages: &'s mut Messages,
+    pub access: &'s Access,
     /// Whether lightmaps beside the file hold the light that glTF cannot express, so that its absence is not reported.
     pub is_baked: bool,
 }
@@ -78,6 +81,7 @@ impl Stage<'_> {
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),
             EmitterKind::Projector { .. } => return self.leave_out(name, "a projector"),
+            EmitterKind::Luminaire { .. } => return self.lamp(about),
         };
         let light = light_of(kind, power, spot);
         // Lights of glTF shine along -z.
@@ -92,6 +96,24 @@ impl Stage<'_> {
                 writer.add_light(node, Light { name, ..light }, parent)
             },
         );
+    }
+
+    /// Adds a lamp with measured intensities as a spot or a point light.
+    fn lamp(&mut self, about: &EmitterDescription) {
+        let name = &*about.identity.name;
+        match standard_light(&about.emitter, self.access) {
+            Some(Ok(kind)) => {
+                let what =
+                    "it keeps its flux, but shines as a spot or a point light, without the intensities of its file";
+                self.messages.note("light", name, what);
+                self.light(&EmitterDescription {
+                    emitter: kind.into(),
+                    ..about.clone()
+                });
+            }
+            Some(Err(error)) => self.messages.left_out("light", name, error),
+            None => {}
+        }
     }
 
     /// Adds the sun of a sky as a directional light.

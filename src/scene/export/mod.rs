@@ -143,6 +143,7 @@ pub fn collect(
         writer: &mut writer,
         folders: &mut folders,
         messages: &mut messages,
+        access,
         is_baked,
     };
     for sensor in &scene.sensors {

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use super::scene_file::SceneFile;
 use crate::scene::assets::{cause, is_missing, is_refused_picture};
-use crate::scene::components::missing::with_grey;
+use crate::scene::components::missing::with_replacement;
 use crate::scene::file::changes::Changes;
 use crate::scene::file::files_in_use::FilesInUse;
 use crate::scene::{
@@ -111,7 +111,7 @@ pub(in crate::scene) fn report_pictures(
             LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
                 true => damaged.push(say(cause(&error))),
                 false if assets.contains(handle) => missing.push(say(cause(&error))),
-                false => missing.push(say(with_grey(&cause(&error)))),
+                false => missing.push(say(with_replacement(path, &cause(&error)))),
             },
             LoadState::Loaded => {}
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),

@@ -132,8 +132,9 @@ mod tests {
                 assert_eq!(reread(short).materials[0].material, material, "{plugin}");
             }
         }
-        // An environment needs a picture.
-        for plugin in Emitter::PLUGINS.into_iter().filter(|plugin| *plugin != "envmap") {
+        // An environment needs a picture, and a lamp the file of its intensities.
+        let is_whole = |plugin: &&str| !matches!(*plugin, "envmap" | "ies");
+        for plugin in Emitter::PLUGINS.into_iter().filter(is_whole) {
             let emitter = Emitter::of_plugin(plugin).expect("a plugin");
             let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, None, folder);
             assert_eq!(

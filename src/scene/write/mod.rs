@@ -128,7 +128,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
 }
 
 /// Extensions of other formats, to which a scene must not be written.
-const FOREIGN: [&str; 11] = [
+const FOREIGN: [&str; 13] = [
     "png",
     "jpg",
     "jpeg",
@@ -140,6 +140,8 @@ const FOREIGN: [&str; 11] = [
     "serialized",
     "vol",
     "vdb",
+    "ies",
+    "ldt",
 ];
 
 /// An error if this would replace a file of another format.

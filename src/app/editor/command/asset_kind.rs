@@ -15,17 +15,20 @@ pub enum AssetKind {
     Mesh,
     /// A grid of voxels, for smoke and clouds.
     Volume,
+    /// The intensities of a lamp: IES or EULUMDAT.
+    Lamp,
     /// A scene or materials in XML.
     Scene,
 }
 
 impl AssetKind {
     /// The kinds in the order in which they are offered, with their names.
-    pub const ALL: [(Self, &str); 5] = [
+    pub const ALL: [(Self, &str); 6] = [
         (Self::Picture, "Pictures"),
         (Self::Environment, "Environments"),
         (Self::Mesh, "Meshes"),
         (Self::Volume, "Volumes"),
+        (Self::Lamp, "Lamps"),
         (Self::Scene, "Scenes and materials"),
     ];
 
@@ -37,6 +40,7 @@ impl AssetKind {
             "hdr" | "exr" => Some(Self::Environment),
             "obj" | "ply" | "serialized" | "gltf" | "glb" => Some(Self::Mesh),
             "vol" | "vdb" => Some(Self::Volume),
+            "ies" | "ldt" => Some(Self::Lamp),
             "xml" => Some(Self::Scene),
             _ => None,
         }

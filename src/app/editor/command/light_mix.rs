@@ -173,6 +173,7 @@ pub(crate) fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'st
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => *intensity *= gain,
         EmitterKind::Directional { irradiance } => *irradiance *= gain,
         EmitterKind::Constant { radiance } => *radiance *= gain,
+        EmitterKind::Luminaire { scale, .. } => *scale *= gain,
         EmitterKind::Environment { scale, .. } => *scale *= grey(gain)?,
         EmitterKind::Projector { irradiance, scale, .. } => match irradiance {
             Parameter::Constant(irradiance) => *irradiance *= gain,

@@ -56,7 +56,7 @@ impl SceneEdit {
             Self::UseFile(file) => Traits::edit(match AssetKind::of(&file.path) {
                 Some(AssetKind::Picture | AssetKind::Environment) => "Use picture",
                 Some(AssetKind::Scene) => "Use file",
-                Some(AssetKind::Mesh | AssetKind::Volume) | None => "Import",
+                Some(AssetKind::Mesh | AssetKind::Volume | AssetKind::Lamp) | None => "Import",
             })
             .of_made(),
             Self::FindFile { .. } => Traits::edit("Find files"),

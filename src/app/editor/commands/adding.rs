@@ -12,11 +12,12 @@ use super::{fitting, media, media_boxes, media_upkeep, view, volumes};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::words::files::{PICTURES, VOLUMES, extension};
+use crate::app::editor::words::files::{LAMPS, PICTURES, VOLUMES, extension};
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
@@ -176,6 +177,7 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
         EmitterKind::Environment { .. } => {
             return Err("An environment map comes with its picture: import that.".into());
         }
+        EmitterKind::Luminaire { .. } => return Err("An IES lamp comes with its file: import that.".into()),
         EmitterKind::Projector { .. } => {}
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => {
             *intensity = Rgb::splat(spot::rounded(std::f32::consts::PI * distance * distance));
@@ -291,6 +293,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
         volume if VOLUMES.contains(&volume) => volumes::import(edit, &path, None)?,
         picture if PICTURES.contains(&picture) => set_environment(edit, path),
+        lamp if LAMPS.contains(&lamp) => add_lamp(edit, path, None)?,
         "xml" | "gltf" | "glb" => {
             let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
             let access = trust.access(&path);
@@ -305,7 +308,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         }
         _ => {
             return Err(CommandError::file(format!(
-                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm, vol, vdb)",
+                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm, vol, vdb, ies, ldt)",
                 path.display()
             )));
         }
@@ -346,6 +349,29 @@ fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
     let order = DocumentOrder(next_order(edit.world));
     let entity = edit.spawn((order, SceneId(name.clone()), Name::new(name), shape));
     select_new(edit, vec![entity]);
+}
+
+/// Adds a lamp with the intensities of a file, which shines down from `position`, or from where new lights stand.
+pub(super) fn add_lamp(edit: &mut Edit, path: PathBuf, position: Option<Vec3>) -> Result<(), CommandError> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    add(
+        edit,
+        Addition {
+            name: Some(stem.replace(['.', '$'], "-")),
+            at: position,
+            // It is placed as a spot, which becomes the lamp.
+            ..AdditionKind::Emitter("spot").into()
+        },
+    )?;
+    let lamp = edit.world.resource::<Selection>().active();
+    let lamp = lamp.ok_or("The lamp could not be added.")?;
+    let kind = EmitterKind::Luminaire {
+        profile: path,
+        scale: Rgb::ONE,
+        flux: 0.0,
+    };
+    edit.set(lamp, Emitter::from(kind));
+    Ok(())
 }
 
 /// Replaces the environment, since a scene has one sky.

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::*;
 
-use super::adding::import_chosen;
+use super::adding::{add_lamp, import_chosen};
 use super::spot::rounded_place;
 use super::texturing::set_picture;
 use super::things::need_surface;
@@ -63,6 +63,16 @@ pub fn use_file(edit: &mut Edit, file: &FileUse) -> Result<(), CommandError> {
             };
             let path = read::settle(path);
             volumes::import(edit, &path, Some(place))?;
+            trust::allow_chosen(edit.world, &path);
+            Ok(())
+        }
+        Some(AssetKind::Lamp) => {
+            let path = read::settle(path);
+            if !path.is_file() {
+                return import_chosen(edit, &path);
+            }
+            let place = at.and_then(|at| hanging_at(edit.world, at));
+            add_lamp(edit, path.clone(), place)?;
             trust::allow_chosen(edit.world, &path);
             Ok(())
         }
@@ -175,6 +185,28 @@ fn place_at(world: &World, at: Vec2) -> Option<Vec3> {
     let ray = packed.view.as_ref()?.camera.sharp().ray(at, Vec2::ZERO);
     let seen = picking::seen_surface(packed, &ray, |_| false).map(|surface| surface.position);
     seen.or_else(|| ground(&ray, up))
+}
+
+/// The place of a lamp at a place of the picture: a little in front of the surface that is seen there, and well above
+/// surfaces that face up, which it lights.
+fn hanging_at(world: &World, at: Vec2) -> Option<Vec3> {
+    /// The distance from the surface, and that from surfaces that face up, relative to the distance from the eye.
+    const GAP: f32 = 0.01;
+    const HEADROOM: f32 = 0.3;
+    /// The least cosine of the angle between the upward axis and the normal of a surface that faces up.
+    const FACING_UP: f32 = 0.5;
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let packed = world.resource::<PackedScene>();
+    let ray = packed.view.as_ref()?.camera.sharp().ray(at, Vec2::ZERO);
+    let seen = picking::seen_surface(packed, &ray, |_| false);
+    let faces_up = seen.as_ref().is_none_or(|seen| seen.normal.dot(up) > FACING_UP);
+    let place = seen.map(|seen| seen.position).or_else(|| ground(&ray, up))?;
+    let distance = place.distance(ray.origin);
+    let lifted = match faces_up {
+        true => place + HEADROOM * distance * up,
+        false => place + GAP * (ray.origin - place),
+    };
+    Some(rounded_place(lifted, GAP * distance))
 }
 
 /// The place where a ray meets the plane through the origin across `up`, if it is not too far away for a mesh to be

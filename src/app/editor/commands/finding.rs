@@ -9,7 +9,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust;
-use crate::app::editor::words::files::{PICTURES, extension};
+use crate::app::editor::words::files::{LAMPS, PICTURES, extension};
 use crate::document::paths::settle;
 use crate::scene::{AreaLight, Emitter, Material, Medium, NamesFiles, SceneStatus, Shape};
 
@@ -21,8 +21,8 @@ pub fn find(edit: &mut Edit, missing: &Path, found: &Path, others: bool) -> Resu
         return Err(format!("{}: there is no such file.", found.display()).into());
     }
     let kinds = [missing, &found].map(extension);
-    let are_pictures = kinds.iter().all(|kind| PICTURES.contains(&kind.as_str()));
-    if kinds[0] != kinds[1] && !are_pictures {
+    let are_all = |known: &[&str]| kinds.iter().all(|kind| known.contains(&kind.as_str()));
+    if kinds[0] != kinds[1] && !are_all(&PICTURES) && !are_all(&LAMPS) {
         let [wanted, given] = kinds;
         return Err(
             format!("The scene names a file of the kind .{wanted}, and this is one of the kind .{given}.").into(),

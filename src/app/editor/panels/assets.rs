@@ -337,7 +337,7 @@ fn file_cell(
         let (word, help) = match kind {
             AssetKind::Picture | AssetKind::Environment => ("Use", "As texture of the selected shapes, or all around"),
             AssetKind::Scene if !is_scene => ("Use", "For the selected shapes"),
-            AssetKind::Mesh | AssetKind::Volume | AssetKind::Scene => ("Add to the scene", ""),
+            AssetKind::Mesh | AssetKind::Volume | AssetKind::Lamp | AssetKind::Scene => ("Add to the scene", ""),
         };
         let mut button = ui.button(word);
         if !help.is_empty() {
@@ -384,6 +384,7 @@ fn tool_tip(ui: &mut Ui, entry: &AssetEntry, kind: AssetKind, picture: Option<&A
         }
         AssetKind::Mesh => "Drag it to where it is to stand. A double click adds it where its file says.",
         AssetKind::Volume => "Drag it to where it is to stand, in a box of its own. A double click puts it where there is room.",
+        AssetKind::Lamp => "Drag it to where it is to hang; it shines down. A double click puts it above what is in the middle of the view.",
         AssetKind::Scene if is_material => "Drag it onto a shape. A double click is for the selection.",
         AssetKind::Scene if picture.is_none() => "It has not been read yet.",
         AssetKind::Scene => "Drag it into the picture to add it to the scene, or to open it. A double click opens it.",

@@ -50,8 +50,8 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> 
         .collect();
     if fields::choice(ui, TYPE, &mut wanted, &options) {
         *emitter = emitter_turned_into(emitter, wanted);
-        // An environment needs a picture.
-        let wants_picture = (wanted == "envmap").then_some(("filename", SquarePath::WHOLE));
+        // An environment needs a picture, and a lamp the file of its intensities.
+        let wants_picture = matches!(wanted, "envmap" | "ies").then_some(("filename", SquarePath::WHOLE));
         return Edit {
             changed: true,
             wants_picture,

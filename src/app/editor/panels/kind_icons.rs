@@ -19,7 +19,7 @@ enum Part {
 use Part::{Ellipse, Line, Loop, Rays};
 
 /// The icons, each with the names of its kinds in the outliner and in the menu *Add*.
-const ICONS: [(&[&str], &[Part]); 28] = [
+const ICONS: [(&[&str], &[Part]); 29] = [
     (&["sphere"], &[Ellipse((0.0, 0.0), 5.0, 5.0)]),
     (
         &["rectangle"],
@@ -154,6 +154,14 @@ const ICONS: [(&[&str], &[Part]); 28] = [
         &[
             Line(&[(-5.0, 3.5), (-1.3, -5.0), (1.3, -5.0), (5.0, 3.5)]),
             Ellipse((0.0, 3.5), 5.0, 1.9),
+        ],
+    ),
+    // A shade with the light below it.
+    (
+        &["ies"],
+        &[
+            Line(&[(-3.5, -1.5), (-1.2, -5.0), (1.2, -5.0), (3.5, -1.5), (-3.5, -1.5)]),
+            Ellipse((0.0, 2.4), 2.6, 3.6),
         ],
     ),
     (

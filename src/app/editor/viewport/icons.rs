@@ -43,6 +43,7 @@ impl IconKind {
     pub fn of(emitter: &Emitter) -> Option<Self> {
         match &emitter.kind {
             EmitterKind::Point { .. } => Some(Self::Bulb),
+            EmitterKind::Luminaire { .. } => Some(Self::Cone(LAMP_CONE)),
             EmitterKind::Directional { .. } => Some(Self::Sun),
             EmitterKind::Spot { cone, .. } => Some(Self::Cone(cone.cutoff_angle.to_radians())),
             EmitterKind::Projector { .. } => Some(Self::Frustum),
@@ -51,6 +52,9 @@ impl IconKind {
         }
     }
 }
+
+/// The half angle of the icon of a lamp, in radians.
+const LAMP_CONE: f32 = 0.5;
 
 /// The radius of a bulb's disk in points; below the radius within which the pointer hits an icon, and the length of
 /// icons that point along +z.

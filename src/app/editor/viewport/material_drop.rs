@@ -39,6 +39,7 @@ impl Takers<'_> {
                 "All around, as light".to_owned()
             }
             Some(AssetKind::Picture | AssetKind::Environment) => self.hint(at),
+            Some(AssetKind::Lamp) => "The lamp will hang here".to_owned(),
             Some(AssetKind::Mesh | AssetKind::Volume) => "It will stand here".to_owned(),
             Some(AssetKind::Scene) | None => match picking::pick(self.packed, at) {
                 Some(_) => format!("{}, if it is a material", self.hint(at)),

@@ -13,7 +13,9 @@ use crate::app::editor::command::{BakeCommand, Command, FileCommand, FileDialogK
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
-use crate::app::editor::words::files::{PICTURES, SCENE_FILES, VOLUMES, extension, noisy_beside};
+use crate::app::editor::words::files::{
+    LAMPS, PICTURES, PICTURES_AND_LAMPS, SCENE_FILES, VOLUMES, extension, is_lamp, noisy_beside,
+};
 use crate::files::{LARGEST_NOTE, check_writable, read_text};
 use crate::render::image_io::FileFormat;
 use crate::render::tonemap::ToneMap;
@@ -252,7 +254,7 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
     })
 }
 
-/// The extensions of files that can be imported: meshes, scenes and environments.
+/// The extensions of files that can be imported: meshes, scenes, volumes, lamps and environments.
 const IMPORTS: &[&str] = &[
     "obj",
     "ply",
@@ -264,6 +266,8 @@ const IMPORTS: &[&str] = &[
     "gltf",
     "vol",
     "vdb",
+    "ies",
+    "ldt",
 ];
 const EXPORTS: &[(&str, &str)] = &[("glTF, one file", "glb"), ("glTF, with files beside it", "gltf")];
 const IMAGES: &[(&str, &str)] = &[
@@ -286,7 +290,7 @@ fn opened(
     let (title, purpose) = match kind {
         FileDialogKind::OpenScene => ("Open a scene".to_owned(), Purpose::Open(&SCENE_FILES)),
         FileDialogKind::Import => (
-            "Import a mesh, a volume, a scene or an environment".to_owned(),
+            "Import a mesh, a volume, a scene, a lamp or an environment".to_owned(),
             Purpose::Open(IMPORTS),
         ),
         FileDialogKind::FindFile(kind) => (
@@ -299,11 +303,16 @@ fn opened(
             ),
             Purpose::Open(match kind {
                 FileKind::Mesh => &["obj", "ply", "serialized"],
+                FileKind::Picture if sought.is_some_and(|sought| is_lamp(&sought.path)) => &LAMPS,
                 FileKind::Picture => &PICTURES,
                 FileKind::Volume => &VOLUMES,
             }),
         ),
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
+        // The file of an environment or of a lamp.
+        FileDialogKind::OpenPicture {
+            parameter: "filename", ..
+        } => ("Choose a file of light".to_owned(), Purpose::Open(&PICTURES_AND_LAMPS)),
         FileDialogKind::OpenPicture { .. } => ("Choose a picture".to_owned(), Purpose::Open(&PICTURES)),
         FileDialogKind::AssetFolder => ("Add a folder to the assets".to_owned(), Purpose::Folder),
         FileDialogKind::BakeFolder => ("Choose a folder for the level".to_owned(), Purpose::Folder),

@@ -14,6 +14,19 @@ pub(crate) const PICTURES: [&str; 10] = ["hdr", "exr", "png", "jpg", "jpeg", "pf
 /// The extensions of grids of voxels.
 pub(crate) const VOLUMES: [&str; 2] = ["vol", "vdb"];
 
+/// The extensions of files with the intensities of lamps.
+pub(crate) const LAMPS: [&str; 2] = ["ies", "ldt"];
+
+/// The extensions of files that lights have.
+pub(crate) const PICTURES_AND_LAMPS: [&str; 12] = [
+    "hdr", "exr", "png", "jpg", "jpeg", "pfm", "bmp", "tga", "ppm", "pgm", "ies", "ldt",
+];
+
+/// Whether the file has the intensities of a lamp, by its name.
+pub(crate) fn is_lamp(path: &Path) -> bool {
+    LAMPS.contains(&extension(path).as_str())
+}
+
 /// The extension in lower case; empty without one.
 pub fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()

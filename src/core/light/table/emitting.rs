@@ -111,6 +111,7 @@ impl LightTable {
         match &finite.light {
             FiniteLight::Point(light) => Some(beam(light.sample_beam(&reach.lit, u_dir), light.position)),
             FiniteLight::Spot(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
+            FiniteLight::Luminaire(light) => Some(beam(light.sample_beam(u_dir)?, light.position)),
             FiniteLight::Projector(light) => Some(beam(light.sample_beam(u_dir, &self.textures)?, light.position())),
             FiniteLight::Surface(light) => {
                 let (hit, pdf_area) = light.sample_start(part, u_place)?;
@@ -198,6 +199,7 @@ impl LightTable {
                         let sample = sample.if_lit()?;
                         let next = match point {
                             FiniteLight::Spot(light) => light.beam_pdf(),
+                            FiniteLight::Luminaire(light) => light.beam_pdf(-sample.wi),
                             FiniteLight::Projector(light) => light.beam_pdf(-sample.wi),
                             FiniteLight::Point(light) => light.beam_pdf(&reach.lit, -sample.wi),
                             FiniteLight::Surface(_) => warp::UNIFORM_SPHERE_PDF,

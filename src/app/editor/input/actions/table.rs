@@ -298,6 +298,9 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-envmap", "Environment map…", &[], |_| {
         Some(FileCommand::ShowDialog(FileDialogKind::OpenEnvironment).into())
     }),
+    action(Group::Add, "add-ies", "IES lamp…", &[], |_| {
+        Some(FileCommand::ShowDialog(FileDialogKind::Import).into())
+    }),
     action(Group::Add, "add-sunsky", "Sun and sky", &[], |_| {
         Some(addition(AdditionKind::Emitter("sunsky")))
     }),

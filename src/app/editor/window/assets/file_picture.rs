@@ -11,6 +11,7 @@ use bevy::math::{Affine3A, Mat3, Vec3};
 use bevy_egui::egui::ColorImage;
 use rayon::ThreadPoolBuilder;
 
+use super::lamp_picture::lamp;
 use super::volume_picture::volume;
 use crate::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use crate::app::editor::command::asset_kind::AssetKind;
@@ -41,7 +42,7 @@ use crate::scene::assets::triangle_mesh::load_mesh;
 use crate::shading::{Bsdf, Diffuse};
 
 /// The longer side of a picture in pixels: sharp at twice its size in points.
-const EDGE: u32 = 128;
+pub(super) const EDGE: u32 = 128;
 /// The longest files of which a picture is made, in bytes: longer ones would take the memory that the scene needs.
 const LONGEST: u64 = 256 << 20;
 /// The samples of a pixel. Meshes are lit from the camera, so that only their edges need more than one.
@@ -89,6 +90,7 @@ pub(super) fn content_of(entry: &AssetEntry, cache: &PictureCache, trusted: &Acc
         Some(AssetKind::Picture | AssetKind::Environment) => picture(&entry.path, &access),
         Some(AssetKind::Mesh) => mesh(&entry.path, &access),
         Some(AssetKind::Volume) => volume(&entry.path, &access),
+        Some(AssetKind::Lamp) => lamp(&entry.path, &access),
         Some(AssetKind::Scene) => xml(&entry.path, access),
         None => Ok(Content::default()),
     })?;

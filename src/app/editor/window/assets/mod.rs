@@ -2,6 +2,7 @@
 //! on a thread of low priority.
 
 mod file_picture;
+mod lamp_picture;
 mod listing;
 mod places;
 mod volume_picture;
