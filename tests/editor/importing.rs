@@ -1,10 +1,11 @@
 //! What of a file joins a scene, and what stays with the file.
 
 use bevy::prelude::*;
-use sunroom::app::editor::command::SceneEdit;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{HistoryCommand, SceneEdit};
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
-use sunroom::scene::{Emitter, Shape};
+use sunroom::scene::{Emitter, Shape, ShapeKind};
 
 use crate::numbers::Window;
 
@@ -14,6 +15,15 @@ const CARD: &str = r#"{"asset": {"version": "2.0"}, "materials": [{"name": "red"
   "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}],
   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}], "nodes": [{"mesh": 0}, LIGHT],
   "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "name": "studio"}]}}}"#;
+
+/// The number of shapes that are no groups.
+fn surfaces(world: &mut World) -> usize {
+    let mut shapes = world.query::<&Shape>();
+    shapes
+        .iter(world)
+        .filter(|shape| shape.kind != ShapeKind::Frame)
+        .count()
+}
 
 fn count<C: Component>(world: &mut World) -> usize {
     world.query::<&C>().iter(world).count()
@@ -30,11 +40,67 @@ fn what_stands_in_for_light_is_not_imported() {
         let mut world = bare_world();
         for times in 1..=2 {
             apply(&mut world, SceneEdit::Import(path.clone())).expect("it can be imported");
-            assert_eq!(count::<Shape>(&mut world), times, "{name}");
+            assert_eq!(surfaces(&mut world), times, "{name}");
             // A light of the file comes along, whatever it is called.
             assert_eq!(count::<Emitter>(&mut world), times * expected, "{name}");
         }
     }
+}
+
+/// The names of all things but materials, and which of them is active.
+fn things(world: &mut World) -> (Vec<String>, String) {
+    let mut named = world.query_filtered::<&Name, Or<(With<Shape>, With<Emitter>)>>();
+    let mut names: Vec<String> = named.iter(world).map(Name::to_string).collect();
+    names.sort();
+    let active = world.resource::<Selection>().active();
+    let active = active.and_then(|active| world.get::<Name>(active));
+    (names, active.map_or_else(String::new, Name::to_string))
+}
+
+/// Another import of the file gets another group, one step takes it away, and the file with the scene has the group.
+#[test]
+fn a_gltf_file_comes_as_a_group_of_its_name() {
+    let mut window = Window::on("  <shape type=\"sphere\" id=\"ball\"/>");
+    let folder = window.path.parent().expect("a folder").to_owned();
+    let lamp = r#"{"name": "globe", "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"name": "foot (oak)", "mesh": 0},
+        {"name": "shade", "children": [4], "translation": [0, 1, 0]}, {"name": "paper", "mesh": 0}"#;
+    let path = folder.join("desk.lamp.gltf");
+    let text = CARD.replace(
+        r#"{"mesh": 0}, LIGHT"#,
+        &format!(r#"{{"name": "cord", "mesh": 0}}, {lamp}"#),
+    );
+    std::fs::write(&path, text).expect("a file");
+    let before = things(&mut window.world).0;
+    let import = |world: &mut World| {
+        apply(world, SceneEdit::Import(path.clone())).expect("it can be imported");
+        things(world)
+    };
+    let inside = ["", "cord", "foot (oak)", "globe", "shade/", "shade/paper"];
+    let (names, active) = import(&mut window.world);
+    assert_eq!(active, "desk-lamp/");
+    let expected = before
+        .iter()
+        .cloned()
+        .chain(inside.map(|name| format!("desk-lamp/{name}")));
+    let mut expected: Vec<String> = expected.collect();
+    expected.sort();
+    assert_eq!(names, expected);
+    let (names, active) = import(&mut window.world);
+    assert_eq!(active, "desk-lamp-2/");
+    assert!(names.iter().any(|name| name == "desk-lamp-2/shade/paper"), "{names:?}");
+    let text = window.saved();
+    assert!(
+        text.contains("\"desk-lamp-2/foot (oak)\"") && text.contains("\"desk-lamp/\""),
+        "{text}"
+    );
+    apply(&mut window.world, HistoryCommand::Undo).expect("an edit");
+    apply(&mut window.world, HistoryCommand::Undo).expect("an edit");
+    assert_eq!(things(&mut window.world).0, before);
+    // A single thing needs no group.
+    let path = folder.join("card.gltf");
+    std::fs::write(&path, CARD.replace("LIGHT", "{}")).expect("a file");
+    apply(&mut window.world, SceneEdit::Import(path)).expect("it can be imported");
+    assert_eq!(things(&mut window.world).1, "card");
 }
 
 /// Files of the same name from several glTF files lie beside a scene under different names, also if they came between

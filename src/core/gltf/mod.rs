@@ -87,7 +87,15 @@ fn is_supported(extension: &str) -> bool {
     SUPPORTED.contains(&extension)
 }
 
-/// A character for ids and file names: `_` replaces all others.
+/// A character for ids: `_` replaces those that ids cannot have, and the slash, which stands between folders.
+fn id_character(character: char) -> char {
+    match "()[]+:#".contains(character) {
+        true => character,
+        false => plain_character(character),
+    }
+}
+
+/// A character for file names: `_` replaces all others.
 fn plain_character(character: char) -> char {
     match character.is_alphanumeric() || "-_. ".contains(character) {
         true => character,

@@ -16,7 +16,7 @@ use super::objects::*;
 use super::picture::{KnownPicture, Picture};
 use super::pose::Pose;
 use super::schema::{Node, Primitive};
-use super::{Gltf, GltfError, plain_character, studio};
+use super::{Gltf, GltfError, id_character, studio};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Span, Value};
 use crate::geometry::mesh::MeshData;
@@ -436,7 +436,7 @@ impl Builder<'_> {
 
     /// A unique id made of the name, with valid characters only, between a folder and a suffix.
     pub(super) fn unique_in(&mut self, folder: &str, name: &str, end: &str) -> String {
-        let name: String = name.chars().take(LONGEST_NAME).map(plain_character).collect();
+        let name: String = name.chars().take(LONGEST_NAME).map(id_character).collect();
         let name = if name.trim().is_empty() { "unnamed" } else { &name };
         let base = format!("{folder}{name}");
         let next = self.next_numbers.entry(format!("{base}{end}")).or_insert(1);

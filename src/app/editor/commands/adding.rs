@@ -1,31 +1,22 @@
-//! Adds new things: made here, pasted, or from files.
-
-use std::path::{Path, PathBuf};
+//! Adds new things.
 
 use bevy::math::{Affine3A, Mat3, Quat};
 use bevy::prelude::*;
 
-use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
-use super::{fitting, media, media_boxes, media_upkeep, view, volumes};
+use super::{media, media_boxes, media_upkeep, view};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
-use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
-use crate::app::editor::session::toasts::{Toasts, Topic};
-use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::words::files::{LAMPS, PICTURES, VOLUMES, extension};
 use crate::color::Rgb;
-use crate::document::{Diagnostics, Severity, parse_within};
-use crate::scene::assets::scene_asset::load_document;
-use crate::scene::insert::{insert, next_order};
+use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, MeshFile, MeshFormat, SceneAccess,
-    SceneDescription, SceneId, Sensor, Shape, ShapeKind, Solid, SquarePath, ToWorld, Trust, read,
+    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, SceneId, Sensor, Shape, ShapeKind,
+    Solid, ToWorld,
 };
 
 /// The height of a light above the surface it shines on, and of a flat entity above the surface it lies on, in half
@@ -246,7 +237,7 @@ fn free_direction(known: &[Vec3], up: Vec3) -> Vec3 {
 }
 
 /// The rotation that takes `from` to `up`.
-fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
+pub fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
     Affine3A::from_quat(Quat::from_rotation_arc(from, up))
 }
 
@@ -269,135 +260,8 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
     )
 }
 
-/// The content of a file that the user has chosen joins the scene, which may read the file from then on.
-pub fn import_chosen(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
-    import(edit, path)?;
-    fitting::note_import(edit.world);
-    trust::allow_chosen(edit.world, path);
-    Ok(())
-}
-
-/// A file's content joins the scene.
-fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
-    let path = read::settle(path);
-    let extension = extension(&path);
-    if !path.is_file() {
-        return Err(CommandError::file(format!(
-            "{}: there is no such file.",
-            path.display()
-        )));
-    }
-    match extension.as_str() {
-        "obj" => add_mesh(edit, path, MeshFormat::Obj),
-        "ply" => add_mesh(edit, path, MeshFormat::Ply),
-        "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
-        volume if VOLUMES.contains(&volume) => volumes::import(edit, &path, None)?,
-        picture if PICTURES.contains(&picture) => set_environment(edit, path),
-        lamp if LAMPS.contains(&lamp) => add_lamp(edit, path, None)?,
-        "xml" | "gltf" | "glb" => {
-            let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
-            let access = trust.access(&path);
-            let mut document = load_document(&path, &[], access).map_err(CommandError::file)?;
-            let scene = read::read(&mut document);
-            let refused = document.access.refused();
-            if document.diagnostics.has_errors() && !refused.is_empty() {
-                trust::ask_about_import(edit.world, &path, refused);
-            }
-            let content = without_setting(scene, document.stand_in_light.as_deref());
-            insert_all(edit, content, &document.diagnostics).map_err(CommandError::file)?;
-        }
-        _ => {
-            return Err(CommandError::file(format!(
-                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm, bmp, tga, ppm, pgm, vol, vdb, ies, ldt)",
-                path.display()
-            )));
-        }
-    }
-    edit.world.resource_mut::<Toasts>().forget(Topic::Saving);
-    Ok(())
-}
-
-/// The scene without cameras and without the light that stands in where a file has none: the scene that imports it has
-/// its own.
-fn without_setting(mut scene: SceneDescription, stand_in_light: Option<&str>) -> SceneDescription {
-    scene.sensors.clear();
-    if let Some(stand_in) = stand_in_light {
-        scene
-            .emitters
-            .retain(|emitter| emitter.identity.id.as_deref() != Some(stand_in));
-    }
-    scene
-}
-
-fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
-    let stem = path
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .replace(['.', '$'], "-");
-    let name = free_name_for(edit.world, if stem.is_empty() { "mesh" } else { &stem });
-    let mesh = ShapeKind::Mesh(MeshFile {
-        path,
-        format,
-        flip_tex_coords: format.flips_tex_coords(),
-        ..MeshFile::default()
-    });
-    let shape = Shape {
-        kind: mesh,
-        ..Shape::default()
-    };
-    let order = DocumentOrder(next_order(edit.world));
-    let entity = edit.spawn((order, SceneId(name.clone()), Name::new(name), shape));
-    select_new(edit, vec![entity]);
-}
-
-/// Adds a lamp with the intensities of a file, which shines down from `position`, or from where new lights stand.
-pub(super) fn add_lamp(edit: &mut Edit, path: PathBuf, position: Option<Vec3>) -> Result<(), CommandError> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    add(
-        edit,
-        Addition {
-            name: Some(stem.replace(['.', '$'], "-")),
-            at: position,
-            // It is placed as a spot, which becomes the lamp.
-            ..AdditionKind::Emitter("spot").into()
-        },
-    )?;
-    let lamp = edit.world.resource::<Selection>().active();
-    let lamp = lamp.ok_or("The lamp could not be added.")?;
-    let kind = EmitterKind::Luminaire {
-        profile: path,
-        scale: Rgb::ONE,
-        flux: 0.0,
-    };
-    edit.set(lamp, Emitter::from(kind));
-    Ok(())
-}
-
-/// Replaces the environment, since a scene has one sky.
-fn set_environment(edit: &mut Edit, picture: PathBuf) {
-    let up = edit.world.resource::<ViewSettings>().navigation.up;
-    let emitter = match sky(edit.world) {
-        Some(entity) => edit.world.get::<Emitter>(entity).cloned(),
-        None => None,
-    };
-    let emitter = match emitter {
-        Some(mut known) if matches!(known.kind, EmitterKind::Environment { .. }) => {
-            known.set_picture(SquarePath::WHOLE, picture);
-            known
-        }
-        _ => Emitter::from(EmitterKind::Environment {
-            picture,
-            scale: 1.0,
-            mis_compensation: true,
-        }),
-    };
-    let entity = set_sky(edit, emitter, turned_up(up, Vec3::Y), "environment");
-    select_new(edit, vec![entity]);
-}
-
 /// The environment light, if there is one.
-fn sky(world: &mut World) -> Option<Entity> {
+pub fn sky(world: &mut World) -> Option<Entity> {
     let mut emitters = world.query::<(&DocumentOrder, Entity, &Emitter)>();
     let skies = emitters.iter(world).filter(|(.., emitter)| emitter.is_sky());
     skies
@@ -407,7 +271,7 @@ fn sky(world: &mut World) -> Option<Entity> {
 }
 
 /// Two skies would add up, and other programs refuse them.
-fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Entity {
+pub fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Entity {
     if let Some(known) = sky(edit.world) {
         let keeps_pose = edit
             .world
@@ -422,42 +286,6 @@ fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Ent
     let name = free_name_for(edit.world, name);
     let order = DocumentOrder(next_order(edit.world));
     edit.spawn((order, SceneId(name.clone()), Name::new(name), emitter, ToWorld(pose)))
-}
-
-/// Plugins as XML: a whole scene, or single elements.
-pub fn paste(edit: &mut Edit, text: &str) -> Result<(), CommandError> {
-    let text = text.trim();
-    if !text.starts_with('<') {
-        return Err("The clipboard holds no XML.".into());
-    }
-    let is_scene = text.contains("<scene");
-    let text = if is_scene {
-        text.to_owned()
-    } else {
-        format!("<scene version=\"3.0.0\">{text}</scene>")
-    };
-    // A text from elsewhere may name files that its reader does not know.
-    let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], SceneAccess::of(edit.world));
-    let scene = read::read(&mut document);
-    Ok(insert_all(edit, scene, &document.diagnostics)?)
-}
-
-/// The error is a sentence for the user.
-fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostics) -> Result<(), String> {
-    if diagnostics.has_errors() {
-        let first = diagnostics
-            .list
-            .iter()
-            .find(|diagnostic| diagnostic.severity == Severity::Error);
-        return Err(first.map_or_else(String::new, |error| diagnostics.line(error)));
-    }
-    let inserted = insert(edit.world, &scene);
-    if inserted.all.is_empty() {
-        return Err("There is nothing in it.".to_owned());
-    }
-    edit.spawned(inserted.all);
-    select_new(edit, inserted.objects);
-    Ok(())
 }
 
 #[cfg(test)]

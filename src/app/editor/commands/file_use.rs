@@ -5,11 +5,11 @@ use std::path::Path;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::*;
 
-use super::adding::{add_lamp, import_chosen};
+use super::importing::{add_lamp, import_chosen};
 use super::spot::rounded_place;
 use super::texturing::set_picture;
-use super::things::need_surface;
-use super::{materials, things, volumes};
+use super::things::{need_surface, pose_of};
+use super::{grouping, materials, things, volumes};
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::asset_kind::{AssetKind, FileUse};
 use crate::app::editor::command::error::CommandError;
@@ -22,6 +22,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::files::{self, Access};
 use crate::math::Ray;
+use crate::scene::assets::gltf_scene::{is_called_gltf, placed_meshes};
 use crate::scene::assets::triangle_mesh::load_mesh;
 use crate::scene::{Declared, Locked, Material, ParameterRef, Shape, ShapeKind, SquarePath, Trust, read};
 
@@ -143,24 +144,38 @@ fn bounds_of(path: &Path) -> Option<[Vec3; 2]> {
     const LARGEST: u64 = 16 << 20;
     files::check(path, LARGEST).ok()?;
     // The user has chosen the file.
-    let mesh = load_mesh(path, &Access::everywhere()).ok()?;
-    let points = mesh
-        .shapes
+    let access = Access::everywhere();
+    let meshes = match is_called_gltf(path) {
+        true => placed_meshes(path, &access, LARGEST).ok()?,
+        false => {
+            let shapes = load_mesh(path, &access).ok()?.shapes;
+            shapes
+                .iter()
+                .map(|shape| (shape.data.clone(), Affine3A::IDENTITY))
+                .collect()
+        }
+    };
+    let points = meshes
         .iter()
-        .flat_map(|shape| shape.data.positions.iter().copied());
+        .flat_map(|(mesh, pose)| mesh.positions.iter().map(|point| pose.transform_point3(*point)));
     points.fold(None, |bounds, point| {
         let [low, high] = bounds.unwrap_or([point; 2]);
         Some([low.min(point), high.max(point)])
     })
 }
 
-/// Moves the imported mesh onto the surface at a point of the picture, or else onto the ground.
+/// Moves the imported mesh or group onto the surface at a point of the picture, or else onto the ground.
 fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), CommandError> {
-    let [mesh] = *edit.world.resource::<Selection>().entities() else {
+    let imported = edit.world.resource::<Selection>();
+    let Some(lead) = imported.active() else {
         return Ok(());
     };
-    let is_mesh = |shape: &Shape| matches!(shape.kind, ShapeKind::Mesh(_));
-    if !edit.world.get::<Shape>(mesh).is_some_and(is_mesh) {
+    let is_alone = imported.entities().len() == 1;
+    let is_movable = |shape: &Shape| match shape.kind {
+        ShapeKind::Mesh(_) => is_alone,
+        ref other => *other == ShapeKind::Frame,
+    };
+    if !edit.world.get::<Shape>(lead).is_some_and(is_movable) {
         return Ok(());
     }
     let Some(place) = place_at(edit.world, at) else {
@@ -175,7 +190,10 @@ fn stand(edit: &mut Edit, at: Vec2, bounds: Option<[Vec3; 2]>) -> Result<(), Com
         true => rounded_place(place - foot, 0.5 * size),
         false => place,
     };
-    things::transform(edit, vec![(mesh, Affine3A::from_translation(goal))])
+    let pose = pose_of(edit.world, lead).unwrap_or_default();
+    let moved = Affine3A::from_translation(goal) * pose;
+    let poses = grouping::with_members(edit, vec![(lead, moved)]);
+    things::transform(edit, poses)
 }
 
 /// The place on a surface, or else on the ground, that is seen at a place of the picture.

@@ -58,18 +58,29 @@ pub fn fit_to_view(edit: &mut Edit, entities: &[Entity]) -> Result<(), CommandEr
     things::transform(edit, poses)
 }
 
-/// Remembers the selected meshes of an import, whose size is reported once they are loaded.
+/// Remembers the selected mesh or group of an import, whose size is reported once it is loaded.
 pub fn note_import(world: &mut World) {
-    let made = world.resource::<Selection>().entities().to_vec();
-    let is_mesh = |entity: &Entity| {
-        let shape = world.get::<Shape>(*entity);
-        shape.is_some_and(|shape| matches!(shape.kind, ShapeKind::Mesh(_)))
-    };
-    if let [only] = made[..]
-        && is_mesh(&only)
-    {
-        world.resource_mut::<Requests>().imported.push(only);
+    let made = world.resource::<Selection>();
+    let Some(lead) = made.active() else { return };
+    let is_alone = made.entities().len() == 1;
+    let has_mesh = made.entities().iter().any(|entity| is_mesh(world, *entity));
+    if has_mesh && (is_alone || grouping::is_frame(world, lead)) {
+        world.resource_mut::<Requests>().imported.push(lead);
     }
+}
+
+fn is_mesh(world: &World, entity: Entity) -> bool {
+    let shape = world.get::<Shape>(entity);
+    shape.is_some_and(|shape| matches!(shape.kind, ShapeKind::Mesh(_)))
+}
+
+/// The bounds of a thing, or of a group without its lights; None unless all its meshes are in the picture.
+fn whole_bounds(world: &mut World, entity: Entity) -> Option<Aabb> {
+    let mut meshes = grouping::whole_groups(world, vec![entity]);
+    meshes.retain(|entity| is_mesh(world, *entity));
+    let bounds = picking::bounds_of_each(world.resource::<PackedScene>(), &meshes);
+    let bounds: Vec<Aabb> = bounds.into_iter().collect::<Option<_>>()?;
+    bounds.into_iter().reduce(Aabb::union)
 }
 
 /// Reports the size of imported meshes as soon as they are in the picture.
@@ -82,10 +93,11 @@ pub(crate) fn tell_sizes(world: &mut World) {
         if !ObjectState::is_in_scene(world, entity) {
             continue;
         }
-        match picking::bounds_of(world.resource::<PackedScene>(), entity) {
+        match whole_bounds(world, entity) {
             None => world.resource_mut::<Requests>().imported.push(entity),
             Some(bounds) => {
-                let name = world.get::<Name>(entity).map_or_else(String::new, Name::to_string);
+                let name = world.get::<Name>(entity).map_or("", |name| name.as_str());
+                let name = name.trim_end_matches('/').to_owned();
                 let [x, y, z] = bounds.extent().to_array().map(|side| rounding::with_digits(side, 3));
                 let text = format!("{name} measures {x} × {y} × {z} units.");
                 let fit = Command::from(ArrangeEdit::FitToView(vec![entity]));

@@ -21,6 +21,7 @@ pub(crate) mod flight;
 pub(crate) mod full_film;
 mod grouping;
 mod history;
+mod importing;
 pub(crate) mod kept_picture;
 mod material_names;
 mod materials;

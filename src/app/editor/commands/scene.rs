@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::file_use::use_file;
 use super::things::{delete, selected};
-use super::{adding, blocking, copying, files, finding};
+use super::{adding, blocking, copying, files, finding, importing};
 use crate::app::editor::command::SceneEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -16,10 +16,10 @@ use crate::scene::{MaterialUsers, ObjectState};
 /// Applies the edit.
 pub fn edit(edit: &mut Edit, command: SceneEdit) -> Result<(), CommandError> {
     match command {
-        SceneEdit::Import(path) => adding::import_chosen(edit, &path)?,
+        SceneEdit::Import(path) => importing::import_chosen(edit, &path)?,
         SceneEdit::UseFile(file) => use_file(edit, &file)?,
         SceneEdit::FindFile { missing, found, others } => finding::find(edit, &missing, &found, others)?,
-        SceneEdit::Paste(text) => adding::paste(edit, &text)?,
+        SceneEdit::Paste(text) => importing::paste(edit, &text)?,
         SceneEdit::Add(addition) => adding::add(edit, addition)?,
         SceneEdit::Build(block) => blocking::build(edit, *block)?,
         SceneEdit::Reshape(entity, shape, pose, _) => blocking::reshape(edit, entity, shape, pose)?,

@@ -161,7 +161,7 @@ fn mesh(path: &Path, access: &Access) -> Result<Content, String> {
     Ok(Content {
         image: clay(meshes, &bounds),
         note: triangles_text(triangles),
-        bounds: (!bounds.is_empty()).then_some([bounds.min, bounds.max]),
+        bounds: corners(&bounds),
         is_material: false,
     })
 }
@@ -173,8 +173,14 @@ fn gltf(path: &Path, access: &Access) -> Result<Content, String> {
     Ok(Content {
         note: shapes_text(meshes.len()),
         image: clay(meshes, &bounds),
-        ..Content::default()
+        bounds: corners(&bounds),
+        is_material: false,
     })
+}
+
+/// The least and the greatest coordinates; None for an empty box.
+fn corners(bounds: &Aabb) -> Option<[Vec3; 2]> {
+    (!bounds.is_empty()).then_some([bounds.min, bounds.max])
 }
 
 fn bounds_of(meshes: &[Placed]) -> Aabb {
