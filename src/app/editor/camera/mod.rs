@@ -7,5 +7,6 @@ pub(crate) mod picking;
 pub mod pose;
 pub mod rounding;
 pub mod screen;
+pub mod sizing;
 pub mod snapping;
 pub mod solid;

@@ -76,6 +76,8 @@ pub enum ArrangeEdit {
     Align(usize, Side, Reference),
     /// Spaces the selected things evenly along an axis of the world from 0 to 2; the outermost stay.
     Distribute(usize, Spacing),
+    /// Gives each selected thing this size, in world units, along an axis of the world from 0 to 2.
+    Resize(usize, f32),
     /// Scales things to a third of the view, and puts them onto the surface in the middle of the picture.
     FitToView(Vec<Entity>),
     /// Moves the selection by a step along the axis of the world that is nearest to this direction in the picture.
@@ -91,6 +93,7 @@ impl ArrangeEdit {
         match self {
             Self::Align(..) => Traits::edit("Align").of_selection(),
             Self::Distribute(..) => Traits::edit("Distribute").of_selection(),
+            Self::Resize(..) => Traits::drag("Resize").of_selection(),
             Self::FitToView(things) => Traits::edit("Fit to view").of(things),
             Self::Nudge(_) => Traits::edit("Move").of_selection(),
             Self::Drop => Traits::edit("Drop").of_selection(),

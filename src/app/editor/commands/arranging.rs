@@ -7,13 +7,14 @@ use bevy::prelude::*;
 
 use super::grouping::{self, Unit};
 use super::things;
-use crate::app::editor::camera::rounding;
 use crate::app::editor::camera::solid::{Solid, solids_of_each};
+use crate::app::editor::camera::{picking, rounding, sizing};
 use crate::app::editor::command::arrange::{Reference, Side, Spacing};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
+use crate::math::Aabb;
 use crate::scene::{Shape, ToWorld, world_bounds};
 
 /// Brings one side of all things in line, along an axis from 0 to 2.
@@ -59,6 +60,30 @@ pub fn distribute(edit: &mut Edit, axis: usize, by: Spacing) -> Result<(), Comma
         moves.push((unit, if stays { 0.0 } else { by }));
     }
     move_along(edit, axis, moves)
+}
+
+/// Gives each thing that is not turned off the axes of the world a size along one of them, 0 to 2, about its own middle.
+pub fn resize(edit: &mut Edit, axis: usize, size: f32) -> Result<(), CommandError> {
+    if !(size > 0.0 && size.is_finite()) {
+        return Err("A size is above 0.".into());
+    }
+    let mut poses = Vec::new();
+    for Unit { lead, all } in grouping::units(edit)? {
+        let (world, packed) = (&*edit.world, edit.world.resource::<PackedScene>());
+        let (Some(shape), Some(pose)) = (world.get::<Shape>(lead), things::pose_of(world, lead)) else {
+            continue;
+        };
+        let seen = picking::bounds_of_each(packed, &all).into_iter().flatten();
+        let own = || world_bounds(shape, &world.get::<ToWorld>(lead)?.0, None);
+        let Some(bounds) = seen.reduce(Aabb::union).or_else(own) else {
+            continue;
+        };
+        let mut extent = bounds.extent();
+        extent[axis.min(2)] = size;
+        poses.extend(sizing::scaled(&pose, &bounds, extent, Some(shape)).map(|pose| (lead, pose)));
+    }
+    let poses = grouping::with_members(edit, poses);
+    things::transform(edit, poses)
 }
 
 fn at(side: Side, extent: &Range<f32>) -> f32 {

@@ -20,6 +20,7 @@ pub fn edit(edit: &mut Edit, command: ArrangeEdit) -> Result<(), CommandError> {
     match command {
         ArrangeEdit::Align(axis, side, to) => arranging::align(edit, axis, side, to)?,
         ArrangeEdit::Distribute(axis, by) => arranging::distribute(edit, axis, by)?,
+        ArrangeEdit::Resize(axis, size) => arranging::resize(edit, axis, size)?,
         ArrangeEdit::FitToView(entities) => fitting::fit_to_view(edit, &entities)?,
         ArrangeEdit::Nudge(direction) => {
             edit.kind = StepKind::Move;

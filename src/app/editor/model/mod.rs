@@ -15,6 +15,7 @@ pub mod mixed;
 pub(crate) mod outline;
 pub mod panel_textures;
 pub(crate) mod plugin;
+pub mod sizes;
 pub mod thumbnails;
 pub mod timeline;
 
@@ -49,6 +50,7 @@ use crate::scene::{
 use item_list::ItemList;
 use mixed::Mixed;
 use panel_textures::PanelTextures;
+pub use sizes::Sizes;
 use timeline::TimelineModel;
 
 /// One line of the outliner.
@@ -447,6 +449,8 @@ pub struct Model {
     pub inspected: Option<Inspected>,
     /// The box around the selection in the world; None without one.
     pub extent: Option<Aabb>,
+    /// The sizes of several selected things; None unless several are selected.
+    pub sizes: Option<Sizes>,
     /// The steps.
     pub history: Arc<HistoryModel>,
     /// The thumbnails and rendered balls that are shown beside names.

@@ -81,10 +81,8 @@ pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyon
 fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     let mut values = color.to_array();
     let styles = ["R", "G", "B"].map(|letter| NumberStyle {
-        letter,
-        speed: 0.005,
-        suffix: "",
         range: 0.0..=1.0,
+        ..NumberStyle::new(letter, 0.005)
     });
     let changed = ui.scope(|ui| number_cells(ui, name, &mut values, styles, width)).inner;
     write_back(changed, color, Rgb::from_array(values))

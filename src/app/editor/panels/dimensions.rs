@@ -1,20 +1,15 @@
-//! The size of the selection along the axes of the world.
+//! The sizes of selected things along the axes of the world.
 
-use bevy::math::{Affine3A, Mat3A, Vec3, Vec3A};
+use bevy::math::Affine3A;
 use bevy_egui::egui::Ui;
 
-use super::fields;
+use super::caption::Caption;
+use super::fields::{self, NumberStyle};
 use super::lengths;
-use crate::app::editor::camera::rounding;
+use crate::app::editor::camera::sizing::{axes_of, scaled};
+use crate::app::editor::model::Sizes;
 use crate::math::Aabb;
-use crate::scene::{Shape, ShapeKind, world_bounds};
-
-/// The cosine of the largest angle between an axis of a thing and one of the world that count as parallel.
-const ALONG: f32 = 0.99999;
-/// An extent below this share of the largest counts as zero, such as the thickness of a rectangle.
-const FLAT: f32 = 1e-5;
-/// The largest distance of the middle of a box from the origin of its space that counts as zero, as a share of the box.
-const MIDDLE: f32 = 1e-5;
+use crate::scene::Shape;
 
 /// Shows the extents of a box. A new extent scales `to_world` about the middle of the box, so that the box gets that
 /// extent. Returns true if edited. Without a pose, or if it is turned, the numbers are only shown.
@@ -40,128 +35,62 @@ pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affin
     true
 }
 
-/// The axis of the world that is parallel to each axis of a matrix; None if one has no such axis.
-fn axes_of(matrix: &Mat3A) -> Option<[usize; 3]> {
-    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| {
-        let axis = Vec3::from(axis).normalize_or_zero().abs();
-        (axis.max_element() > ALONG).then(|| axis.max_position())
+/// Shows the sizes of several things along each axis, or that they differ. Returns the axis and the new size for each of
+/// them if edited.
+pub(super) fn sizes(ui: &mut Ui, sizes: &Sizes) -> Option<(usize, f32)> {
+    let caption = Caption::from("Size").explained(
+        "A number is the size of each selected thing along that axis of the world, about its own middle. What is turned keeps its size.",
+    );
+    let active = sizes.active.to_array();
+    // If the things differ, the number of the active one is an edit, too, and has to differ from the one before.
+    let mut numbers = [0, 1, 2].map(|axis| {
+        if sizes.is_common[axis] {
+            active[axis]
+        } else {
+            active[axis].next_up()
+        }
     });
-    Some([axes[0]?, axes[1]?, axes[2]?])
-}
-
-/// The pose with which a thing has another extent in the world and the same middle; it must lie along the axes of the
-/// world. The scale is the typed extent over the shape's extent in its own space, if that is known: its bounds in the
-/// world are rounded. All axes of a sphere grow by the factor of the changed one. None if there is no such pose.
-pub fn scaled(pose: &Affine3A, bounds: &Aabb, extent: Vec3, shape: Option<&Shape>) -> Option<Affine3A> {
-    let before = bounds.extent();
-    let along = axes_of(&pose.matrix3)?;
-    let least = FLAT * before.max_element();
-    let is_edited = |axis: usize| before[axis] > least && extent[axis] != before[axis];
-    let own = shape.and_then(|shape| world_bounds(shape, &Affine3A::IDENTITY, None));
-    let is_even = shape.is_some_and(|shape| matches!(shape.kind, ShapeKind::Sphere { .. }));
-    let edited: Vec<usize> = (0..3).filter(|axis| is_edited(*axis)).collect();
-    if edited.is_empty() || edited.iter().any(|axis| extent[*axis] <= 0.0) {
+    let before = numbers;
+    let speed = 0.005 * sizes.active.max_element().max(1e-3);
+    let styles = [0, 1, 2].map(|axis| NumberStyle {
+        text: (!sizes.is_common[axis]).then_some("mixed"),
+        ..NumberStyle::new(["X", "Y", "Z"][axis], speed)
+    });
+    if !lengths::numbers(ui, caption, &mut numbers, styles) {
         return None;
     }
-    let mut matrix3 = pose.matrix3;
-    for (column, axis) in along.into_iter().enumerate() {
-        let axis = if is_even { edited[0] } else { axis };
-        if !is_even && !is_edited(axis) {
-            continue;
-        }
-        let direction = pose.matrix3.col(column);
-        *matrix3.col_mut(column) = match own.map(|own| own.extent()[column]).filter(|own| *own > 0.0) {
-            Some(own) => direction.normalize() * (extent[axis] / own),
-            None => direction * (extent[axis] / before[axis]),
-        };
-    }
-    // The middle of the box in the space of the pose.
-    let middle = pose.inverse().transform_point3(bounds.center());
-    let moved = bounds.center() - Vec3::from(matrix3 * Vec3A::from(middle));
-    let unit = rounding::fine_unit(before.max_element());
-    let is_at_middle =
-        middle.abs().max_element() <= MIDDLE * pose.inverse().transform_vector3(before).abs().max_element();
-    let scaled = Affine3A {
-        matrix3,
-        translation: match is_at_middle {
-            true => pose.translation,
-            false => rounding::rounded_place(moved, unit).into(),
-        },
-    };
-    scaled.is_finite().then_some(scaled)
+    (0..3)
+        .find(|axis| numbers[*axis] != before[*axis])
+        .map(|axis| (axis, numbers[axis]))
 }
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Vec3;
+    use bevy_egui::egui::{Event, vec2};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
     use super::*;
-    use crate::scene::Solid;
-
-    fn shape(kind: ShapeKind) -> Shape {
-        Shape {
-            kind,
-            ..Shape::default()
-        }
-    }
-
-    fn bounds() -> Aabb {
-        Aabb {
-            min: Vec3::new(1.0, -1.0, 0.0),
-            max: Vec3::new(3.0, 1.0, 0.0),
-        }
-    }
 
     #[test]
-    fn a_typed_extent_scales_along_one_axis_about_the_middle() {
-        let pose = Affine3A::from_translation(Vec3::X * 2.0);
-        let now = scaled(&pose, &bounds(), Vec3::new(6.0, 2.0, 0.0), None).expect("it can be");
-        assert!(
-            now.transform_point3(Vec3::ONE)
-                .abs_diff_eq(Vec3::new(5.0, 1.0, 1.0), 1e-5)
-        );
-        let ball = shape(ShapeKind::Sphere {
-            center: Vec3::ZERO,
-            radius: 1.0,
-        });
-        let even = scaled(&pose, &bounds(), Vec3::new(6.0, 2.0, 0.0), Some(&ball)).expect("it can be");
-        assert_eq!(even, pose * Affine3A::from_scale(Vec3::splat(3.0)));
-    }
-
-    #[test]
-    fn the_scale_is_that_of_the_typed_number() {
-        // Turned by a quarter, and far from the origin, so that the bounds are rounded.
-        let axes = Mat3A::from_cols(Vec3::NEG_Z.into(), Vec3::Y.into(), Vec3::X.into());
-        let pose = Affine3A {
-            matrix3: axes * Mat3A::from_diagonal(Vec3::new(0.3, 0.7, 1.1)),
-            translation: Vec3::new(100.3, 0.7, -57.1).into(),
+    fn sizes_that_differ_are_mixed_and_the_active_one_can_be_typed_for_all() {
+        let shown = Sizes {
+            active: Vec3::new(9.0, 2.0, 1.0),
+            is_common: [false, true, true],
         };
-        let cube = shape(ShapeKind::Cube);
-        let bounds = world_bounds(&cube, &pose, None).expect("it has bounds");
-        let extent = Vec3::new(9.0, bounds.extent().y, 0.2);
-        let now = scaled(&pose, &bounds, extent, Some(&cube)).expect("it can be");
-        let expected = axes * Mat3A::from_diagonal(Vec3::new(0.1, 0.7, 4.5));
-        assert_eq!((now.matrix3, now.translation), (expected, pose.translation));
-        // A wall begins at its origin, and keeps its middle.
-        let wall = shape(ShapeKind::Solid(Solid::default()));
-        let bounds = world_bounds(&wall, &Affine3A::IDENTITY, None).expect("it has bounds");
-        let extent = Vec3::new(9.0, 0.2, 2.5);
-        let now = scaled(&Affine3A::IDENTITY, &bounds, extent, Some(&wall)).expect("it can be");
-        assert_eq!(now.translation, Vec3::new(-2.5, 0.0, 0.0).into());
-        assert_eq!(now.matrix3, Mat3A::from_diagonal(Vec3::new(2.25, 1.0, 1.0)));
-    }
-
-    #[test]
-    fn what_is_flat_stays_flat_and_nothing_becomes_flat() {
-        let pose = Affine3A::IDENTITY;
-        assert_eq!(scaled(&pose, &bounds(), Vec3::new(2.0, 2.0, 5.0), None), None);
-        assert_eq!(scaled(&pose, &bounds(), Vec3::new(0.0, 2.0, 0.0), None), None);
-        assert_eq!(scaled(&pose, &bounds(), Vec3::new(2.0, -1.0, 0.0), None), None);
-    }
-
-    #[test]
-    fn only_what_is_turned_by_right_angles_lies_along_the_axes() {
-        let quarter =
-            Mat3A::from_rotation_y(std::f32::consts::FRAC_PI_2) * Mat3A::from_diagonal(Vec3::new(2.0, 3.0, 4.0));
-        assert_eq!(axes_of(&quarter), Some([2, 1, 0]));
-        assert_eq!(axes_of(&Mat3A::from_rotation_y(0.3)), None);
+        let mut harness = Harness::builder().with_size(vec2(400.0, 100.0)).build_ui_state(
+            move |ui: &mut Ui, edits: &mut Vec<(usize, f32)>| edits.extend(sizes(ui, &shown)),
+            Vec::new(),
+        );
+        harness.run_steps(3);
+        assert_eq!(harness.query_all_by_value("mixed").count(), 1);
+        harness.get_by_label("Size X").click();
+        harness.run_steps(3);
+        harness.event(Event::Text("9".to_owned()));
+        harness.run_steps(2);
+        harness.ctx.memory_mut(|memory| memory.stop_text_input());
+        harness.run_steps(3);
+        assert_eq!(harness.state().last(), Some(&(0, 9.0)));
     }
 }

@@ -250,10 +250,8 @@ pub fn integer<'a, N: egui::emath::Numeric>(
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
     let mut copy = value.to_array();
     let drags = ["X", "Y", "Z"].map(|letter| NumberStyle {
-        letter,
-        speed,
         suffix,
-        range: f32::MIN..=f32::MAX,
+        ..NumberStyle::new(letter, speed)
     });
     let changed = numbers(ui, caption, &mut copy, drags);
     write_back(changed, value, Vec3::from_array(copy))
@@ -269,6 +267,21 @@ pub struct NumberStyle<'s> {
     pub suffix: &'s str,
     /// The range of values that can be dragged or typed.
     pub range: RangeInclusive<f32>,
+    /// A text that is shown in place of the number.
+    pub text: Option<&'static str>,
+}
+
+impl<'s> NumberStyle<'s> {
+    /// The style of any number, without a unit.
+    pub(crate) fn new(letter: &'s str, speed: f32) -> Self {
+        Self {
+            letter,
+            speed,
+            suffix: "",
+            range: f32::MIN..=f32::MAX,
+            text: None,
+        }
+    }
 }
 
 /// Shows several numbers side by side, of equal width; the controls are named after the row and their letters.
@@ -310,9 +323,16 @@ pub(crate) fn number_cells<const N: usize>(
             .clamp_existing_to_range(false)
             .max_decimals(MOST_DECIMALS);
         // All numbers of a row have as many decimals as the one that needs most.
-        let drag = typed::number(ui, drag, (name, style.letter), style.range, move |number, _| {
-            legible(number, decimals..=decimals)
-        });
+        let drag = typed::number(
+            ui,
+            drag,
+            (name, style.letter),
+            style.range,
+            move |number, _| match style.text {
+                Some(text) => text.to_owned(),
+                None => legible(number, decimals..=decimals),
+            },
+        );
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         tick(ui, response.rect, style.letter);
         response.widget_info(|| {

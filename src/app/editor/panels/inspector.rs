@@ -17,7 +17,7 @@ use super::{
     camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
 };
 use crate::app::editor::command::{
-    Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, SceneEdit, ValueEdit, ViewCommand,
+    ArrangeEdit, Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, SceneEdit, ValueEdit, ViewCommand,
 };
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
@@ -111,8 +111,13 @@ fn sections(
     if let Some(to_world) = inspected.pose() {
         section(ui, "Transform", |ui| {
             pose(ui, inspected, to_world, scene_size, commands);
-            if let Some(bounds) = &model.extent {
-                size(ui, inspected, to_world, bounds, others > 0, commands);
+            match (&model.extent, model.sizes.filter(|_| others > 0)) {
+                (_, Some(sizes)) => {
+                    let edited = dimensions::sizes(ui, &sizes);
+                    commands.extend(edited.map(|(axis, size)| ArrangeEdit::Resize(axis, size).into()));
+                }
+                (Some(bounds), None) => size(ui, inspected, to_world, bounds, others > 0, commands),
+                (None, None) => {}
             }
         });
     }

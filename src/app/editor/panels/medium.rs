@@ -43,10 +43,8 @@ fn free_path(ui: &mut Ui, medium: &mut Medium) -> bool {
     let mut lengths = path.to_array();
     let speed = 0.01 * lengths.into_iter().filter(|it| it.is_finite()).fold(1e-3, f32::max);
     let styles = ["R", "G", "B"].map(|letter| NumberStyle {
-        letter,
-        speed,
-        suffix: "",
         range: f32::MIN_POSITIVE..=f32::MAX,
+        ..NumberStyle::new(letter, speed)
     });
     let about = "How far light goes on average before it is scattered or absorbed, by colour: the inverse of the extinction times the density. \
                  Over this way the share exp(-1), 37 %, is left. \u{221e}: it takes nothing out.";

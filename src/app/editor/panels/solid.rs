@@ -93,9 +93,7 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
 
 fn style(letter: &'static str, speed: f32, range: std::ops::RangeInclusive<f32>) -> NumberStyle<'static> {
     NumberStyle {
-        letter,
-        speed,
-        suffix: "",
         range,
+        ..NumberStyle::new(letter, speed)
     }
 }

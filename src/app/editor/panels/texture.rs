@@ -140,12 +140,7 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     };
     let mut placing = before;
     let (mut scaling, mut shift) = (before.repeats.to_array(), before.offset.to_array());
-    let style = |letter, speed| NumberStyle {
-        letter,
-        speed,
-        suffix: "",
-        range: f32::MIN..=f32::MAX,
-    };
+    let style = NumberStyle::new;
     let pair = |speed| [style("U", speed), style("V", speed)];
     let mut changed = fields::numbers(ui, caption.titled("Repeats"), &mut scaling, pair(0.02));
     changed |= fields::slider_with(

@@ -28,7 +28,7 @@ use crate::app::editor::command::texture_placing::{texture_groups, upright};
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::hint;
 use crate::app::editor::model::freedom::Freedom;
-use crate::app::editor::model::{EditorModel, Inspected};
+use crate::app::editor::model::{EditorModel, Inspected, Sizes};
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::legend::{Legend, legend};
 use crate::app::editor::picture::outline::SelectionOutline;
@@ -315,6 +315,8 @@ pub(crate) fn gather_viewport(
     seen.targets = sources.targets(&seen.bounds.bounds, &seen.members.members, &seen.stand_ins);
     let extents = seen.targets.iter().filter_map(|target| target.bounds);
     model.0.extent = extents.reduce(Aabb::union);
+    let selected = seen.targets.iter().filter(|target| selection.contains(target.entity));
+    model.0.sizes = Sizes::of(selected.map(|target| target.bounds));
     seen.icons = sources.icons();
     seen.icons.extend(seen.stand_ins.iter().map(|stand_in| stand_in.icon));
     let near = state.blocking.near.iter();

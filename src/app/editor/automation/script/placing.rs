@@ -32,6 +32,8 @@ verbs! {
         [axis, side] => align(axis, side, Reference::Bounds)?,
         [axis, side, "active"] => align(axis, side, Reference::Active)?;
     "distribute" "X|Y|Z gaps|middles (what is selected)" [axis, by] => distribute(axis, by)?;
+    "resize" "X|Y|Z LENGTH (what is selected)"
+        [axis, length] => ArrangeEdit::Resize(axis_of(axis)?, parse_float(length)?);
     "series" "COUNT along X,Y,Z [instances] | COUNT around X|Y|Z DEGREES X,Y,Z (the center) [instances]"
         [count, "along", step, how @ ..] if is_series(how) => series(count, Way::Along(parse_vec3(step)?), how)?,
         [count, "around", axis, degrees, center, how @ ..] if is_series(how) => {

@@ -68,6 +68,38 @@ fn sides_are_brought_in_line() {
 }
 
 #[test]
+fn each_thing_gets_the_size_that_was_typed() {
+    let mut world = bare_world();
+    let things = cubes(&mut world, &[(0.1, 0.0), (0.2, -0.8), (0.5, 5.0)]);
+    let before = things
+        .clone()
+        .into_iter()
+        .map(|thing| pose(&world, thing))
+        .collect::<Vec<_>>();
+    let turned = before[2] * Affine3A::from_rotation_z(0.3);
+    say(&mut world, ValueEdit::Transform(vec![(things[2], turned)]));
+    say(&mut world, ArrangeEdit::Resize(0, 0.7));
+    for (thing, before) in things.iter().zip(&before).take(2) {
+        let now = pose(&world, *thing);
+        assert_eq!((now.matrix3.x_axis.x, now.translation), (0.35, before.translation));
+        assert_eq!(
+            (now.matrix3.y_axis, now.matrix3.z_axis),
+            (before.matrix3.y_axis, before.matrix3.z_axis)
+        );
+    }
+    assert_eq!(pose(&world, things[2]), turned);
+    say(&mut world, HistoryCommand::Undo);
+    assert_eq!(pose(&world, things[0]), before[0]);
+    for size in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(apply_now(&mut world, ArrangeEdit::Resize(0, size)).is_err(), "{size}");
+    }
+}
+
+fn pose(world: &World, thing: Entity) -> Affine3A {
+    world.get::<ToWorld>(thing).expect("a pose").0
+}
+
+#[test]
 fn a_group_is_aligned_as_one() {
     let mut world = bare_world();
     let [a, b] = cubes(&mut world, &[(0.5, 0.0), (0.5, 2.0)])[..] else {
