@@ -17,6 +17,8 @@ pub enum FileDialogKind {
     SaveImage,
     /// A file whose content is added to the scene.
     Import,
+    /// The mesh that the selected shapes get.
+    Replace,
     /// The file in place of a missing one, which the request names.
     FindFile(FileKind),
     /// A picture of all directions, for an environment light.

@@ -38,6 +38,8 @@ pub enum SceneEdit {
     Build(Box<Block>),
     /// Sets the geometry of a shape together with its pose, world from local.
     Reshape(Entity, Shape, Affine3A, Reshaping),
+    /// Gives the selected shapes another geometry. Their poses, materials, names and lights stay.
+    Replace(Replacement),
     /// Removes the selection.
     Delete,
     /// Does `Copy`, then `Delete`.
@@ -47,6 +49,15 @@ pub enum SceneEdit {
     Duplicate,
     /// Makes a series of copies or instances of the selection.
     MakeSeries(Series),
+}
+
+/// The geometry that shapes get.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Replacement {
+    /// That of a mesh file, or of a glTF file with a single shape.
+    File(PathBuf),
+    /// That of another shape.
+    Shape(Entity),
 }
 
 impl SceneEdit {
@@ -69,6 +80,11 @@ impl SceneEdit {
             }),
             Self::Reshape(shape, .., Reshaping::Push) => Traits::drag("Push face").of(&[*shape]),
             Self::Reshape(shape, .., Reshaping::Cut) => Traits::edit("Cut opening").of(&[*shape]),
+            Self::Replace(Replacement::File(path)) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                Traits::edit("Replace").of_selection().giving_name(&name)
+            }
+            Self::Replace(Replacement::Shape(source)) => Traits::edit("Replace").of_selection().giving(Some(*source)),
             Self::Delete => Traits::edit("Delete").of_selection(),
             Self::Cut => Traits::edit("Cut").of_selection(),
             Self::Duplicate => Traits::edit("Duplicate").of_selection(),

@@ -38,37 +38,53 @@ pub fn import_chosen(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// A file's content joins the scene.
-fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
+/// The absolute path of a file that is there.
+pub fn file_of(path: &Path) -> Result<PathBuf, CommandError> {
     let path = read::settle(path);
-    let extension = extension(&path);
-    if !path.is_file() {
-        return Err(CommandError::file(format!(
+    match path.is_file() {
+        true => Ok(path),
+        false => Err(CommandError::file(format!(
             "{}: there is no such file.",
             path.display()
-        )));
+        ))),
+    }
+}
+
+/// The format of a mesh file with this extension; None for other files, also for those of curves.
+pub fn mesh_format(extension: &str) -> Option<MeshFormat> {
+    let formats = [MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Serialized];
+    formats.into_iter().find(|format| format.name() == extension)
+}
+
+/// The geometry of a mesh file.
+pub fn mesh_of(path: PathBuf, format: MeshFormat) -> ShapeKind {
+    ShapeKind::Mesh(MeshFile {
+        path,
+        format,
+        flip_tex_coords: format.flips_tex_coords(),
+        ..MeshFile::default()
+    })
+}
+
+/// A file's content joins the scene.
+fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
+    let path = file_of(path)?;
+    let extension = extension(&path);
+    if let Some(format) = mesh_format(&extension) {
+        add_mesh(edit, path, format);
+        edit.world.resource_mut::<Toasts>().forget(Topic::Saving);
+        return Ok(());
     }
     match extension.as_str() {
-        "obj" => add_mesh(edit, path, MeshFormat::Obj),
-        "ply" => add_mesh(edit, path, MeshFormat::Ply),
-        "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
         volume if VOLUMES.contains(&volume) => volumes::import(edit, &path, None)?,
         picture if PICTURES.contains(&picture) => set_environment(edit, path),
         lamp if LAMPS.contains(&lamp) => add_lamp(edit, path, None)?,
         "xml" | "gltf" | "glb" => {
-            let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
-            let access = trust.access(&path);
-            let mut document = load_document(&path, &[], access).map_err(CommandError::file)?;
-            let scene = read::read(&mut document);
-            let refused = document.access.refused();
-            if document.diagnostics.has_errors() && !refused.is_empty() {
-                trust::ask_about_import(edit.world, &path, refused);
-            }
-            let mut content = without_setting(scene, document.stand_in_light.as_deref());
+            let mut content = scene_of(edit, &path)?;
             if extension != "xml" {
                 group_as(&mut content, &name_of(&path));
             }
-            insert_all(edit, content, &document.diagnostics).map_err(CommandError::file)?;
+            insert_all(edit, content).map_err(CommandError::file)?;
         }
         _ => {
             return Err(CommandError::file(format!(
@@ -79,6 +95,20 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     }
     edit.world.resource_mut::<Toasts>().forget(Topic::Saving);
     Ok(())
+}
+
+/// The content of a scene or a glTF file. Where it names files that may not be read, the user is asked.
+pub fn scene_of(edit: &mut Edit, path: &Path) -> Result<SceneDescription, CommandError> {
+    let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
+    let access = trust.access(path);
+    let mut document = load_document(path, &[], access).map_err(CommandError::file)?;
+    let scene = read::read(&mut document);
+    let refused = document.access.refused();
+    if document.diagnostics.has_errors() && !refused.is_empty() {
+        trust::ask_about_import(edit.world, path, refused);
+    }
+    check(&document.diagnostics).map_err(CommandError::file)?;
+    Ok(without_setting(scene, document.stand_in_light.as_deref()))
 }
 
 /// The scene without cameras and without the light that stands in where a file has none: the scene that imports it has
@@ -152,14 +182,8 @@ fn name_of(file: &Path) -> String {
 
 fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
     let name = free_name_for(edit.world, &name_of(&path));
-    let mesh = ShapeKind::Mesh(MeshFile {
-        path,
-        format,
-        flip_tex_coords: format.flips_tex_coords(),
-        ..MeshFile::default()
-    });
     let shape = Shape {
-        kind: mesh,
+        kind: mesh_of(path, format),
         ..Shape::default()
     };
     let order = DocumentOrder(next_order(edit.world));
@@ -224,18 +248,21 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), CommandError> {
     // A text from elsewhere may name files that its reader does not know.
     let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], SceneAccess::of(edit.world));
     let scene = read::read(&mut document);
-    Ok(insert_all(edit, scene, &document.diagnostics)?)
+    check(&document.diagnostics)?;
+    Ok(insert_all(edit, scene)?)
+}
+
+/// The first error as a sentence for the user.
+fn check(diagnostics: &Diagnostics) -> Result<(), String> {
+    let mut errors = diagnostics.list.iter();
+    match errors.find(|diagnostic| diagnostic.severity == Severity::Error) {
+        Some(first) => Err(diagnostics.line(first)),
+        None => Ok(()),
+    }
 }
 
 /// The error is a sentence for the user.
-fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostics) -> Result<(), String> {
-    if diagnostics.has_errors() {
-        let first = diagnostics
-            .list
-            .iter()
-            .find(|diagnostic| diagnostic.severity == Severity::Error);
-        return Err(first.map_or_else(String::new, |error| diagnostics.line(error)));
-    }
+fn insert_all(edit: &mut Edit, scene: SceneDescription) -> Result<(), String> {
     let inserted = insert(edit.world, &scene);
     if inserted.all.is_empty() {
         return Err("There is nothing in it.".to_owned());

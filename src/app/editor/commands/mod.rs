@@ -34,6 +34,7 @@ pub(crate) mod plugin;
 mod preset_media;
 mod projection;
 mod rendering;
+mod replacing;
 pub(crate) mod saving;
 mod scene;
 pub mod scene_watch;

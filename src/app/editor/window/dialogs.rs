@@ -8,6 +8,7 @@ use bevy_egui::egui;
 use super::file_dialog::listing::folders_of;
 use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
+use crate::app::editor::command::scene::Replacement;
 use crate::app::editor::command::shell::{ShellCommand, SoughtFile};
 use crate::app::editor::command::{BakeCommand, Command, FileCommand, FileDialogKind, SceneEdit, TextureEdit};
 use crate::app::editor::session::requests::Requests;
@@ -96,7 +97,7 @@ impl Dialogs {
                     FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
                         self.picture_folder = folder
                     }
-                    FileDialogKind::Import => self.import_folder = folder,
+                    FileDialogKind::Import | FileDialogKind::Replace => self.import_folder = folder,
                     FileDialogKind::AssetFolder | FileDialogKind::BakeFolder => self.around_folder = folder,
                     FileDialogKind::ExportScene => self.export_folder = folder,
                     FileDialogKind::FindFile(_) => self.found_folder = folder,
@@ -124,7 +125,7 @@ impl Dialogs {
             FileDialogKind::SaveScene => own_folder(model),
             FileDialogKind::ExportScene => self.export_folder.clone().or_else(|| own_folder(model)),
             FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
-            FileDialogKind::Import => self.import_folder.clone(),
+            FileDialogKind::Import | FileDialogKind::Replace => self.import_folder.clone(),
             FileDialogKind::FindFile(_) => self.found_folder.clone(),
             FileDialogKind::AssetFolder => self.around_folder.clone(),
             FileDialogKind::BakeFolder => self.around_folder.clone().or_else(|| own_folder(model)),
@@ -241,6 +242,7 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
             ));
         }
         FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::from(SceneEdit::Import(path)),
+        FileDialogKind::Replace => Command::from(SceneEdit::Replace(Replacement::File(path))),
         FileDialogKind::OpenPicture {
             owner,
             parameter,
@@ -254,6 +256,8 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
     })
 }
 
+/// The extensions of files whose mesh other shapes can get.
+const MESHES: &[&str] = &["obj", "ply", "serialized", "glb", "gltf"];
 /// The extensions of files that can be imported: meshes, scenes, volumes, lamps and environments.
 const IMPORTS: &[&str] = &[
     "obj",
@@ -293,6 +297,7 @@ fn opened(
             "Import a mesh, a volume, a scene, a lamp or an environment".to_owned(),
             Purpose::Open(IMPORTS),
         ),
+        FileDialogKind::Replace => ("Replace by a mesh".to_owned(), Purpose::Open(MESHES)),
         FileDialogKind::FindFile(kind) => (
             sought.map_or_else(
                 || "Find the file".to_owned(),

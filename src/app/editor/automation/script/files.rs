@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use bevy::prelude::World;
+
 use super::error::ScriptError;
-use super::names::parse_place;
+use super::names::{named, parse_place};
 use super::verb::verbs;
 use crate::app::editor::command::asset_kind::FileUse;
+use crate::app::editor::command::scene::Replacement;
 use crate::app::editor::command::{FileCommand, SceneEdit};
 use crate::document::paths::settle;
 use crate::scene::write::OnChange;
@@ -24,10 +27,20 @@ verbs! {
     VERBS(world):
     "save-image-to" "FILE" [path] => FileCommand::SaveImage(path.into());
     "import-file" "FILE" [path] => SceneEdit::Import(path.into());
+    "replace" "NAME (of a shape)|FILE (what is selected)" [by] => replacement(world, by)?;
     "find-file" "MISSING FOUND" [missing, found] => found_file(missing, found);
     "use-file" "FILE [X,Y (0 to 1 from the upper left); else for the selection]"
         [path, at @ ..] if at.len() < 2 => use_file(path, at.first().copied())?;
     "paste" "XML (to the end of the line)" [xml] => SceneEdit::Paste((*xml).to_owned());
+}
+
+/// A shape of this name, or else a file.
+fn replacement(world: &mut World, by: &str) -> Result<SceneEdit, ScriptError> {
+    Ok(SceneEdit::Replace(match named(world, by) {
+        Ok(shape) => Replacement::Shape(shape),
+        Err(_) if Path::new(by).extension().is_some() => Replacement::File(settle(Path::new(by))),
+        Err(error) => return Err(error),
+    }))
 }
 
 fn found_file(missing: &str, found: &str) -> SceneEdit {

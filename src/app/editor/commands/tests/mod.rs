@@ -15,6 +15,7 @@ mod materials;
 mod picking;
 mod placing;
 mod projecting;
+mod replacing;
 mod saving;
 mod seeing;
 mod steps;

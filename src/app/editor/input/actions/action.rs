@@ -128,6 +128,7 @@ impl Action {
             "missing-files" => "All files of the scene are there",
             "revert" => "There are no edits that the file of the scene has not",
             "place-texture" => "For a selected shape with a picture or a checkerboard in its material",
+            "replace-by-active" => "Select shapes, and last the one whose geometry they get",
             _ => "For what is selected",
         }
     }

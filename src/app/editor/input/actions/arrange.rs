@@ -5,10 +5,11 @@ use bevy_egui::egui::Key;
 use super::action::{Action, ActionContext, Group, action, plain, shift};
 use crate::app::editor::command::arrange::{Direction, Reference, Side, Spacing};
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Pivot};
+use crate::app::editor::command::scene::Replacement;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::snapping::{SnapTo, Snapping};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{ArrangeEdit, Command, ToolCommand};
+use crate::app::editor::command::{ArrangeEdit, Command, FileCommand, FileDialogKind, SceneEdit, ToolCommand};
 
 macro_rules! snap_to {
     ($name:literal, $label:literal, $to:ident) => {
@@ -141,6 +142,25 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Arrange, "series", "Series of copies…", &[], |context| {
         context.with_selection(ShellCommand::ShowSheet(Sheet::Series))
     }),
+    action(
+        Group::Arrange,
+        "replace-by-file",
+        "Replace by a mesh…",
+        &[],
+        |context| context.with_selection(FileCommand::ShowDialog(FileDialogKind::Replace)),
+    ),
+    action(
+        Group::Arrange,
+        "replace-by-active",
+        "Replace by the shape selected last",
+        &[],
+        |context| {
+            let [_, .., active] = *context.selection.entities() else {
+                return None;
+            };
+            Some(SceneEdit::Replace(Replacement::Shape(active)).into())
+        },
+    ),
     action(Group::Arrange, "fit-to-view", "Fit to view", &[], |context| {
         context.with_selection(ArrangeEdit::FitToView(context.selection.entities().to_vec()))
     }),
