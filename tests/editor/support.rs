@@ -108,6 +108,7 @@ impl ViewportContent {
             },
             keys: ActionContext::new(&self.selection),
             extent: None,
+            series: None,
             rulers: &[],
             is_empty: false,
             depths: Default::default(),

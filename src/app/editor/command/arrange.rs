@@ -3,7 +3,7 @@
 use super::traits::Traits;
 use bevy::prelude::Entity;
 
-use bevy::math::Vec3;
+use bevy::math::{Affine3A, Quat, Vec3};
 
 declare_names! {
     /// The part of each thing's bounds that is brought in line.
@@ -47,6 +47,26 @@ pub struct Series {
     pub way: Way,
     /// Whether the copies are instances of one group of shapes, and not shapes of their own.
     pub instances: bool,
+}
+
+impl Series {
+    /// The map of the world that takes the original to the thing with this number, 0 for the original itself.
+    pub fn map(&self, number: u32) -> Affine3A {
+        match self.way {
+            Way::Along(step) => Affine3A::from_translation(step * number as f32),
+            Way::Around { axis, degrees, center } => {
+                // A whole ring does not end where it began.
+                let steps = if degrees.abs() < 360.0 {
+                    self.count - 1
+                } else {
+                    self.count
+                };
+                let angle = degrees * number as f32 / steps as f32;
+                let turn = Quat::from_axis_angle(Vec3::AXES[axis.min(2)], angle.to_radians());
+                Affine3A::from_translation(center) * Affine3A::from_quat(turn) * Affine3A::from_translation(-center)
+            }
+        }
+    }
 }
 
 /// The transform from one thing of a series to the next.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use bevy::math::{Affine3A, Quat};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::{arranging, grouping, media_upkeep, placing, things};
@@ -90,19 +90,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
 fn along(series: &Series, number: u32, pose: &Affine3A, unit: f64) -> Affine3A {
     match series.way {
         Way::Along(step) => moved(pose, step.map(|part| rounding::multiple(part, number))),
-        Way::Around { axis, degrees, center } => {
-            // A whole ring does not end where it began.
-            let steps = if degrees.abs() < 360.0 {
-                series.count - 1
-            } else {
-                series.count
-            };
-            let angle = degrees * number as f32 / steps as f32;
-            let turn = Quat::from_axis_angle(Vec3::AXES[axis.min(2)], angle.to_radians());
-            let about =
-                Affine3A::from_translation(center) * Affine3A::from_quat(turn) * Affine3A::from_translation(-center);
-            with_rounded_place(about * *pose, unit)
-        }
+        Way::Around { .. } => with_rounded_place(series.map(number) * *pose, unit),
     }
 }
 

@@ -70,7 +70,8 @@ pub fn series(ui: &mut Ui, form: &mut SeriesForm, suggested: Vec3, commands: &mu
 }
 
 impl SeriesForm {
-    fn series(&self, suggested: Vec3) -> Series {
+    /// The series that *Make* would make. `suggested` is as in [`series`].
+    pub fn series(&self, suggested: Vec3) -> Series {
         Series {
             count: self.count,
             way: match self.is_ring {

@@ -42,7 +42,7 @@ pub(super) fn paint(painter: &Painter, screen: &Screen, bounds: &Aabb, unit: Len
 }
 
 /// The four edges along an axis.
-fn edges(bounds: &Aabb, axis: usize) -> [[Vec3; 2]; 4] {
+pub(super) fn edges(bounds: &Aabb, axis: usize) -> [[Vec3; 2]; 4] {
     let [beside, other] = [(axis + 1) % 3, (axis + 2) % 3];
     [(false, false), (false, true), (true, true), (true, false)].map(|(far, high)| {
         let mut from = bounds.min;

@@ -23,6 +23,7 @@ mod paused;
 pub(crate) mod placing;
 pub mod pointer;
 pub(crate) mod rulers;
+mod series;
 mod snap_menu;
 pub mod stand_ins;
 pub mod state;
@@ -372,6 +373,9 @@ fn paint_scene(ui: &Ui, painter: &egui::Painter, screen: &Screen, model: &Viewpo
         && let Some(bounds) = model.extent
     {
         extent::paint(painter, screen, &bounds, model.gizmo.unit, &mut tags);
+    }
+    if let Some(series) = &model.series {
+        series::paint(painter, screen, series, model.gizmo.targets);
     }
     let begun = state.pointer.measured_from;
     rulers::paint(painter, screen, model, begun, pointer, &mut tags);

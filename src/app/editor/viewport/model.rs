@@ -11,6 +11,7 @@ use super::icons::Icon;
 use super::stand_ins::StandIn;
 use super::texturing::{TextureTarget, TexturingModel};
 use crate::app::editor::camera::navigation::Navigation;
+use crate::app::editor::command::arrange::Series;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
@@ -97,6 +98,8 @@ pub struct ViewportModel<'a> {
     pub mouse: egui::Vec2,
     /// The box around the selection in the world.
     pub extent: Option<Aabb>,
+    /// The series of copies that the open form would make.
+    pub series: Option<Series>,
     /// The distances that were measured.
     pub rulers: &'a [Ruler],
     /// Whether the scene is loaded and has no shapes.

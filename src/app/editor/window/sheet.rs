@@ -2,7 +2,7 @@
 //! the list of keys, forms, the start page.
 
 use bevy::math::Vec3;
-use bevy_egui::egui::{self, Id, Modal, RichText, Ui};
+use bevy_egui::egui::{self, Align2, Color32, Id, Modal, RichText, Ui};
 
 use super::dialog::{self, is_typed};
 use super::palette::Palette;
@@ -66,13 +66,18 @@ pub fn show(
         Sheet::Preferences | Sheet::Keys => pages(context, shown, sheet, &mut widgets.keys, commands),
         Sheet::Series => {
             let form = &mut widgets.series;
-            form_sheet(context, "Series of copies", model, |ui| {
+            // The picture beside it shows the boxes of the copies.
+            let id = Id::new("series");
+            let area = Modal::default_area(id).anchor(Align2::RIGHT_CENTER, egui::vec2(-16.0, 0.0));
+            let modal = Modal::new(id).area(area).backdrop_color(Color32::TRANSPARENT);
+            form_sheet(context, modal, "Series of copies", model, |ui| {
                 series(ui, form, shown.step, commands)
             })
         }
         Sheet::Projection => {
             let (form, shapes) = (&mut widgets.projection, shown.actions.selection.entities());
-            form_sheet(context, "Project texture", model, |ui| {
+            let modal = Modal::new(Id::new("projection"));
+            form_sheet(context, modal, "Project texture", model, |ui| {
                 projection(ui, form, shapes, commands)
             })
         }
@@ -105,8 +110,14 @@ pub fn show(
 }
 
 /// Shows a form, whose content returns true when it is finished; returns false when it is to be closed.
-fn form_sheet(context: &egui::Context, title: &str, model: &Model, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    let modal = dialog::form(context, Modal::new(Id::new(title)), |ui| {
+fn form_sheet(
+    context: &egui::Context,
+    modal: Modal,
+    title: &str,
+    model: &Model,
+    content: impl FnOnce(&mut Ui) -> bool,
+) -> bool {
+    let modal = dialog::form(context, modal, |ui| {
         ui.set_width(320.0);
         ui.label(RichText::new(title).heading().strong());
         ui.add_space(6.0);

@@ -182,15 +182,20 @@ pub fn show_window(
         });
     }
     let mouse = egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y);
-    let shown = viewport_model(
-        &scene,
-        &shell.preferences,
-        model,
-        action_context,
-        &presses,
-        mouse,
-        is_free,
-    );
+    let step = gizmo::step_beside(&seen.targets, settings.length_step());
+    let has_series_form = requests.sheet == Some(Sheet::Series);
+    let shown = ViewportModel {
+        series: has_series_form.then(|| widgets.series.series(step)),
+        ..viewport_model(
+            &scene,
+            &shell.preferences,
+            model,
+            action_context,
+            &presses,
+            mouse,
+            is_free,
+        )
+    };
     widgets.bake.follow(layout, &model.bake);
     if let Some(group) = requests.nameless_group.take() {
         widgets.outliner.ask_for_name(group, ui.input(|input| input.time));
@@ -236,7 +241,7 @@ pub fn show_window(
         problem: shell.preferences_file.problem.as_deref(),
         presses: &pressed,
         left: &shell.recovery.left,
-        step: gizmo::step_beside(&seen.targets, shown.gizmo.length_step),
+        step,
     };
     // The start page waits until the questions are answered.
     let asks = shell.recovery.offer.is_some() || shell.trusted.question.is_some();
@@ -342,6 +347,7 @@ fn viewport_model<'a>(
         keys,
         mouse,
         extent: model.extent,
+        series: None,
         rulers: &settings.rulers,
         is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
         depths: Depths::rendered(&scene.film),
