@@ -1,4 +1,4 @@
-//! Meshes of walls, stairs and prisms: closed, with outward normals, of the right volume, with texture coordinates in
+//! Meshes of walls, stairs, prisms and roofs: closed, with outward normals, of the right volume, with texture coordinates in
 //! lengths.
 
 use std::collections::HashMap;
@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::ply::load_ply;
-use sunroom::geometry::solid::{Hole, prism, stairs, to_ply, wall};
+use sunroom::geometry::solid::{Hole, Roof, RoofForm, prism, roof, stairs, to_ply, wall};
 
 fn hole(from: f32, sill: f32, width: f32, height: f32) -> Hole {
     Hole {
@@ -147,6 +147,106 @@ fn prisms_are_closed_and_as_large_as_frusta() {
     assert!((lowest + 0.5f32.sqrt()).abs() < 1e-6);
 }
 
+/// A roof over 8 x 6 that rises by 2.
+fn over_a_house(form: RoofForm, overhang: f32, gable: f32) -> Roof {
+    Roof {
+        form,
+        width: 8.0,
+        depth: 6.0,
+        height: 2.0,
+        overhang,
+        thickness: 0.2,
+        gable,
+    }
+}
+
+#[test]
+fn roofs_are_closed_and_as_thick_as_was_said() {
+    for form in [RoofForm::Gable, RoofForm::Hip, RoofForm::Shed] {
+        for overhang in [0.0, 0.4] {
+            for gable in [0.0, 0.25, 5.0] {
+                let about = over_a_house(form, overhang, gable);
+                let name = format!("{about:?}");
+                let mesh = roof(&about);
+                check(&name, &mesh);
+                let (run, ends) = match form {
+                    RoofForm::Gable | RoofForm::Hip => (3.0, 0.5 * 6.0 * 2.0),
+                    RoofForm::Shed => (6.0, 0.5 * 6.0 * 2.0),
+                };
+                let slab = 0.2 * f32::hypot(1.0, 2.0 / run);
+                let thick = f32::min(gable, 4.0);
+                let walls = match form {
+                    RoofForm::Hip => 0.0,
+                    RoofForm::Gable => 2.0 * thick * ends,
+                    // The mean height of the wall at the high side.
+                    RoofForm::Shed => {
+                        let back = f32::min(gable, 6.0);
+                        2.0 * thick * ends + (8.0 - 2.0 * thick) * back * 2.0 * (1.0 - back / 12.0)
+                    }
+                };
+                let expected = (8.0 + 2.0 * overhang) * (6.0 + 2.0 * overhang) * slab + walls;
+                assert!(
+                    (volume(&mesh) - expected).abs() < 1e-3,
+                    "{name}: {} {expected}",
+                    volume(&mesh)
+                );
+                let bounds = mesh.bounds();
+                let [low, high] = about.corners();
+                assert!(
+                    low.abs_diff_eq(bounds.min, 1e-5) && high.abs_diff_eq(bounds.max, 1e-5),
+                    "{name}"
+                );
+                assert!((bounds.min.z + overhang * 2.0 / run).abs() < 1e-5, "{name}");
+                let end = Vec3::new(4.0 + overhang, 3.0 + overhang, 0.0);
+                assert_eq!(
+                    (bounds.max - bounds.max.z * Vec3::Z, bounds.min.y),
+                    (end, -end.y),
+                    "{name}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_slopes_of_a_roof_face_upwards_and_have_true_lengths() {
+    let about = over_a_house(RoofForm::Gable, 0.4, 0.0);
+    let mesh = roof(&about);
+    let rise = about.slab_height();
+    // From the ridge down to the eaves.
+    let way = f32::hypot(3.4, 3.4 * 2.0 / 3.0);
+    let mut seen = 0;
+    for ((position, normal), uv) in mesh.positions.iter().zip(&mesh.normals).zip(&mesh.uvs) {
+        let is_eaves = position.y == -3.4 && (position.z - (rise - 0.4 * 2.0 / 3.0)).abs() < 1e-5;
+        if is_eaves && normal.z > 0.5 {
+            // Texture coordinates begin at the ridge of the underside.
+            let above = rise / about.slope().hypot(1.0) * about.slope();
+            assert!((uv.y - (way - above)).abs() < 1e-4, "{position} {uv} {way}");
+            assert!((uv.x - position.x).abs() < 1e-5, "{position} {uv}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 0);
+    // The ridge of a hip roof runs along the longer side, and over a square it is a point.
+    for (width, depth, length) in [(8.0, 6.0, 2.0), (6.0, 8.0, 2.0), (6.0, 6.0, 0.0)] {
+        let about = Roof {
+            width,
+            depth,
+            ..over_a_house(RoofForm::Hip, 0.3, 0.0)
+        };
+        let mesh = roof(&about);
+        check("hip", &mesh);
+        let top = mesh.bounds().max.z - 1e-5;
+        let ridge = mesh.positions.iter().filter(|place| place.z > top);
+        let low = ridge.clone().copied().reduce(Vec3::min).expect("a ridge");
+        let high = ridge.copied().reduce(Vec3::max).expect("a ridge");
+        assert!(
+            ((high - low).length() - length).abs() < 1e-5,
+            "{width} {depth}: {low} {high}"
+        );
+    }
+}
+
 #[test]
 fn pictures_stand_upright_on_walls() {
     let mesh = wall(4.0, 2.5, 0.2, &[]);
@@ -173,6 +273,8 @@ fn faces_of_all_sizes_have_normals() {
             ("wall", wall(4.0 * size, 2.5 * size, 0.2 * size, &holes), None),
             ("stairs", stairs(size, 4.0 * size, 2.5 * size, 3), None),
             ("prism", prism(size, size, size, 6), Some(20)),
+            ("roof", roof(&large(RoofForm::Gable, size)), None),
+            ("hip", roof(&large(RoofForm::Hip, size)), None),
         ] {
             assert!(!mesh.triangles.is_empty(), "{name} {size}");
             assert!(
@@ -186,9 +288,26 @@ fn faces_of_all_sizes_have_normals() {
     }
 }
 
+fn large(form: RoofForm, size: f32) -> Roof {
+    Roof {
+        form,
+        width: 8.0 * size,
+        depth: 6.0 * size,
+        height: 2.0 * size,
+        overhang: 0.4 * size,
+        thickness: 0.2 * size,
+        gable: 0.2 * size,
+    }
+}
+
 #[test]
 fn numbers_that_are_no_lengths_make_no_wall() {
     for length in [-1.0, f32::NAN] {
+        let flawed = Roof {
+            depth: length,
+            ..over_a_house(RoofForm::Shed, 0.4, 0.2)
+        };
+        assert!(roof(&flawed).triangles.is_empty(), "{length}");
         let mesh = wall(length, 1.0, 0.1, &[hole(0.0, 0.0, 1.0, 1.0)]);
         assert!(mesh.triangles.is_empty(), "{length}");
     }

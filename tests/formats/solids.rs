@@ -1,4 +1,4 @@
-//! Walls, stairs and prisms: read, edited and saved as numbers, rendered as meshes, and written as PLY files for other
+//! Walls, stairs, prisms and roofs: read, edited and saved as numbers, rendered as meshes, and written as PLY files for other
 //! programs.
 
 use std::path::Path;
@@ -74,6 +74,68 @@ fn an_edit_of_a_wall_changes_its_line_and_nothing_else() {
 }
 
 #[test]
+fn roofs_are_saved_as_their_numbers() {
+    const ROOFS: &str = "<scene version=\"3.0.0\">
+  <sensor type=\"perspective\"/>
+  <shape type=\"gableroof\" id=\"house\"><float name=\"overhang\" value=\"0\"/></shape>
+  <shape type=\"hiproof\"><float name=\"width\" value=\"9\"/></shape>
+  <shape type=\"shedroof\"><float name=\"gable\" value=\"0\"/></shape>
+</scene>
+";
+    let folder = tempfile::tempdir().unwrap();
+    let [path, new] = ["main.xml", "new.xml"].map(|name| folder.path().join(name));
+    std::fs::write(&path, ROOFS).unwrap();
+    let (mut scene, messages) = describe(&path);
+    assert_eq!(messages, [""; 0]);
+    let known = solids(&scene);
+    assert!(matches!(
+        known[0],
+        Solid::GableRoof {
+            overhang: 0.0,
+            gable: 0.2,
+            ..
+        }
+    ));
+    assert!(matches!(
+        known[1],
+        Solid::HipRoof {
+            width: 9.0,
+            depth: 5.0,
+            ..
+        }
+    ));
+    assert!(matches!(
+        known[2],
+        Solid::ShedRoof {
+            gable: 0.0,
+            height: 1.2,
+            ..
+        }
+    ));
+    save_description(&scene, &path).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), ROOFS);
+    if let ShapeKind::Solid(Solid::HipRoof { width, .. }) = &mut scene.shapes[1].shape.kind {
+        *width = 7.5;
+    }
+    save_description(&scene, &path).unwrap();
+    assert_eq!(
+        std::fs::read_to_string(&path).unwrap(),
+        ROOFS.replace("value=\"9\"", "value=\"7.5\"")
+    );
+    assert_eq!(solids(&describe(&path).0), solids(&scene));
+    // Other programs get closed meshes.
+    write_anew(&scene, &new, Extensions::Keep).unwrap();
+    let (portable, messages) = describe(&new);
+    assert_eq!(messages, [""; 0]);
+    assert!(
+        portable
+            .shapes
+            .iter()
+            .all(|shape| matches!(shape.shape.kind, ShapeKind::Mesh(_)))
+    );
+}
+
+#[test]
 fn numbers_that_make_no_building_part_are_errors_at_their_place() {
     let cases = [
         ("wall", "<float name='length' value='0'/>", "`length`"),
@@ -82,6 +144,8 @@ fn numbers_that_make_no_building_part_are_errors_at_their_place() {
         ("stairs", "<integer name='steps' value='201'/>", "`steps`"),
         ("prism", "<integer name='sides' value='2'/>", "`sides`"),
         ("prism", "<float name='top_radius' value='-1'/>", "`top_radius`"),
+        ("gableroof", "<float name='thickness' value='0'/>", "`thickness`"),
+        ("shedroof", "<float name='overhang' value='-1'/>", "`overhang`"),
     ];
     for (plugin, parameter, expected) in cases {
         let text = format!(

@@ -70,6 +70,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         true,
     ),
     ("scene/components/atmosphere", &["light"], true),
+    ("scene/components/solid", &["geometry"], true),
     (
         "scene/export",
         &[

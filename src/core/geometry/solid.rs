@@ -1,8 +1,10 @@
-//! Meshes of parametric building parts: walls with openings, stairs, prisms.
+//! Meshes of parametric building parts: walls with openings, stairs, prisms, roofs.
 //!
-//! All stand on the plane z = 0 of their own space, with z upwards. They are closed surfaces with flat normals outward.
+//! All stand on the plane z = 0 of their own space, with z upwards; the eaves of roofs hang below it. They are closed surfaces with flat normals outward.
 //! Texture coordinates are lengths on the face in the units of the space, u to the right and v downwards as seen from
 //! outside, so that textures stand upright and keep their size on faces of all sizes.
+
+mod roof;
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
@@ -11,6 +13,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::mesh::MeshData;
 use super::polygon::triangulate;
+pub use roof::{Roof, RoofForm, roof};
 
 /// An opening, as a rectangle of the wall's face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

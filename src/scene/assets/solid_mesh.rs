@@ -36,6 +36,9 @@ pub fn solid_mesh(part: &Solid) -> MeshData {
             height,
             sides,
         } => solid::prism(*radius, *top_radius, *height, *sides),
+        Solid::GableRoof { .. } | Solid::HipRoof { .. } | Solid::ShedRoof { .. } => {
+            part.roof().map_or_else(MeshData::default, |roof| solid::roof(&roof))
+        }
     }
 }
 

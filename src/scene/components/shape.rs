@@ -193,7 +193,7 @@ pub enum ShapeKind {
         /// The radius, above 0.
         radius: f32,
     },
-    /// A wall, stairs or a prism.
+    /// A wall, stairs, a prism or a roof.
     Solid(Solid),
     /// The triangles or the curves of a file.
     Mesh(MeshFile),
@@ -210,7 +210,7 @@ impl ShapeKind {
     }
 
     /// The names of all plugins except groups.
-    pub const PLUGINS: [&'static str; 15] = [
+    pub const PLUGINS: [&'static str; 18] = [
         "sphere",
         "rectangle",
         "cube",
@@ -220,6 +220,9 @@ impl ShapeKind {
         "wall",
         "stairs",
         "prism",
+        "gableroof",
+        "hiproof",
+        "shedroof",
         "instance",
         "obj",
         "ply",

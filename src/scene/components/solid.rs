@@ -1,4 +1,5 @@
-//! Parametric building parts: walls with openings, stairs, prisms. Each stands on the plane z = 0 of its own space.
+//! Parametric building parts: walls with openings, stairs, prisms, roofs. Each stands on the plane z = 0 of its own
+//! space, and only the eaves of roofs hang below it.
 //!
 //! These plugins are extensions of the format. A file holds the parameters; meshes are made from them
 //! ([`crate::scene::assets::solid_mesh`]), also when `convert` writes a scene for other programs.
@@ -10,6 +11,7 @@ use super::declare::{PluginInfo, declare_plugins};
 use super::parameter_info::ParameterInfo;
 use super::parameters::{Declared, ParameterMut, ParameterRef};
 use super::wall_openings::{MOST_OPENINGS, Opening};
+use crate::geometry::solid::{Roof, RoofForm};
 
 declare_plugins! {
     /// A building part.
@@ -58,6 +60,38 @@ declare_plugins! {
                 ParameterInfo::new("sides", "Sides", "The number of sides.", "3 to 256").within(3.0..=256.0)
             ),
         },
+
+        /// A roof of two slopes over a rectangle around the z axis, with its ridge along x.
+        [PluginInfo::new("gableroof", "gable roof")]
+        GableRoof {
+            width: f32 = 6.0 => Length(WIDTH),
+            depth: f32 = 5.0 => Length(DEPTH),
+            height: f32 = 1.75 => Length(RISE),
+            overhang: f32 = 0.4 => Length(OVERHANG),
+            thickness: f32 = 0.2 => Length(SLAB),
+            gable: f32 = 0.2 => Length(GABLE),
+        },
+
+        /// A roof of four slopes of one pitch over a rectangle around the z axis.
+        [PluginInfo::new("hiproof", "hip roof")]
+        HipRoof {
+            width: f32 = 6.0 => Length(WIDTH),
+            depth: f32 = 5.0 => Length(DEPTH),
+            height: f32 = 1.75 => Length(RISE),
+            overhang: f32 = 0.4 => Length(OVERHANG),
+            thickness: f32 = 0.2 => Length(SLAB),
+        },
+
+        /// A roof of one slope over a rectangle around the z axis, which rises along +y.
+        [PluginInfo::new("shedroof", "shed roof")]
+        ShedRoof {
+            width: f32 = 6.0 => Length(WIDTH),
+            depth: f32 = 5.0 => Length(DEPTH),
+            height: f32 = 1.2 => Length(RISE),
+            overhang: f32 = 0.4 => Length(OVERHANG),
+            thickness: f32 = 0.2 => Length(SLAB),
+            gable: f32 = 0.2 => Length(GABLE),
+        },
     }
 }
 
@@ -66,7 +100,30 @@ const fn extent(name: &'static str, label: &'static str, about: &'static str) ->
     ParameterInfo::new(name, label, about, "a length above 0").within(1e-4..=f32::MAX)
 }
 
+/// A length that may be 0.
+const fn distance(name: &'static str, label: &'static str, about: &'static str) -> ParameterInfo {
+    ParameterInfo::new(name, label, about, "a length, 0 or more").within(0.0..=f32::MAX)
+}
+
 const HEIGHT: ParameterInfo = extent("height", "Height", "The extent upwards.");
+const WIDTH: ParameterInfo = extent("width", "Width", "The extent along x of what is under the roof.");
+const DEPTH: ParameterInfo = extent("depth", "Depth", "The extent along y of what is under the roof.");
+const RISE: ParameterInfo = extent(
+    "height",
+    "Height",
+    "The rise of the slopes over what is under the roof.",
+);
+const OVERHANG: ParameterInfo = distance(
+    "overhang",
+    "Overhang",
+    "The level distance by which the roof goes beyond the walls.",
+);
+const SLAB: ParameterInfo = extent("thickness", "Thickness", "The thickness across the slopes.");
+const GABLE: ParameterInfo = distance(
+    "gable",
+    "Gable walls",
+    "The thickness of the walls below the slopes; with 0 there are none.",
+);
 
 impl Default for Solid {
     fn default() -> Self {
@@ -126,7 +183,68 @@ impl Solid {
                 let reach = radius.max(top_radius);
                 [Vec3::new(-reach, -reach, 0.0), Vec3::new(reach, reach, height)]
             }
+            Self::GableRoof { .. } | Self::HipRoof { .. } | Self::ShedRoof { .. } => {
+                self.roof().map_or([Vec3::ZERO; 2], |roof| roof.corners())
+            }
         }
+    }
+
+    /// The numbers of a roof; None for other parts.
+    pub fn roof(&self) -> Option<Roof> {
+        let (form, [width, depth, height, overhang, thickness, gable]) = match *self {
+            Self::GableRoof {
+                width,
+                depth,
+                height,
+                overhang,
+                thickness,
+                gable,
+            } => (RoofForm::Gable, [width, depth, height, overhang, thickness, gable]),
+            Self::HipRoof {
+                width,
+                depth,
+                height,
+                overhang,
+                thickness,
+            } => (RoofForm::Hip, [width, depth, height, overhang, thickness, 0.0]),
+            Self::ShedRoof {
+                width,
+                depth,
+                height,
+                overhang,
+                thickness,
+                gable,
+            } => (RoofForm::Shed, [width, depth, height, overhang, thickness, gable]),
+            Self::Wall { .. } | Self::Stairs { .. } | Self::Prism { .. } => return None,
+        };
+        Some(Roof {
+            form,
+            width,
+            depth,
+            height,
+            overhang,
+            thickness,
+            gable,
+        })
+    }
+
+    /// The roof of another form with the same lengths; None unless both are roofs.
+    pub fn roof_as(&self, plugin: &str) -> Option<Self> {
+        self.roof()?;
+        let mut other = Self::of_plugin(plugin).filter(|other| other.roof().is_some())?;
+        let mut known = Vec::new();
+        self.clone().visit_mut(&mut |info, value| {
+            if let ParameterMut::Length(length) = value {
+                known.push((info.name, *length));
+            }
+        });
+        other.visit_mut(&mut |info, value| {
+            let same = known.iter().find(|(name, _)| *name == info.name);
+            if let (ParameterMut::Length(length), Some((_, same))) = (value, same) {
+                *length = *same;
+            }
+        });
+        Some(other)
     }
 
     /// The part with all its lengths times this factor.
@@ -139,6 +257,29 @@ impl Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_roof_of_another_form_keeps_its_lengths() {
+        let gable = Solid::GableRoof {
+            width: 9.0,
+            depth: 4.0,
+            height: 3.0,
+            overhang: 0.0,
+            thickness: 0.1,
+            gable: 0.5,
+        };
+        let hip = gable.roof_as("hiproof").expect("a roof");
+        let expected = Solid::HipRoof {
+            width: 9.0,
+            depth: 4.0,
+            height: 3.0,
+            overhang: 0.0,
+            thickness: 0.1,
+        };
+        assert_eq!(hip, expected);
+        assert_eq!(gable.roof_as("wall"), None);
+        assert_eq!(Solid::default().roof_as("hiproof"), None);
+    }
 
     #[test]
     fn lengths_scale_and_counts_do_not() {

@@ -56,7 +56,7 @@ impl From<AdditionKind> for Addition {
 }
 
 impl AdditionKind {
-    pub(crate) const SHAPES: [Self; 8] = [
+    pub(crate) const SHAPES: [Self; 11] = [
         Self::Sphere,
         Self::Rectangle,
         Self::Cube,
@@ -65,6 +65,9 @@ impl AdditionKind {
         Self::Solid("wall"),
         Self::Solid("stairs"),
         Self::Solid("prism"),
+        Self::Solid("gableroof"),
+        Self::Solid("hiproof"),
+        Self::Solid("shedroof"),
     ];
 
     /// The word for it in names and scripts.

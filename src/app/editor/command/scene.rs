@@ -36,6 +36,8 @@ pub enum SceneEdit {
     Add(Addition),
     /// Adds a box, floor or wall that was drawn, which becomes the selection.
     Build(Box<Block>),
+    /// Adds a roof, one of [`crate::scene::Solid::PLUGINS`], over the selection. It becomes the selection.
+    Cover(&'static str),
     /// Sets the geometry of a shape together with its pose, world from local.
     Reshape(Entity, Shape, Affine3A, Reshaping),
     /// Gives the selected shapes another geometry. Their poses, materials, names and lights stay.
@@ -78,6 +80,7 @@ impl SceneEdit {
                 BlockKind::Floor => "Draw floor",
                 BlockKind::Wall => "Draw wall",
             }),
+            Self::Cover(_) => Traits::edit("Add").of_made(),
             Self::Reshape(shape, .., Reshaping::Push) => Traits::drag("Push face").of(&[*shape]),
             Self::Reshape(shape, .., Reshaping::Cut) => Traits::edit("Cut opening").of(&[*shape]),
             Self::Replace(Replacement::File(path)) => {

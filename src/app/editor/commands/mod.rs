@@ -35,6 +35,7 @@ mod preset_media;
 mod projection;
 mod rendering;
 mod replacing;
+mod roofing;
 pub(crate) mod saving;
 mod scene;
 pub mod scene_watch;

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::file_use::use_file;
 use super::things::{delete, selected};
-use super::{adding, blocking, copying, files, finding, importing, replacing};
+use super::{adding, blocking, copying, files, finding, importing, replacing, roofing};
 use crate::app::editor::command::SceneEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -22,6 +22,7 @@ pub fn edit(edit: &mut Edit, command: SceneEdit) -> Result<(), CommandError> {
         SceneEdit::Paste(text) => importing::paste(edit, &text)?,
         SceneEdit::Add(addition) => adding::add(edit, addition)?,
         SceneEdit::Build(block) => blocking::build(edit, *block)?,
+        SceneEdit::Cover(plugin) => roofing::cover(edit, plugin)?,
         SceneEdit::Reshape(entity, shape, pose, _) => blocking::reshape(edit, entity, shape, pose)?,
         SceneEdit::Replace(by) => replacing::replace(edit, &by)?,
         SceneEdit::Delete => delete_selection(edit)?,

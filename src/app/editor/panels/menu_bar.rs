@@ -185,11 +185,14 @@ fn addition(name: &str) -> (&'static str, &str) {
                 "wall",
                 "stairs",
                 "prism",
+                "gableroof",
+                "hiproof",
+                "shedroof",
             ];
             let part = if shapes.contains(&kind) { "Shapes" } else { "Lights" };
             (part, kind)
         }
-        Some((_, kind @ ("floor" | "faces" | "wall" | "door" | "window"))) => ("Build in the picture", kind),
+        Some((_, kind @ ("floor" | "faces" | "wall" | "door" | "window" | "roof"))) => ("Build in the picture", kind),
         _ => ("Build in the picture", "cube"),
     }
 }

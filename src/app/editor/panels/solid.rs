@@ -6,9 +6,26 @@ use super::fields::{self, NumberStyle};
 use super::lengths;
 use crate::scene::{Declared, Opening, ParameterMut, Solid};
 
+/// The forms of roofs, by their plugins.
+const ROOFS: [(&str, &str); 3] = [
+    ("gableroof", "gable roof"),
+    ("hiproof", "hip roof"),
+    ("shedroof", "shed roof"),
+];
+
 /// Shows the rows of a building part; returns true if edited.
 pub(super) fn rows(ui: &mut Ui, part: &mut Solid) -> bool {
-    fields::note(ui, ("Type", "kind"), part.plugin());
+    if part.roof().is_some() {
+        let mut form = part.plugin();
+        if fields::choice(ui, ("Type", "kind"), &mut form, &ROOFS)
+            && let Some(other) = part.roof_as(form)
+        {
+            *part = other;
+            return true;
+        }
+    } else {
+        fields::note(ui, ("Type", "kind"), part.plugin());
+    }
     let [low, high] = part.corners();
     let speed = 0.005 * (high - low).max_element().max(1e-3);
     let wall_height = high.z;

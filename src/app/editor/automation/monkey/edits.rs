@@ -54,6 +54,9 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "wall",
         "stairs",
         "prism",
+        "gableroof",
+        "hiproof",
+        "shedroof",
         "area",
         "point",
         "spot",
@@ -185,7 +188,10 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         ]),
         43 => Some(vec![
             format!("select {} {}", shape?, random.one_of(&shapes)?),
-            format!("replace {}", random.one_of(&shapes)?),
+            match random.below(2) {
+                0 => format!("replace {}", random.one_of(&shapes)?),
+                _ => format!("cover {}", ["gableroof", "hiproof", "shedroof"][random.below(3)]),
+            },
         ]),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",

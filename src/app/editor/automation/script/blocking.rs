@@ -22,6 +22,7 @@ verbs! {
         [kind, options @ ..] => SceneEdit::Add(addition(kind, options)?);
     "draw" "box|floor|wall FROM TO [name=NAME] [height=H] [thickness=T]"
         [kind, from, to, options @ ..] => draw(world, kind, [from, to], options)?;
+    "cover" "gableroof|hiproof|shedroof (what is selected)" [form] => SceneEdit::Cover(roof(form)?);
     "push" "NAME FACE DISTANCE (+x, -x, +y, ... of its own axes)"
         [name, face, distance] => push(world, name, face, distance)?;
     "cut" "door|window|french-window|hole WALL FROM [sill=H] [width=W] [height=H]"
@@ -32,6 +33,14 @@ verbs! {
 const HEIGHT: f32 = 2.5;
 const FLOOR_HEIGHT: f32 = 0.1;
 const THICKNESS: f32 = 0.2;
+
+fn roof(form: &str) -> Result<&'static str, ScriptError> {
+    let known = AdditionKind::SHAPES.iter().find_map(|kind| match kind {
+        AdditionKind::Solid(plugin) if *plugin == form => Solid::of_plugin(plugin)?.roof().map(|_| *plugin),
+        _ => None,
+    });
+    known.ok_or_else(|| format!("expected gableroof, hiproof or shedroof, found `{form}`").into())
+}
 
 fn draw(world: &World, kind: &str, [from, to]: [&str; 2], options: &[&str]) -> Result<SceneEdit, ScriptError> {
     let known = BlockKind::of_name(kind);

@@ -53,9 +53,13 @@ impl Face {
         }
     }
 
-    /// The sides of a prism are not at right angles to its axes.
+    /// The sides of a prism are not at right angles to its axes, nor are the slopes of a roof.
     fn can_move(self, kind: &ShapeKind) -> bool {
-        !matches!(kind, ShapeKind::Solid(Solid::Prism { .. })) || self.axis == 2
+        match kind {
+            ShapeKind::Solid(Solid::Prism { .. }) => self.axis == 2,
+            ShapeKind::Solid(part) => part.roof().is_none(),
+            _ => true,
+        }
     }
 
     /// The outward direction of the face, in world space, of unit length; and the length of the shape's own unit along
@@ -161,6 +165,8 @@ fn resized(mut part: Solid, face: Face, after: f32, more: f32, origin: &mut Vec3
             *height = after;
             shift.z = starts_before;
         }
+        // The faces of roofs do not move.
+        (Solid::GableRoof { .. } | Solid::HipRoof { .. } | Solid::ShedRoof { .. }, _) => {}
     }
     *origin = shift;
     part

@@ -124,3 +124,46 @@ fn what_is_built_has_short_numbers() {
         );
     }
 }
+
+#[test]
+fn a_roof_covers_the_selected_walls() {
+    let mut world = bare_world();
+    // Four walls of 2.5 around 4 x 8; they are 0.2 thick.
+    let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 8.0), (0.0, 8.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    let mut walls = Vec::new();
+    for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        say(&mut world, SceneEdit::Build(Box::new(Block::wall(*from, *to))));
+        walls.extend(world.resource::<Selection>().active());
+    }
+    say(&mut world, SelectionCommand::Select(walls, Extend::Replace));
+    for plugin in ["gableroof", "hiproof", "shedroof"] {
+        let before = world.resource::<Selection>().clone();
+        say(&mut world, SceneEdit::Cover(plugin));
+        let roof = world.resource::<Selection>().active().expect("it was added");
+        let Some(ShapeKind::Solid(part)) = world.get::<Shape>(roof).map(|shape| shape.kind.clone()) else {
+            panic!("no roof");
+        };
+        assert_eq!(part.plugin(), plugin);
+        let numbers = part.roof().expect("a roof");
+        assert!(
+            (numbers.width - 8.2).abs() < 1e-4 && (numbers.depth - 4.2).abs() < 1e-4,
+            "{numbers:?}"
+        );
+        let pose = world.get::<ToWorld>(roof).expect("a pose").0;
+        assert!(
+            Vec3::from(pose.translation).abs_diff_eq(Vec3::new(2.0, 2.5, 4.0), 1e-3),
+            "{pose:?}"
+        );
+        // The ridge runs along the longer side, and the slopes rise.
+        let [x, z] = [pose.matrix3.x_axis, pose.matrix3.z_axis].map(Vec3::from);
+        assert!(
+            x.z.abs() > 0.999 && z.y > 0.999 && pose.matrix3.determinant() > 0.999,
+            "{pose:?}"
+        );
+        say(&mut world, HistoryCommand::Undo);
+        assert!(!ObjectState::is_in_scene(&world, roof));
+        world.insert_resource(before);
+    }
+    say(&mut world, SelectionCommand::Select(Vec::new(), Extend::Replace));
+    assert!(apply_now(&mut world, SceneEdit::Cover("hiproof")).is_err());
+}

@@ -259,6 +259,15 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-prism", "Prism", &[], |_| {
         Some(addition(AdditionKind::Solid("prism")))
     }),
+    action(Group::Add, "add-gableroof", "Gable roof", &[], |_| {
+        Some(addition(AdditionKind::Solid("gableroof")))
+    }),
+    action(Group::Add, "add-hiproof", "Hip roof", &[], |_| {
+        Some(addition(AdditionKind::Solid("hiproof")))
+    }),
+    action(Group::Add, "add-shedroof", "Shed roof", &[], |_| {
+        Some(addition(AdditionKind::Solid("shedroof")))
+    }),
     action(Group::Add, "add-fog", "Fog in the whole scene", &[], |_| {
         Some(addition(AdditionKind::Fog))
     }),
@@ -276,6 +285,9 @@ pub const ADD: &[Action] = &[
     tool!("draw-wall", "Draw a wall", Key::L, Draw(BlockKind::Wall)),
     tool!("cut-door", "Cut a door", Key::O, Cut(OpeningKind::Door)),
     tool!("cut-window", "Cut a window", Key::I, Cut(OpeningKind::Window)),
+    action(Group::Add, "cover-roof", "Roof over the selection", &[], |context| {
+        context.with_selection(SceneEdit::Cover("gableroof"))
+    }),
     tool!("push-faces", "Push and pull faces", Key::P, Push),
     action(Group::Add, "add-area", "Area light", &[], |_| {
         Some(addition(AdditionKind::AreaLight))
