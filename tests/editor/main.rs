@@ -21,6 +21,7 @@ mod keys;
 mod media;
 mod missing;
 mod numbers;
+mod opening_handles;
 mod orientation;
 mod panels;
 mod recovery;

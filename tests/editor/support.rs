@@ -109,6 +109,7 @@ impl ViewportContent {
             keys: ActionContext::new(&self.selection),
             extent: None,
             series: None,
+            wall: None,
             rulers: &[],
             is_empty: false,
             depths: Default::default(),

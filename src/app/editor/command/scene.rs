@@ -83,6 +83,8 @@ impl SceneEdit {
             Self::Cover(_) => Traits::edit("Add").of_made(),
             Self::Reshape(shape, .., Reshaping::Push) => Traits::drag("Push face").of(&[*shape]),
             Self::Reshape(shape, .., Reshaping::Cut) => Traits::edit("Cut opening").of(&[*shape]),
+            Self::Reshape(shape, .., Reshaping::Move) => Traits::drag("Move opening").of(&[*shape]),
+            Self::Reshape(shape, .., Reshaping::Fill) => Traits::edit("Fill opening").of(&[*shape]),
             Self::Replace(Replacement::File(path)) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 Traits::edit("Replace").of_selection().giving_name(&name)

@@ -206,8 +206,14 @@ fn act(
     let mut moved = model.pose;
     if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
         state.leave_other_tools(model.keys.tool);
-        let tool = state.tool_mut(model.keys.tool);
-        rest = tool.follow(ui, response, screen, model, presses, commands);
+        if !state.gizmo.is_dragging() {
+            let grips = &mut state.grips;
+            rest = grips.follow_grips(ui, response, screen, &model.grips(), presses, commands);
+        }
+        if rest.pointer {
+            let tool = state.tool_mut(model.keys.tool);
+            rest = tool.follow(ui, response, screen, model, &rest.presses, commands);
+        }
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let is_over_axes = pointer.is_some_and(|pointer| axes_widget::place(panel).contains(pointer));
         let is_free = rest.pointer && !is_over_axes;
@@ -381,6 +387,7 @@ fn paint_scene(ui: &Ui, painter: &egui::Painter, screen: &Screen, model: &Viewpo
     rulers::paint(painter, screen, model, begun, pointer, &mut tags);
     let tool = state.tool(model.keys.tool);
     tool.paint(painter, screen, model, pointer);
+    state.grips.paint_grips(painter, screen, &model.grips());
     state.pointer.paint(painter, pointer);
     if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
         tag(

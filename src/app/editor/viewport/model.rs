@@ -4,6 +4,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec2};
 use bevy_egui::egui::{self};
 
+use super::blocking::grips::GripModel;
 use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
@@ -16,6 +17,7 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::{Model, Outline};
@@ -68,6 +70,8 @@ pub struct ViewportModel<'a> {
     pub gizmo: GizmoModel<'a>,
     /// The shapes under the pointer and around it, while a tool blocks out.
     pub blocks: &'a [BlockTarget],
+    /// The wall whose openings have handles: it alone is selected, and can be edited.
+    pub wall: Option<&'a BlockTarget>,
     /// The textures of the selected shape, while a tool places them.
     pub textures: Option<&'a TextureTarget>,
     /// The entities that cannot be selected.
@@ -129,6 +133,16 @@ impl<'a> ViewportModel<'a> {
             packed: self.packed,
             locked: self.locked,
             is_empty: self.is_empty,
+        }
+    }
+
+    /// The data of the handles of openings, which the tools that select leave in place.
+    pub(super) fn grips(&self) -> GripModel<'a> {
+        GripModel {
+            wall: self.wall.filter(|_| self.keys.tool == Tool::Select),
+            step: self.gizmo.length_step,
+            up: self.gizmo.up,
+            unit: self.gizmo.unit,
         }
     }
 

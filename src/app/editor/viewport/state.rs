@@ -8,6 +8,7 @@ use bevy_egui::egui::{Rect, Ui};
 
 use super::axes_widget::AxesState;
 use super::blocking::BlockingState;
+use super::blocking::grips::GripState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 use super::texturing::TexturingState;
@@ -21,6 +22,8 @@ pub struct ViewportState {
     pub gizmo: GizmoState,
     /// The state of the tools that block out.
     pub blocking: BlockingState,
+    /// The state of the handles of openings.
+    pub grips: GripState,
     /// The state of the tool that places textures.
     pub texturing: TexturingState,
     /// The state of the mouse.

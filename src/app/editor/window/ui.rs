@@ -1,5 +1,6 @@
 //! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::input::keyboard::KeyboardInput;
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
@@ -37,6 +38,7 @@ use crate::app::editor::session::toasts::{Toasts, Tone};
 use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::viewport::blocking::hand::BlockTarget;
 use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::gizmo;
 use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
@@ -183,8 +185,10 @@ pub fn show_window(
     }
     let mouse = egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y);
     let step = gizmo::step_beside(&seen.targets, settings.length_step());
+    let wall = selected_wall(model, &seen.locked);
     let has_series_form = requests.sheet == Some(Sheet::Series);
     let shown = ViewportModel {
+        wall: wall.as_ref(),
         series: has_series_form.then(|| widgets.series.series(step)),
         ..viewport_model(
             &scene,
@@ -293,6 +297,18 @@ pub fn show_window(
     Ok(())
 }
 
+/// The selected wall with openings, if it alone is selected and can be edited.
+fn selected_wall(model: &Model, locked: &EntityHashSet) -> Option<BlockTarget> {
+    let inspected = model.inspected.as_ref()?;
+    let wall = BlockTarget {
+        entity: inspected.entity,
+        shape: inspected.shape.clone()?,
+        pose: inspected.to_world?,
+    };
+    let is_alone = model.selection.entities().len() == 1 && !locked.contains(&wall.entity);
+    (is_alone && wall.has_openings()).then_some(wall)
+}
+
 /// What the viewport shows.
 fn viewport_model<'a>(
     scene: &'a Scene,
@@ -331,6 +347,7 @@ fn viewport_model<'a>(
             bound: &preferences.keys,
         },
         blocks: &seen.blocks,
+        wall: None,
         textures: seen.textures.as_ref(),
         locked: &seen.locked,
         things: &model.outline,
@@ -386,7 +403,8 @@ fn count_interactions(
 ) {
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
-    let is_dragging = state.gizmo.is_dragging() || state.blocking.is_busy() || state.texturing.is_busy();
+    let is_dragging =
+        state.gizmo.is_dragging() || state.grips.is_busy() || state.blocking.is_busy() || state.texturing.is_busy();
     let key = !presses.is_empty() && !is_typing && !is_dragging;
     // A button that is pressed in the middle of a drag belongs to it.
     let button = !is_dragging && context.input(|input| input.pointer.any_pressed());

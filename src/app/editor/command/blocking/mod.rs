@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod faces;
+pub mod grips;
 pub mod joints;
 pub mod openings;
 
@@ -36,6 +37,10 @@ pub enum Reshaping {
     Push,
     /// An opening was cut.
     Cut,
+    /// An opening was moved or resized; the steps of one drag are one step of the history.
+    Move,
+    /// An opening was filled.
+    Fill,
 }
 
 /// The multiple of a step nearest to a length, without the rounding of a product of singles; the length itself without

@@ -162,7 +162,7 @@ fn usual(kind: OpeningKind, seen: &SeenSurface, model: &BlockingModel, step: f32
 }
 
 /// The opening's name, its size and place, and the typed text.
-fn caption(cut: &Cut, kind: OpeningKind, typed: &str, unit: LengthUnit) -> String {
+pub(super) fn caption(cut: &Cut, kind: OpeningKind, typed: &str, unit: LengthUnit) -> String {
     let of = |length: f32| unit.text(length);
     let [wide, high, from, sill] = cut.sizes().map(of);
     let name = cut.name(kind);

@@ -9,7 +9,7 @@ use bevy_egui::egui::{self, Event, PointerButton, Pos2};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::tool::Tool;
 use crate::engine::PackedScene;
-use crate::scene::{LengthUnit, Shape};
+use crate::scene::{LengthUnit, Shape, ShapeKind, Solid};
 
 /// The shape under the pointer.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,13 @@ pub struct BlockTarget {
     pub shape: Shape,
     /// World from local.
     pub pose: Affine3A,
+}
+
+impl BlockTarget {
+    /// Whether it is a wall with openings.
+    pub fn has_openings(&self) -> bool {
+        matches!(&self.shape.kind, ShapeKind::Solid(Solid::Wall { openings, .. }) if !openings.is_empty())
+    }
 }
 
 /// The data that the tools act on.

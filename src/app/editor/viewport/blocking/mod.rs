@@ -8,6 +8,7 @@ mod catch;
 pub mod cut;
 pub mod draw;
 mod floor;
+pub mod grips;
 pub mod hand;
 pub(super) mod marks;
 pub mod push;
