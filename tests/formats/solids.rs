@@ -1,5 +1,5 @@
-//! Walls, stairs, prisms and roofs: read, edited and saved as numbers, rendered as meshes, and written as PLY files for other
-//! programs.
+//! Walls, stairs, prisms and roofs: read, edited and saved as numbers, rendered as meshes, and written as PLY files for
+//! other programs.
 
 use std::path::Path;
 

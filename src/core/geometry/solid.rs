@@ -1,8 +1,9 @@
 //! Meshes of parametric building parts: walls with openings, stairs, prisms, roofs.
 //!
-//! All stand on the plane z = 0 of their own space, with z upwards; the eaves of roofs hang below it. They are closed surfaces with flat normals outward.
-//! Texture coordinates are lengths on the face in the units of the space, u to the right and v downwards as seen from
-//! outside, so that textures stand upright and keep their size on faces of all sizes.
+//! All stand on the plane z = 0 of their own space, with z upwards; the eaves of roofs hang below it. They are closed
+//! surfaces with flat normals outward. Texture coordinates are lengths on the face in the units of the space, u to the
+//! right and v downwards as seen from outside, so that textures stand upright and keep their size on faces of all
+//! sizes.
 
 mod roof;
 

@@ -62,7 +62,8 @@ pub fn distribute(edit: &mut Edit, axis: usize, by: Spacing) -> Result<(), Comma
     move_along(edit, axis, moves)
 }
 
-/// Gives each thing that is not turned off the axes of the world a size along one of them, 0 to 2, about its own middle.
+/// Gives each thing that is not turned off the axes of the world a size along one of them, 0 to 2, about its own
+/// middle.
 pub fn resize(edit: &mut Edit, axis: usize, size: f32) -> Result<(), CommandError> {
     if !(size > 0.0 && size.is_finite()) {
         return Err("A size is above 0.".into());

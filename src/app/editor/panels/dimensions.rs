@@ -35,8 +35,8 @@ pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affin
     true
 }
 
-/// Shows the sizes of several things along each axis, or that they differ. Returns the axis and the new size for each of
-/// them if edited.
+/// Shows the sizes of several things along each axis, or that they differ. Returns the axis and the new size for each
+/// of them if edited.
 pub(super) fn sizes(ui: &mut Ui, sizes: &Sizes) -> Option<(usize, f32)> {
     let caption = Caption::from("Size").explained(
         "A number is the size of each selected thing along that axis of the world, about its own middle. What is turned keeps its size.",

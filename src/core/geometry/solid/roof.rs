@@ -37,8 +37,8 @@ pub struct Roof {
     pub overhang: f32,
     /// The thickness of the slab across its slopes, above 0.
     pub thickness: f32,
-    /// The thickness of the walls from z = 0 up to the slab: at both ends of a gable roof, at the ends and the high side
-    /// of a shed roof. With 0 there are none; a hip roof has none.
+    /// The thickness of the walls from z = 0 up to the slab: at both ends of a gable roof, at the ends and the high
+    /// side of a shed roof. With 0 there are none; a hip roof has none.
     pub gable: f32,
 }
 

@@ -145,7 +145,8 @@ impl BlockTarget {
         }
     }
 
-    /// The corners of a box, in the order of [`EDGES`]. The sides of a prism or a roof are not those of the box around it.
+    /// The corners of a box, in the order of [`EDGES`]. The sides of a prism or a roof are not those of the box around
+    /// it.
     fn corners(&self) -> Option<[Vec3; 8]> {
         match &self.shape.kind {
             ShapeKind::Solid(Solid::Prism { .. }) => None,
