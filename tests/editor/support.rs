@@ -113,6 +113,8 @@ impl ViewportContent {
             rulers: &[],
             is_empty: false,
             depths: Default::default(),
+            sides: &[],
+            side: None,
             presses,
             enabled: true,
         }

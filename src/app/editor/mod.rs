@@ -157,6 +157,7 @@ fn order_frame(app: &mut App) {
                 picture::denoiser::follow_denoiser,
                 picture::carrying::follow_carrying,
                 picture::texture::update_picture,
+                viewport::side_scenes::follow_side_views.after(EngineSystems::Report),
                 viewport::outlining::request_outline,
                 window::preview::update_previews,
                 window::assets::update_assets,

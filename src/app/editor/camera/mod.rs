@@ -7,6 +7,7 @@ pub(crate) mod picking;
 pub mod pose;
 pub mod rounding;
 pub mod screen;
+pub mod side_view;
 pub mod sizing;
 pub mod snapping;
 pub mod solid;

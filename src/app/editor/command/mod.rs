@@ -43,6 +43,7 @@ pub mod selection;
 pub mod settings;
 pub mod shell;
 pub mod shortcut;
+pub mod side_views;
 pub mod snapping;
 pub mod stored_view;
 pub mod texture_placing;

@@ -5,6 +5,7 @@ use bevy::prelude::Entity;
 
 use super::axis_view::AxisView;
 use super::seeing::Seeing;
+use super::side_views::SideViews;
 use super::traits::Traits;
 
 /// An edit of the camera in use.
@@ -58,6 +59,8 @@ pub enum ViewCommand {
     CutOpen,
     /// Isolates these shapes; without any, shows all again.
     Isolate(Vec<Entity>),
+    /// Shows, hides or moves the side views.
+    SetSideViews(SideViews),
 }
 
 impl ViewCommand {
@@ -73,7 +76,7 @@ impl ViewCommand {
             | Self::SetSeeing(_)
             | Self::CutOpen
             | Self::Isolate(_) => Traits::VIEW,
-            Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) => Traits::NONE,
+            Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) | Self::SetSideViews(_) => Traits::NONE,
         }
     }
 }

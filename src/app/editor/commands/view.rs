@@ -35,6 +35,7 @@ pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError
         ViewCommand::SetSeeing(seen) => seeing::set(world, seen),
         ViewCommand::CutOpen => seeing::cut_open(world)?,
         ViewCommand::Isolate(entities) => seeing::isolate(world, entities)?,
+        ViewCommand::SetSideViews(views) => world.resource_mut::<ViewSettings>().side_views = views.within_range(),
     }
     Ok(())
 }

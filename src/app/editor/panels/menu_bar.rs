@@ -355,6 +355,9 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             entry(ui, name, &state.context, commands);
         }
     });
+    for name in ["four-views", "side-views-clay"] {
+        entry(ui, name, &state.context, commands);
+    }
     ui.menu_button("Mouse", |ui| {
         for name in [
             "navigation-sunroom",

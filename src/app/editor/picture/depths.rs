@@ -13,6 +13,12 @@ pub struct Depths<'f> {
 }
 
 impl<'f> Depths<'f> {
+    /// Depths that stay unknown, so that nothing is hidden.
+    pub const UNKNOWN: Self = Self {
+        film: None,
+        version: Some([0, 0]),
+    };
+
     /// The depths in a film.
     pub fn of(film: &'f Film) -> Self {
         Self {

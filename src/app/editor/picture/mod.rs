@@ -25,5 +25,6 @@ pub mod painter;
 pub mod paths;
 pub(crate) mod plugin;
 pub(crate) mod resolution;
+pub mod side_pictures;
 pub(crate) mod texture;
 pub mod wireframe;

@@ -173,10 +173,11 @@ impl SelectionOutline {
         self.number += 1;
     }
 
-    /// Paints the image over the picture, whose rectangle in the window is `picture`.
-    pub fn paint(&self, painter: &Painter, picture: Rect) {
+    /// Paints the image over the picture, whose rectangle in the window is `picture`. `view` tells the outlines of
+    /// views beside each other apart.
+    pub fn paint(&self, painter: &Painter, picture: Rect, view: Id) {
         let Some(image) = &self.image else { return };
-        let id = Id::new("outline texture");
+        let id = view.with("outline texture");
         let context = painter.ctx();
         let mut uploaded: Uploaded = context.data(|data| data.get_temp(id)).flatten();
         if uploaded.as_ref().is_none_or(|(number, _)| *number != self.number) {

@@ -1,5 +1,5 @@
-//! The views of the open scene under the numbers 1 to 9, its last view, and the settings of its bakes: read when it is
-//! opened, and written to the [`ViewsFile`].
+//! The views of the open scene under the numbers 1 to 9, its last view, its side views, and the settings of its bakes:
+//! read when it is opened, and written to the [`ViewsFile`].
 
 use bevy::prelude::*;
 
@@ -9,6 +9,7 @@ use super::views_file::{ViewsFile, canonical};
 use crate::app::editor::command::baking::BakePlan;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::seeing::Walls;
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::stored_view::{StoredView, StoredViews};
 use crate::engine::RenderControl;
 use crate::scene::{ActiveSensor, FreeView, Lens, SceneState, SceneStatus, Sensor, ToWorld};
@@ -39,11 +40,14 @@ pub fn follow_views(
     }
     if is_opened {
         settings.playback.stop();
+        // A scene without side views of its own begins with as many views as the last one had, and frames them.
+        settings.side_views.places = Default::default();
     }
     match path {
         Some(path) if is_opened => {
             settings.bookmarks = file.open(path);
             (settings.timeline, settings.timeline_shown) = (file.timeline, None);
+            settings.side_views = file.sides.unwrap_or(settings.side_views);
         }
         None if is_opened => settings.timeline = file.timeline,
         // The scene was saved under this name.
@@ -54,6 +58,7 @@ pub fn follow_views(
                 file.written = StoredViews::default();
                 // The file has no views of a scene of this name.
                 (file.last_written, file.keeps_last) = (None, false);
+                file.sides_written = None;
                 file.bake_written = BakePlan::default();
             }
         }
@@ -106,7 +111,7 @@ pub fn return_to_view(
     }
 }
 
-/// Notes the view, and writes it when the program ends.
+/// Notes the view and the side views, and writes them when the program ends.
 pub fn note_view(
     mut file: ResMut<ViewsFile>,
     free_view: Res<FreeView>,
@@ -119,6 +124,8 @@ pub fn note_view(
     let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
     let is_free = free_view.pose.is_some() || free_view.lens.is_some();
     file.keeps_last &= !is_free;
+    let sides = settings.side_views;
+    file.sides = (file.scene.is_some() && sides != SideViews::default()).then_some(sides);
     if !file.keeps_last {
         file.last = sensor
             .filter(|_| is_free && file.scene.is_some())

@@ -10,6 +10,7 @@ use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::{Seeing, Walls};
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::stored_view::StoredViews;
 use crate::app::editor::command::timeline::Timeline;
 use crate::app::editor::command::tool::Tool;
@@ -53,6 +54,8 @@ pub struct ViewSettings {
     pub seeing: Seeing,
     /// The isolated shapes. If it is empty, all are shown.
     pub isolated: Vec<Entity>,
+    /// The views beside the main one.
+    pub side_views: SideViews,
     /// The frames of the timeline.
     pub timeline: Timeline,
     /// The playback of the timeline.
@@ -113,6 +116,7 @@ impl Default for ViewSettings {
             grid: GridSettings::default(),
             seeing: Seeing::default(),
             isolated: Vec::new(),
+            side_views: SideViews::default(),
             timeline: Timeline::default(),
             playback: Playback::default(),
             timeline_shown: None,

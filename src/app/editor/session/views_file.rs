@@ -1,5 +1,5 @@
-//! The file beside the preferences with the views of each scene under the numbers 1 to 9, its last view, and the
-//! settings of its bakes.
+//! The file beside the preferences with the views of each scene under the numbers 1 to 9, its last view, its side
+//! views, and the settings of its bakes.
 //!
 //! They are not part of the scene's file, because looking at a scene and baking it are no edits.
 
@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::app::editor::command::baking::BakePlan;
 use crate::app::editor::command::lenient::or_default;
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::stored_view::{StoredView, StoredViews};
 use crate::app::editor::command::timeline::Timeline;
 use crate::files::{self, LARGEST_NOTE, write_atomically};
@@ -23,6 +24,9 @@ struct SceneViews {
     /// The last view of the scene; None for that of its camera.
     #[serde(default)]
     last: Option<StoredView>,
+    /// The side views; None for the default.
+    #[serde(default, deserialize_with = "or_default", skip_serializing_if = "Option::is_none")]
+    sides: Option<SideViews>,
     /// The frames of the timeline; None for the default.
     #[serde(default)]
     timeline: Option<Timeline>,
@@ -48,6 +52,10 @@ pub struct ViewsFile {
     pub(super) last_written: Option<StoredView>,
     /// The present view of that scene; None for that of its camera.
     pub(super) last: Option<StoredView>,
+    /// The side views of that scene; None if the file has none.
+    pub(super) sides: Option<SideViews>,
+    /// The same, as in the file.
+    pub(super) sides_written: Option<SideViews>,
     /// The frames of the timeline of that scene, as in the file.
     pub(super) timeline: Timeline,
     /// The settings of bakes of that scene.
@@ -89,6 +97,8 @@ impl ViewsFile {
         self.scene = Some(scene);
         let timeline = known.as_ref().and_then(|known| known.timeline);
         self.timeline = timeline.unwrap_or_default().within_range();
+        self.sides = known.as_ref().and_then(|known| known.sides);
+        self.sides_written = self.sides;
         let known = known.map(|known| (known.views, known.last, known.bake.unwrap_or_default()));
         (self.written, self.last, self.bake) = known.unwrap_or_default();
         self.last_written = self.last;
@@ -96,9 +106,10 @@ impl ViewsFile {
         self.written
     }
 
-    /// Writes the last view and the settings of bakes when the scene is left.
+    /// Writes the last view, the side views and the settings of bakes when the scene is left.
     pub(super) fn leave(&mut self) -> std::io::Result<()> {
-        let outcome = match self.last == self.last_written && self.bake == self.bake_written {
+        let is_written = self.last == self.last_written && self.sides == self.sides_written;
+        let outcome = match is_written && self.bake == self.bake_written {
             true => Ok(()),
             false => self.store(self.written),
         };
@@ -106,12 +117,13 @@ impl ViewsFile {
         (self.scene, self.written) = (None, StoredViews::default());
         self.timeline = Timeline::default();
         (self.last, self.last_written, self.keeps_last) = (None, None, false);
+        (self.sides, self.sides_written) = (None, None);
         outcome
     }
 
     /// Stores the views of the open scene, in a file that other windows may have changed in the meantime.
     pub(super) fn store(&mut self, views: StoredViews) -> std::io::Result<()> {
-        (self.written, self.last_written) = (views, self.last);
+        (self.written, self.last_written, self.sides_written) = (views, self.last, self.sides);
         self.bake_written.clone_from(&self.bake);
         let (Some(path), Some(scene)) = (&self.path, &self.scene) else {
             return Ok(());
@@ -121,13 +133,15 @@ impl ViewsFile {
         // Names that JSON cannot hold are left out.
         let timeline = Some(self.timeline).filter(|timeline| *timeline != Timeline::default());
         let bake = Some(self.bake.clone()).filter(|bake| *bake != BakePlan::default());
-        let is_empty = views == StoredViews::default() && self.last.is_none() && timeline.is_none() && bake.is_none();
-        if !is_empty && scene.to_str().is_some() {
+        let sides = self.sides.filter(|sides| *sides != SideViews::default());
+        let has_view = views != StoredViews::default() || self.last.is_some() || sides.is_some();
+        if (has_view || timeline.is_some() || bake.is_some()) && scene.to_str().is_some() {
             let (scene, last) = (scene.clone(), self.last);
             let of_scene = SceneViews {
                 scene,
                 views,
                 last,
+                sides,
                 timeline,
                 bake,
             };
@@ -157,6 +171,7 @@ fn without_nonsense(mut of_scene: SceneViews) -> SceneViews {
     for place in of_scene.views.iter_mut().chain([&mut of_scene.last]) {
         *place = place.filter(StoredView::is_possible);
     }
+    of_scene.sides = of_scene.sides.map(SideViews::within_range);
     if let Some(bake) = &mut of_scene.bake {
         bake.choices = bake.choices.within_range();
     }
@@ -204,6 +219,11 @@ pub(super) mod tests {
         let mut file = ViewsFile::new(Some(folder.path()));
         file.open(Path::new("a.xml"));
         file.last = left;
+        let sides = Some(SideViews {
+            shown: true,
+            ..SideViews::default()
+        });
+        file.sides = sides;
         let frames = Timeline {
             fps: 30.0,
             first: 5,
@@ -212,14 +232,16 @@ pub(super) mod tests {
         file.timeline = frames;
         file.leave().expect("a writable folder");
         file.open(Path::new("b.xml"));
-        assert_eq!((file.last, file.timeline), (None, Timeline::default()));
+        assert_eq!((file.last, file.sides), (None, None));
+        assert_eq!(file.timeline, Timeline::default());
         file.leave().expect("a writable folder");
         // The file also has the views under numbers.
         file.open(Path::new("a.xml"));
-        assert_eq!((file.last, file.timeline), (left, frames));
+        assert_eq!((file.last, file.sides, file.timeline), (left, sides, frames));
         file.store(views(60.0)).expect("a writable folder");
         let mut again = ViewsFile::new(Some(folder.path()));
         assert_eq!((again.open(Path::new("a.xml")), again.last), (views(60.0), left));
+        assert_eq!(again.sides, sides);
         // The camera of the file is looked through again.
         again.last = None;
         again.leave().expect("a writable folder");

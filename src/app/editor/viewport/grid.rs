@@ -44,13 +44,20 @@ struct Drawn {
     mesh: Arc<Mesh>,
 }
 
-/// Draws the grid over the picture. `up` is the world's upward axis. While neither the view nor the picture changes, it
-/// is the mesh of the last frame.
-pub(crate) fn paint(painter: &egui::Painter, screen: &Screen, up: Vec3, settings: &GridSettings, depths: Depths) {
+/// Draws the grid over the picture of a view, which `id` names. `up` is the world's upward axis. While neither the view
+/// nor the picture changes, it is the mesh of the last frame.
+pub(crate) fn paint(
+    painter: &egui::Painter,
+    id: Id,
+    screen: &Screen,
+    up: Vec3,
+    settings: &GridSettings,
+    depths: Depths,
+) {
     if !settings.shown {
         return;
     }
-    let id = Id::new("grid over the picture");
+    let id = id.with("grid over the picture");
     let version = depths.version();
     let last: Option<Drawn> = painter.ctx().data(|data| data.get_temp(id));
     let is_same = |last: &Drawn| {

@@ -23,7 +23,11 @@ mod paused;
 pub(crate) mod placing;
 pub mod pointer;
 pub(crate) mod rulers;
+mod scene_marks;
 mod series;
+pub mod side_model;
+pub(crate) mod side_scenes;
+pub mod side_views;
 mod snap_menu;
 pub mod stand_ins;
 pub mod state;
@@ -37,10 +41,8 @@ mod wipe;
 
 use std::time::Duration;
 
-use bevy::math::{UVec2, Vec2, Vec3};
-use bevy_egui::egui::{
-    self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2,
-};
+use bevy::math::{Vec2, Vec3};
+use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
 
 use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::picking;
@@ -50,18 +52,18 @@ use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
 use crate::app::editor::input::keys;
 use crate::app::editor::picture::denoiser::DenoiserState;
-use crate::app::editor::picture::outline::Level;
-use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
+use crate::app::editor::picture::overlay::MAX_BOXES;
 use crate::math::Aabb;
 use crate::render::view::View;
 use axes_widget::axes_widget;
 use first_steps::first_steps;
 use gizmo::interaction::{Rest, place_of_handles};
-use icons::IconKind;
-use marks::{Tags, tag, thin_frame};
+use marks::{tag, thin_frame};
 use material_drop::{Takers, drop_target};
 use model::ViewportModel;
 use placing::{pixels_of, place_of_film, place_of_picture, place_of_view};
+use scene_marks::paint_scene;
+use side_views::Pane;
 use state::{ScreenPixels, ViewportState};
 use toolbar::{tool_column, toolbar};
 
@@ -72,9 +74,6 @@ const CAPTION_FOOT: f32 = -36.0;
 /// The shade over the surroundings of the film.
 const SURROUNDINGS: Color32 = Color32::from_black_alpha(150);
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
-const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
-const WIRE: Color32 = Color32::from_rgba_premultiplied(190, 150, 60, 200);
-const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
 /// Shows the picture with everything over it, and adds the commands of mouse and keys to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
@@ -83,8 +82,9 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         model.gizmo.targets = &[];
     }
     let model = &model;
-    let panel = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
+    let all = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(all, 0.0, Color32::from_gray(18));
+    let (panel, places_of_sides) = side_views::places(all, !model.sides.is_empty());
     let pixels = ui.ctx().pixels_per_point();
     state.room = Some(pixels_of(panel, pixels));
     let has_place = model.has_place();
@@ -94,6 +94,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         false => panel,
     };
     let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
+    let sides = side_views::panes(ui, places_of_sides, model, state);
     match model.picture {
         Some((texture, _)) => {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -121,8 +122,11 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     }
     let camera = model.camera.filter(|_| has_place);
     let screen = camera.map(|camera| Screen { camera, picture });
-    state.picture = has_place.then(|| on_screen(ui, picture));
+    state.picture = has_place.then(|| ScreenPixels::of(ui, picture));
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
+    for (side, (pane, seen)) in sides.iter().zip(model.sides).enumerate() {
+        side_views::paint(ui, pane, side, seen, state);
+    }
     if let Some(screen) = &screen
         && model.enabled
     {
@@ -130,9 +134,14 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         cut_handle::cut_handle(ui, screen, &bounds, &model.keys.seeing, commands);
         wipe::handle(ui, picture, model.compared, commands);
     }
-    act(ui, panel, &response, screen.as_ref(), model, state, commands);
+    let main = Pane {
+        response: response.clone(),
+        screen,
+        model: *model,
+    };
+    act(ui, panel, &main, &sides, state, commands);
     if has_place {
-        toolbar(ui, panel, model, commands);
+        toolbar(ui, all, model, commands);
         tool_column(ui, panel, &model.keys, commands);
         cut_handle::cut_bar(ui, picture, &model.keys, model.navigation.scene_size, commands);
         let tool = state.tool_mut(model.keys.tool);
@@ -168,16 +177,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         locked: model.locked,
     };
     drop_target(ui, &response, picture, takers, commands);
-    ui.advance_cursor_after_rect(panel);
-}
-
-fn on_screen(ui: &Ui, picture: Rect) -> ScreenPixels {
-    let per_point = ui.ctx().pixels_per_point();
-    let size = (picture.size() * per_point).round();
-    ScreenPixels {
-        size: UVec2::new(size.x as u32, size.y as u32),
-        per_point,
-    }
+    ui.advance_cursor_after_rect(all);
 }
 
 fn film_corners_of(view: Option<&View>) -> [Vec2; 2] {
@@ -186,16 +186,15 @@ fn film_corners_of(view: Option<&View>) -> [Vec2; 2] {
 
 /// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of
 /// the keys are shortcuts.
-fn act(
-    ui: &Ui,
-    panel: Rect,
-    response: &Response,
-    screen: Option<&Screen>,
-    model: &ViewportModel,
-    state: &mut ViewportState,
-    commands: &mut Vec<Command>,
-) {
-    let has_keyboard = takes_keyboard(ui, response, model.enabled);
+///
+/// The view under the pointer gets them. Flying keys are for the main view, wherever the pointer is.
+fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportState, commands: &mut Vec<Command>) {
+    state.panes.follow(ui, sides, &state.gizmo);
+    let side = state.panes.active;
+    let active = side.and_then(|side| sides.get(side)).unwrap_or(main);
+    let Pane { response, model, .. } = active;
+    let is_pressed = response.is_pointer_button_down_on();
+    let has_keyboard = takes_keyboard(ui, &main.response, is_pressed, model.enabled);
     let presses = if has_keyboard { model.presses } else { &[] };
     let mut rest = Rest {
         pointer: model.enabled,
@@ -204,7 +203,7 @@ fn act(
     let was_flying = std::mem::take(&mut state.flying);
     let mut look = Vec2::ZERO;
     let mut moved = model.pose;
-    if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
+    if let (Some(screen), Some(pose), true) = (&active.screen, &mut moved, model.enabled) {
         state.leave_other_tools(model.keys.tool);
         if !state.gizmo.is_dragging() {
             let grips = &mut state.grips;
@@ -243,9 +242,13 @@ fn act(
     });
     let is_moving = fly.direction != Vec3::ZERO;
     state.flying = state.pointer.is_looking() || is_moving;
+    if let (Some(side), Some(pose)) = (side, moved) {
+        commands.extend(side_views::moved(side, &pose, model));
+        moved = main.model.pose;
+    }
     if let Some(pose) = moved {
         let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
-        if Some(flown) != model.pose && flown.is_finite() {
+        if Some(flown) != main.model.pose && flown.is_finite() {
             commands.push(ViewCommand::MoveView(flown).into());
         }
     }
@@ -256,20 +259,24 @@ fn act(
     }
     let context = ActionContext {
         flying: state.flying || was_flying,
-        ..model.keys
+        ..main.model.keys
     };
-    commands.extend(keys::shortcuts(&rest.presses, &context));
+    let meant = keys::shortcuts(&rest.presses, &context).into_iter();
+    commands.extend(meant.map(|command| match side {
+        Some(side) => side_views::in_side(command, side, model),
+        None => command,
+    }));
 }
 
 /// Gives the keyboard to the picture whenever no other widget wants it. It then keeps Tab, arrows and Escape to itself.
-/// Without `enabled` it gives the keyboard back.
-fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
+/// It also takes it when one of the views `is_pressed`. Without `enabled` it gives the keyboard back.
+fn takes_keyboard(ui: &Ui, response: &Response, is_pressed: bool, enabled: bool) -> bool {
     if !enabled || ui.ctx().any_popup_open() {
         response.surrender_focus();
         return false;
     }
     let focused = ui.memory(|memory| memory.focused());
-    if focused.is_none() || response.is_pointer_button_down_on() {
+    if focused.is_none() || is_pressed {
         response.request_focus();
     }
     let filter = EventFilter {
@@ -292,12 +299,20 @@ fn paint_over(
 ) {
     let painter = ui.painter_at(picture);
     if let Some(screen) = screen {
-        grid::paint(&painter, screen, model.navigation.up, &model.keys.grid, model.depths);
+        let id = Id::new(PICTURE);
+        grid::paint(
+            &painter,
+            id,
+            screen,
+            model.navigation.up,
+            &model.keys.grid,
+            model.depths,
+        );
     }
-    model.outline.paint(&painter, picture);
+    model.outline.paint(&painter, picture, Id::new(PICTURE));
     let film = place_of_film(picture, film_corners_of(model.packed.view.as_ref()));
     if let Some(screen) = screen {
-        paint_scene(ui, &painter, screen, model, state);
+        paint_scene(ui, &painter, screen, model, state, state.panes.active.is_none());
     }
     if let Some(region) = model.region {
         let corner = |corner: Vec2| placing::at(film, corner);
@@ -359,60 +374,6 @@ fn paint_over(
     if let Some(shown) = model.legend {
         legend::paint(&painter, picture, shown);
     }
-}
-
-/// Paints what has its place in the scene.
-fn paint_scene(ui: &Ui, painter: &egui::Painter, screen: &Screen, model: &ViewportModel, state: &ViewportState) {
-    paint_lines(painter, screen, model);
-    let pointer = ui.input(|input| input.pointer.latest_pos());
-    let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
-    path_lines::paint(painter, screen, &model.paths.paths, chosen, model.navigation.scene_size);
-    icons::paint(painter, screen, model.icons, |icon| {
-        match Level::of(icon.entity, model.keys.selection, state.pointer.hovered) {
-            Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
-            level => level.color(),
-        }
-    });
-    let mut tags = Tags::default();
-    stand_ins::paint_names(painter, screen, model.stand_ins, &mut tags);
-    if model.keys.dimensions
-        && let Some(bounds) = model.extent
-    {
-        extent::paint(painter, screen, &bounds, model.gizmo.unit, &mut tags);
-    }
-    if let Some(series) = &model.series {
-        series::paint(painter, screen, series, model.gizmo.targets);
-    }
-    let begun = state.pointer.measured_from;
-    rulers::paint(painter, screen, model, begun, pointer, &mut tags);
-    let tool = state.tool(model.keys.tool);
-    tool.paint(painter, screen, model, pointer);
-    state.grips.paint_grips(painter, screen, &model.grips());
-    state.pointer.paint(painter, pointer);
-    if let Some(note) = state.gizmo.note(screen, &model.gizmo) {
-        tag(
-            painter,
-            screen.picture.center_bottom() - egui::vec2(0.0, 8.0),
-            Align2::CENTER_BOTTOM,
-            &note,
-        );
-    }
-}
-
-/// Paints the boxes of the hierarchy, the wireframe and the boxes of volumes.
-fn paint_lines(painter: &egui::Painter, screen: &Screen, model: &ViewportModel) {
-    if model.keys.overlay.shown {
-        for world_box in &model.boxes.boxes {
-            let color = if world_box.over_instances { SCENE_BOX } else { MESH_BOX };
-            let lines = edges(&screen.camera, world_box)
-                .into_iter()
-                .map(|ends| Shape::line_segment(ends.map(|film| screen.point_of_film(film)), Stroke::new(1.0, color)));
-            painter.extend(lines);
-        }
-    }
-    let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
-    painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
-    volume_boxes::paint(painter, screen, model.volume_boxes);
 }
 
 /// The notes in the corner of the picture: what it shows other than usual.

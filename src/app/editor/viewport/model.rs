@@ -9,6 +9,7 @@ use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
+use super::side_model::SideModel;
 use super::stand_ins::StandIn;
 use super::texturing::{TextureTarget, TexturingModel};
 use crate::app::editor::camera::navigation::Navigation;
@@ -114,6 +115,10 @@ pub struct ViewportModel<'a> {
     pub presses: &'a [Press],
     /// Whether keys and mouse act on the picture, which they do not while a dialog is open.
     pub enabled: bool,
+    /// The views beside the main one; none if that is shown alone.
+    pub sides: &'a [SideModel<'a>],
+    /// The number of the side view that this is the model of; None for the main view.
+    pub side: Option<usize>,
 }
 
 impl<'a> ViewportModel<'a> {
@@ -175,6 +180,7 @@ pub(crate) fn action_context<'a>(
         dimensions: settings.dimensions,
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
+        side_views: settings.side_views,
         timeline_shown: model.timeline.is_shown(settings.timeline_shown),
         playing: settings.playback.is_playing(),
         ..ActionContext::new(selection)

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::state::ViewportState;
+use super::side_scenes::SideScenes;
+use super::state::{ScreenPixels, ViewportState};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::outline_pass::{OutlinePass, OutlineRequest};
 use crate::engine::{PackedScene, RenderControl, WakeUp};
+use crate::render::view::View;
 
 /// The width of outlines in points of the window.
 const WIDTH: f32 = 2.0;
@@ -21,13 +23,15 @@ pub(crate) struct Marked {
 }
 
 /// Takes the results since the last frame. It must run before the viewport is gathered.
-pub(crate) fn collect_outline(mut pass: ResMut<OutlinePass>) {
+pub(crate) fn collect_outline(mut pass: ResMut<OutlinePass>, mut sides: ResMut<SideScenes>) {
     pass.bypass_change_detection().collect();
+    sides.bypass_change_detection().collect();
 }
 
-/// Requests the outline for the scene as packed in this frame.
+/// Requests the outlines for the scene as packed in this frame. It must run after the side views are packed.
 pub(crate) fn request_outline(
     mut pass: ResMut<OutlinePass>,
+    mut sides: ResMut<SideScenes>,
     mut marked: Local<Marked>,
     packed: Res<PackedScene>,
     selection: Res<Selection>,
@@ -42,8 +46,9 @@ pub(crate) fn request_outline(
             things: things(&selection, hovered),
         };
     }
-    let request = match (&packed.scene, &packed.view, state.picture) {
-        (Some(scene), Some(view), Some(picture)) => Some(OutlineRequest {
+    let request_of = |view: &View, picture: ScreenPixels| {
+        let scene = packed.scene.as_ref()?;
+        Some(OutlineRequest {
             geometry: scene.geometry.clone(),
             entity_of_instance: packed.entity_of_instance.clone(),
             camera: view.camera,
@@ -51,11 +56,14 @@ pub(crate) fn request_outline(
             picture: picture.size,
             width: WIDTH * picture.per_point,
             marked: marked.things.clone(),
-        }),
-        _ => None,
+        })
     };
+    let request = packed.view.as_ref().zip(state.picture);
+    let request = request.and_then(|(view, picture)| request_of(view, picture));
     pass.bypass_change_detection()
         .request(request, control.threads.get(), &wake_up);
+    let sides = sides.bypass_change_detection();
+    sides.request_outlines(state.sides, request_of, &wake_up);
 }
 
 /// The hovered thing, then the selected ones, the active one last.

@@ -102,6 +102,11 @@ impl PointerState {
                 (Tool::Region, PointerButton::Primary) if what != DragUse::Orbit => DragUse::Box,
                 _ => what,
             };
+            let what = match what {
+                // A side view has a fixed direction.
+                DragUse::Look | DragUse::Orbit if model.side.is_some() => DragUse::Pan,
+                what => what,
+            };
             let hold = hold_of(what, pressed_at, screen, model, *pose);
             if let Hold::Orbit { center } = hold {
                 commands.push(ViewCommand::TurnAbout(center).into());
@@ -230,7 +235,14 @@ impl PointerState {
         }
         match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
             Some(entity) => commands.push(SelectionCommand::Select(vec![entity], how).into()),
-            None => commands.push(SelectionCommand::Pick(screen.film(pointer), how).into()),
+            None if model.side.is_none() => commands.push(SelectionCommand::Pick(film, how).into()),
+            // The command would look from the main camera.
+            None => {
+                let found = under(pointer, screen, model);
+                if found.is_some() || how == Extend::Replace {
+                    commands.push(SelectionCommand::Select(Vec::from_iter(found), how).into());
+                }
+            }
         }
     }
 

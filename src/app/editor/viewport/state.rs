@@ -11,6 +11,7 @@ use super::blocking::BlockingState;
 use super::blocking::grips::GripState;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
+use super::side_model::{COUNT, PaneState};
 use super::texturing::TexturingState;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::{Command, DisplayCommand};
@@ -33,6 +34,10 @@ pub struct ViewportState {
     pub(super) axes: AxesState,
     /// The size of the picture on the screen; None while there is no picture.
     pub picture: Option<ScreenPixels>,
+    /// The view that has the mouse.
+    pub panes: PaneState,
+    /// The sizes of the side views; None while they are not shown.
+    pub sides: Option<[ScreenPixels; COUNT]>,
     /// The place of the bar over a paused picture, if there is one.
     pub bar: Option<Rect>,
     /// Whether the picture is in headlight mode because of a drag.
@@ -71,6 +76,18 @@ pub struct ScreenPixels {
     pub size: UVec2,
     /// Pixels of the screen for each point of the window.
     pub per_point: f32,
+}
+
+impl ScreenPixels {
+    /// The size of a rectangle of the window, at least one pixel.
+    pub(super) fn of(ui: &Ui, place: Rect) -> Self {
+        let per_point = ui.ctx().pixels_per_point();
+        let size = (place.size() * per_point).round();
+        Self {
+            size: UVec2::new(size.x as u32, size.y as u32),
+            per_point,
+        }
+    }
 }
 
 /// The speed of flying, which is shown for a while after a change.

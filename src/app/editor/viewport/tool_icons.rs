@@ -32,6 +32,8 @@ pub enum ToolIcon {
     Grid,
     /// Two overlapping squares: the overlays.
     Overlays,
+    /// A square in four parts: one view or four.
+    Views,
     /// A cube: draw a box.
     Box,
     /// A flat slab: draw a floor.
@@ -50,7 +52,7 @@ pub enum ToolIcon {
 
 impl ToolIcon {
     /// All icons.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Select,
         Self::Move,
         Self::Rotate,
@@ -63,6 +65,7 @@ impl ToolIcon {
         Self::Denoise,
         Self::Grid,
         Self::Overlays,
+        Self::Views,
         Self::Box,
         Self::Floor,
         Self::Wall,
@@ -166,6 +169,12 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
         ToolIcon::Overlays => &[
             Loop(&[(1.5, 1.5), (10.0, 1.5), (10.0, 10.0), (1.5, 10.0)]),
             Loop(&[(6.0, 6.0), (14.5, 6.0), (14.5, 14.5), (6.0, 14.5)]),
+        ],
+        ToolIcon::Views => &[
+            Loop(&[(1.5, 2.5), (14.5, 2.5), (14.5, 13.5), (1.5, 13.5)]),
+            Line(&[(8.0, 2.5), (8.0, 13.5)]),
+            Line(&[(1.5, 8.0), (14.5, 8.0)]),
+            Dot((4.75, 5.25), 1.5),
         ],
         ToolIcon::Box => &[
             Loop(&[

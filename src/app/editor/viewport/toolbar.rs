@@ -14,8 +14,9 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, DisplayCommand, ToolCommand};
+use crate::app::editor::command::{Command, DisplayCommand, ToolCommand, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext, hint};
 use crate::app::editor::input::number_field::{self, Meaning};
 use crate::app::editor::picture::denoiser::DenoiserState;
@@ -319,4 +320,16 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
             }
         },
     );
+    let help = hint(
+        "One view, or four: also from above, the front and the right",
+        "four-views",
+        keys.bound,
+    );
+    if icon_button(ui, ToolIcon::Views, keys.side_views.shown, "Four views", &help).clicked() {
+        let views = SideViews {
+            shown: !keys.side_views.shown,
+            ..keys.side_views
+        };
+        commands.push(ViewCommand::SetSideViews(views).into());
+    }
 }

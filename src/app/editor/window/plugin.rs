@@ -12,6 +12,7 @@ use super::widgets::Widgets;
 use super::{style, ui};
 use crate::app::editor::input;
 use crate::app::editor::viewport::gather::ViewportScene;
+use crate::app::editor::viewport::side_scenes::SideScenes;
 use crate::app::editor::viewport::state::ViewportState;
 
 /// Adds egui and the window's panels.
@@ -28,6 +29,7 @@ impl Plugin for WindowPlugin {
             .init_resource::<DroppedFiles>()
             .init_resource::<Previews>()
             .init_resource::<ViewportScene>()
+            .init_resource::<SideScenes>()
             .init_resource::<Widgets>()
             .insert_resource(ViewportState::new(self.is_live))
             .add_systems(Startup, spawn_camera)

@@ -43,6 +43,8 @@ use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::gizmo;
 use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::{ViewportModel, action_context};
+use crate::app::editor::viewport::side_model::SideModel;
+use crate::app::editor::viewport::side_scenes::SideScenes;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
 use crate::engine::{PackedScene, RenderFilm};
@@ -52,6 +54,7 @@ use crate::scene::{ActiveSensor, SceneState, SceneStatus};
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Scene<'w> {
     seen: Res<'w, ViewportScene>,
+    sides: Res<'w, SideScenes>,
     settings: Res<'w, ViewSettings>,
     packed: Res<'w, PackedScene>,
     film: Res<'w, RenderFilm>,
@@ -187,11 +190,13 @@ pub fn show_window(
     let step = gizmo::step_beside(&seen.targets, settings.length_step());
     let wall = selected_wall(model, &seen.locked);
     let has_series_form = requests.sheet == Some(Sheet::Series);
+    let sides = scene.sides.models(&settings.side_views);
     let shown = ViewportModel {
         wall: wall.as_ref(),
         series: has_series_form.then(|| widgets.series.series(step)),
         ..viewport_model(
             &scene,
+            &sides,
             &shell.preferences,
             model,
             action_context,
@@ -312,6 +317,7 @@ fn selected_wall(model: &Model, locked: &EntityHashSet) -> Option<BlockTarget> {
 /// What the viewport shows.
 fn viewport_model<'a>(
     scene: &'a Scene,
+    sides: &'a [SideModel<'a>],
     preferences: &'a Preferences,
     model: &'a Model,
     keys: ActionContext<'a>,
@@ -368,6 +374,8 @@ fn viewport_model<'a>(
         rulers: &settings.rulers,
         is_empty: scene.status.state == SceneState::Ready && model.outline.shapes.is_empty(),
         depths: Depths::rendered(&scene.film),
+        sides,
+        side: None,
         presses,
         enabled,
     }

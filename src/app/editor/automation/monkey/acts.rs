@@ -205,7 +205,7 @@ fn display(random: &mut Random) -> Vec<Act> {
         )),
         9 => say(["grid", "dimensions", "clear-rulers"][random.below(3)]),
         10 => say(format!("measure-between {} {}", random.vector(), random.vector())),
-        _ => say(["expose-automatically", "boxes", "safe-frame", "measure"][random.below(4)]),
+        _ => say(["expose-automatically", "boxes", "safe-frame", "measure", "four-views"][random.below(5)]),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::app::editor::command::key_bindings::{KeyBindings, NO_BINDINGS};
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shortcut::Shortcut;
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{
     Command, DisplayCommand, KeptPicture, RenderCommand, ShellCommand, TimeCommand, ToolCommand, ViewCommand,
@@ -46,6 +47,8 @@ pub struct ActionContext<'a> {
     pub seeing: Seeing,
     /// Whether some shapes are isolated.
     pub isolated: bool,
+    /// The views beside the main one, which are shown or hidden.
+    pub side_views: SideViews,
     /// Whether the selected shape has textures that can be placed.
     pub has_textures: bool,
     /// Whether a picture of the scene is kept beside it.
@@ -155,6 +158,8 @@ impl Action {
             "see-into-rooms" => context.seeing.walls != Walls::Shown,
             "cut-open" => context.seeing.cut.is_some(),
             "isolate" => context.isolated,
+            "four-views" => context.side_views.shown,
+            "side-views-clay" => context.side_views.clay,
             "panels" => context.panels_shown,
             "pause" => context.paused,
             "timeline-shown" => context.timeline_shown,
@@ -202,6 +207,7 @@ impl<'a> ActionContext<'a> {
             dimensions: false,
             seeing: Seeing::default(),
             isolated: false,
+            side_views: SideViews::default(),
             has_textures: false,
             has_kept_picture: false,
             has_missing: false,
@@ -240,6 +246,7 @@ impl ActionContext<'_> {
             Command::Tool(ToolCommand::SetTool(tool)) => self.tool = *tool,
             Command::View(ViewCommand::SetSeeing(seeing)) => self.seeing = *seeing,
             Command::View(ViewCommand::Isolate(entities)) => self.isolated = !entities.is_empty(),
+            Command::View(ViewCommand::SetSideViews(views)) => self.side_views = *views,
             Command::Display(DisplayCommand::ShowSafeFrame(shown)) => self.safe_frame = *shown,
             Command::Display(DisplayCommand::SetGrid(grid)) => self.grid = *grid,
             Command::Display(DisplayCommand::ShowDimensions(shown)) => self.dimensions = *shown,

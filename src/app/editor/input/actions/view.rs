@@ -10,6 +10,7 @@ use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::shortcut::Shortcut;
+use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, ShellCommand, ToolCommand, ViewCommand};
 
@@ -66,6 +67,30 @@ pub const ACTIONS: &[Action] = &[
     view!("view-top", "Look from above", numpad(Key::Num7) => ViewCommand::LookAlong(AxisView::Top)),
     view!("view-bottom", "Look from below", command_numpad(Key::Num7) => ViewCommand::LookAlong(AxisView::Bottom)),
     view!("switch-projection", "Perspective or orthographic", numpad(Key::Num5) => ViewCommand::SwitchProjection),
+    action(
+        Group::View,
+        "four-views",
+        "One view or four",
+        &[plain(Key::V), command_alt(Key::Q)],
+        |context| {
+            Some(
+                ViewCommand::SetSideViews(SideViews {
+                    shown: !context.side_views.shown,
+                    ..context.side_views
+                })
+                .into(),
+            )
+        },
+    ),
+    action(Group::View, "side-views-clay", "Side views in clay", &[], |context| {
+        Some(
+            ViewCommand::SetSideViews(SideViews {
+                clay: !context.side_views.clay,
+                ..context.side_views
+            })
+            .into(),
+        )
+    }),
     view!("view-1", "View 1", plain(Key::Num1) => ViewCommand::RecallView(1)),
     view!("view-2", "View 2", plain(Key::Num2) => ViewCommand::RecallView(2)),
     view!("view-3", "View 3", plain(Key::Num3) => ViewCommand::RecallView(3)),

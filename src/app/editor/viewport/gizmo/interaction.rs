@@ -111,6 +111,11 @@ impl GizmoState {
         self.held.is_some()
     }
 
+    /// Whether a drag has begun that the pointer continues.
+    pub(crate) fn follows_pointer(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.by != Hold::Keys)
+    }
+
     /// Whether the drag has moved anything so far.
     pub(crate) fn is_moving(&self) -> bool {
         self.held.as_ref().is_some_and(|held| held.change.is_some())
