@@ -70,7 +70,8 @@ impl Spot {
             Some(seen) => floor.unwrap_or_else(|| (seen.position, Plane::of_normal(seen.normal, up))),
             None => {
                 let place = on_plane(screen, hand.pointer, Vec3::ZERO, up)?;
-                if screen.depth(place) > FARTHEST * model.step {
+                let is_at_horizon = screen.depth(place) > FARTHEST * model.step;
+                if is_at_horizon && !screen.camera.is_orthographic() {
                     return None;
                 }
                 (place, level)
