@@ -23,6 +23,8 @@ use crate::scene::{SceneState, SceneStatus};
 
 /// The threads that search the outlines of a side view.
 const OUTLINE_THREADS: usize = 2;
+/// The size of a scene, in sizes of what the main view looks at, from which side views do not show all of it at first.
+const MUCH_MORE: f32 = 2.0;
 
 /// The side views as they are shown.
 #[derive(Resource, Default)]
@@ -123,9 +125,13 @@ pub(crate) fn follow_side_views(
     let is_whole = scene_status.state == SceneState::Ready && status.is_up_to_date;
     let navigation = settings.navigation;
     let mut views = settings.side_views;
+    let first = |view, aspect| {
+        let shown = interesting(&packed, bounds, navigation.scene_size);
+        SidePlace::framing(&shown, view, aspect, &navigation)
+    };
     for (side, ((view, _), size)) in SIDES.into_iter().zip(sizes).enumerate() {
         let aspect = size.size.x as f32 / size.size.y as f32;
-        let place = views.places[side].unwrap_or_else(|| SidePlace::framing(&bounds, view, aspect, &navigation));
+        let place = views.places[side].unwrap_or_else(|| first(view, aspect));
         if is_whole {
             views = views.with_place(side, place);
         }
@@ -144,5 +150,130 @@ pub(crate) fn follow_side_views(
     sides.pictures.request(scene, wanted, state.panes.active, &wake_up);
     if views != settings.side_views {
         settings.side_views = views;
+    }
+}
+
+/// The part of the scene that side views show at first: all of it, or the surroundings of what the main view looks at
+/// where much more lies around, such as a lawn around a house.
+fn interesting(packed: &PackedScene, all: Aabb, scene_size: f32) -> Aabb {
+    if all.extent().length() <= MUCH_MORE * scene_size {
+        return all;
+    }
+    let Some(ahead) = picking::ahead(packed) else {
+        return all;
+    };
+    let half = Vec3::splat(0.5 * scene_size);
+    Aabb {
+        min: (ahead.position - half).max(all.min),
+        max: (ahead.position + half).min(all.max),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::editor::camera::picking::tests::spheres;
+    use crate::app::editor::picture::material_ball;
+    use crate::render::camera::Camera;
+
+    /// A world with two balls, ten units apart, before a camera.
+    fn world(state: SceneState, is_up_to_date: bool) -> World {
+        let (packed, _) = spheres(&[Vec3::ZERO, 10.0 * Vec3::X]);
+        let mut world = World::new();
+        let pose = Affine3A::from_translation(-5.0 * Vec3::Z);
+        world.insert_resource(PackedScene {
+            view: Some(View {
+                camera: Camera::new(pose, 60.0, 1.0, 0.01, 100.0, None),
+                ..material_ball::view(16)
+            }),
+            ..packed
+        });
+        let mut settings = ViewSettings::default();
+        settings.side_views.shown = true;
+        settings.navigation.scene_size = 12.0;
+        world.insert_resource(settings);
+        let size = ScreenPixels {
+            size: UVec2::new(60, 40),
+            per_point: 1.0,
+        };
+        let mut shown = ViewportState::default();
+        shown.sides = Some([size; COUNT]);
+        world.insert_resource(shown);
+        world.insert_resource(SceneStatus {
+            state,
+            ..SceneStatus::default()
+        });
+        world.insert_resource(RenderStatus {
+            is_up_to_date,
+            ..RenderStatus::default()
+        });
+        world.init_resource::<WakeUp>();
+        world.init_resource::<SideScenes>();
+        world.run_system_cached(follow_side_views).expect("runs");
+        world
+    }
+
+    fn places(world: &World) -> [Option<SidePlace>; COUNT] {
+        world.resource::<ViewSettings>().side_views.places
+    }
+
+    #[test]
+    fn the_scene_is_framed_once_it_is_whole() {
+        for (state, is_up_to_date) in [(SceneState::Loading, true), (SceneState::Ready, false)] {
+            let world = world(state, is_up_to_date);
+            assert_eq!(places(&world), [None; COUNT]);
+            // It is shown meanwhile.
+            let sides = world.resource::<SideScenes>();
+            let models = sides.models(&world.resource::<ViewSettings>().side_views);
+            assert!(models.len() == COUNT && models.iter().all(|model| model.packed.view.is_some()));
+        }
+        let mut world = world(SceneState::Ready, true);
+        let framed = places(&world);
+        let plan = framed[0].expect("framed");
+        assert!(
+            plan.center[0] > 4.9 && plan.center[0] < 5.1 && plan.height > 8.0,
+            "{plan:?}"
+        );
+        // It stays while the scene grows.
+        let (grown, _) = spheres(&[Vec3::ZERO, 30.0 * Vec3::X]);
+        let mut packed = world.resource_mut::<PackedScene>();
+        packed.scene = grown.scene;
+        world.run_system_cached(follow_side_views).expect("runs");
+        assert_eq!(places(&world), framed);
+    }
+
+    #[test]
+    fn much_around_what_is_looked_at_is_left_out_at_first() {
+        let mut world = world(SceneState::Ready, true);
+        let mut settings = world.resource_mut::<ViewSettings>();
+        settings.side_views.places = [None; COUNT];
+        settings.navigation.scene_size = 4.0;
+        world.run_system_cached(follow_side_views).expect("runs");
+        let plan = places(&world)[0].expect("framed");
+        assert!(plan.center[0].abs() < 1.0 && plan.height < 5.0, "{plan:?}");
+    }
+
+    #[test]
+    fn side_views_see_into_rooms_and_keep_the_cut() {
+        let mut world = world(SceneState::Ready, true);
+        let cut = crate::render::visibility::sight::CutPlane {
+            normal: Vec3::Y,
+            offset: 1.0,
+        };
+        let mut packed = world.resource_mut::<PackedScene>();
+        if let Some(view) = &mut packed.view {
+            view.sight.cut = Some(cut);
+        }
+        world.run_system_cached(follow_side_views).expect("runs");
+        let sides = world.resource::<SideScenes>();
+        for model in sides.models(&world.resource::<ViewSettings>().side_views) {
+            let view = model.packed.view.as_ref().expect("a view");
+            assert!(view.sight.passes_backs && view.sight.cut == Some(cut));
+        }
+        // Without them nothing is kept.
+        world.resource_mut::<ViewportState>().sides = None;
+        world.run_system_cached(follow_side_views).expect("runs");
+        let sides = world.resource::<SideScenes>();
+        assert!(sides.scenes.iter().all(|scene| scene.packed.scene.is_none()));
     }
 }
