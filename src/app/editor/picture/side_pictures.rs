@@ -1,4 +1,4 @@
-//! The pictures of the side views, traced on a thread of low priority: first a quarter as wide and high, so that they
+//! The pictures of the side views, traced on a thread of low priority: first half as wide and high, so that they
 //! follow a drag, then with a few samples per pixel, until nothing changes any more.
 //!
 //! One thread suffices, since only first hits are traced, and the picture of the main view keeps its cores.
@@ -28,7 +28,7 @@ pub const COUNT: usize = SIDES.len();
 /// The samples per pixel after each pass.
 const SAMPLES: [u32; 3] = [1, 2, 4];
 /// The factor by which the first picture has fewer pixels along either side.
-const COARSE: u32 = 4;
+const COARSE: u32 = 2;
 
 /// The view of a scene by an orthographic camera of a side view, in pixels of `size`.
 pub fn side_view(camera: Camera, size: UVec2, is_clay: bool, sight: Sight) -> View {
@@ -336,11 +336,36 @@ mod tests {
 
     use super::*;
     use crate::app::editor::camera::picking::tests::spheres;
+    use crate::color::Rgb;
+    use crate::material::{Material, MaterialId, MaterialTable};
+    use crate::render::scene::{SurfaceSlot, SurfaceTable};
+    use crate::shading::{Bsdf, Diffuse};
 
-    /// A view of 40 x 20 units and pixels along z.
+    /// A painted unit sphere at the origin.
+    fn scene() -> RenderScene {
+        let (packed, _) = spheres(&[Vec3::ZERO]);
+        let paint = Material::Plain(Bsdf::Diffuse(Diffuse {
+            reflectance: Rgb::splat(0.5),
+        }));
+        let slot = SurfaceSlot {
+            material: MaterialId(0),
+            light: None,
+            media: Default::default(),
+        };
+        RenderScene {
+            surfaces: Arc::new(SurfaceTable {
+                first_slot: vec![0],
+                slots: vec![slot],
+            }),
+            materials: Arc::new(MaterialTable::new(vec![paint]).expect("no circles")),
+            ..packed.scene.expect("a sphere")
+        }
+    }
+
+    /// A view of 40 x 20 pixels along z, with five pixels for a unit.
     fn view(x: f32) -> View {
         let pose = Affine3A::from_translation(Vec3::new(x, 0.0, -10.0));
-        let camera = Camera::orthographic(pose, Vec2::new(20.0, 10.0), 0.0, 100.0);
+        let camera = Camera::orthographic(pose, Vec2::new(4.0, 2.0), 0.0, 100.0);
         side_view(camera, UVec2::new(40, 20), true, Sight::default())
     }
 
@@ -366,10 +391,9 @@ mod tests {
 
     #[test]
     fn views_are_traced_and_follow_their_cameras() {
-        let (packed, _) = spheres(&[Vec3::ZERO]);
-        let scene = packed.scene.expect("a sphere");
+        let scene = scene();
         let mut pictures = SidePictures::default();
-        let (one, other) = (view(0.0), view(10.0));
+        let (one, other) = (view(0.0), view(2.0));
         pictures.request(&scene, [Some(&one), None, Some(&other)], Some(2), &WakeUp::default());
         // +x is to the left, so that the sphere is right of the middle of the other view.
         let middle = awaited(&mut pictures, 0, one.camera, 40);
@@ -383,7 +407,7 @@ mod tests {
         assert!(grey(&aside, 20, 10) == nothing && grey(&aside, 30, 10) > nothing + 40);
         assert!(pictures.picture(1).is_none());
 
-        let moved = view(-10.0);
+        let moved = view(-2.0);
         pictures.request(&scene, [Some(&moved), None, None], None, &WakeUp::default());
         let moved = awaited(&mut pictures, 0, moved.camera, 40);
         assert!(grey(&moved, 10, 10) > nothing + 40 && moved.number > aside.number);
