@@ -15,6 +15,7 @@ mod baking;
 mod blocking;
 mod corpus;
 mod editing;
+mod four_views;
 mod gizmo;
 mod importing;
 mod keys;

@@ -125,7 +125,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     state.picture = has_place.then(|| ScreenPixels::of(ui, picture));
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
     for (side, (pane, seen)) in sides.iter().zip(model.sides).enumerate() {
-        side_views::paint(ui, pane, side, seen, state);
+        side_views::paint(ui, pane, side, seen, model.pose, state);
     }
     if let Some(screen) = &screen
         && model.enabled

@@ -1,24 +1,27 @@
 //! The side views beside the main view: their places in the panel, the view that gets mouse and keys, and their
 //! painting. Tools and navigation are those of the main view, with the camera of the view under the pointer.
 
-use bevy::math::{Affine3A, Vec2};
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::Entity;
 use bevy_egui::egui::{
     self, Align2, Color32, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions,
     Ui, pos2,
 };
 
 use super::gizmo::interaction::{GizmoModel, GizmoState};
-use super::grid;
+use super::icons::{Icon, IconKind};
 use super::marks::tag;
 use super::model::ViewportModel;
 use super::scene_marks::paint_scene;
 use super::side_model::{COUNT, PaneState, SideModel};
 use super::state::{ScreenPixels, ViewportState};
+use super::{grid, icons};
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::arrange::Direction;
 use crate::app::editor::command::side_views::{SIDES, SidePlace};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, ViewCommand};
+use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, ValueEdit, ViewCommand};
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::side_pictures::SidePicture;
@@ -27,6 +30,8 @@ use crate::app::editor::picture::side_pictures::SidePicture;
 const GAP: f32 = 2.0;
 /// The border of the view that the mouse is used in.
 const FRAME: Color32 = Color32::from_gray(110);
+/// The mark of the main view.
+const EYE: Color32 = Color32::WHITE;
 const BACKGROUND: Color32 = Color32::from_gray(40);
 
 /// The places of the main view and of the side views in the panel. The main view is at the upper left, the view from
@@ -78,9 +83,10 @@ pub(super) fn panes<'a>(
         }
     };
     let panes: Vec<Pane> = model.sides.iter().zip(places).enumerate().map(pane).collect();
-    let packed = |pane: &Pane| Some(pane.model.packed.view.as_ref().map(|view| [view.width, view.height]));
+    let packed = panes.iter().map(|pane| pane.model.packed.view.as_ref());
+    let packed = packed.map(|view| view.map(|view| [view.width, view.height]));
     let shown = state.sides.iter().flatten().map(|shown| Some(shown.size.to_array()));
-    if !panes.iter().map(packed).flatten().eq(shown) {
+    if !packed.eq(shown) {
         // The views are packed for these sizes before the next frame is shown.
         ui.ctx().request_repaint();
     }
@@ -133,6 +139,9 @@ impl PaneState {
 
 /// The command that a key of the main view gives in a side view.
 pub(super) fn in_side(command: Command, side: usize, model: &ViewportModel) -> Command {
+    if let Some(nudged) = nudged(&command, model) {
+        return nudged;
+    }
     let is = |other: ViewCommand| command == Command::from(other);
     let bounds = match (is(ViewCommand::FrameSelection), is(ViewCommand::FrameAll)) {
         (true, _) => model.extent,
@@ -147,6 +156,26 @@ pub(super) fn in_side(command: Command, side: usize, model: &ViewportModel) -> C
     ViewCommand::SetSideViews(model.keys.side_views.with_place(side, place)).into()
 }
 
+/// The command that moves the selection across the view by a step, as arrow keys do; None for other commands.
+fn nudged(command: &Command, model: &ViewportModel) -> Option<Command> {
+    let Command::Edit(EditCommand::Arrange(ArrangeEdit::Nudge(direction))) = command else {
+        return None;
+    };
+    let axes = model.pose?.matrix3;
+    let [left, upward] = [axes.x_axis, axes.y_axis].map(|axis| Vec3::from(axis.normalize_or_zero()));
+    let by = match direction {
+        Direction::Left => left,
+        Direction::Right => -left,
+        Direction::Ahead => upward,
+        Direction::Back => -upward,
+        Direction::Up | Direction::Down => return None,
+    };
+    let step = Affine3A::from_translation(by * model.gizmo.length_step);
+    let targets = model.gizmo.targets.iter();
+    let poses: Vec<_> = targets.map(|target| (target.entity, step * target.to_world)).collect();
+    (!poses.is_empty()).then(|| ValueEdit::Transform(poses).into())
+}
+
 /// The command that moves a side view from its pose to another one.
 pub(super) fn moved(side: usize, to: &Affine3A, model: &ViewportModel) -> Option<Command> {
     let (from, views) = (model.pose?, model.keys.side_views);
@@ -155,8 +184,15 @@ pub(super) fn moved(side: usize, to: &Affine3A, model: &ViewportModel) -> Option
     is_moved.then(|| ViewCommand::SetSideViews(views.with_place(side, place.moved(&from, to))).into())
 }
 
-/// Paints a side view with everything over its picture.
-pub(super) fn paint(ui: &Ui, pane: &Pane, side: usize, seen: &SideModel, state: &ViewportState) {
+/// Paints a side view with everything over its picture. `main` is the pose of the main view, which is marked.
+pub(super) fn paint(
+    ui: &Ui,
+    pane: &Pane,
+    side: usize,
+    seen: &SideModel,
+    main: Option<Affine3A>,
+    state: &ViewportState,
+) {
     let place = pane.response.rect;
     let painter = ui.painter_at(place);
     painter.rect_filled(place, 0.0, BACKGROUND);
@@ -175,6 +211,12 @@ pub(super) fn paint(ui: &Ui, pane: &Pane, side: usize, seen: &SideModel, state: 
             model.depths,
         );
         model.outline.paint(&painter, place, id(side));
+        let eye = main.map(|pose| Icon {
+            entity: Entity::PLACEHOLDER,
+            kind: IconKind::Frustum,
+            pose,
+        });
+        icons::paint(&painter, screen, eye.as_slice(), |_| EYE);
         paint_scene(ui, &painter, screen, model, state, is_active);
     }
     let corner = place.left_bottom() + egui::vec2(8.0, -8.0);
