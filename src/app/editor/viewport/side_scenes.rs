@@ -159,14 +159,17 @@ fn interesting(packed: &PackedScene, all: Aabb, scene_size: f32) -> Aabb {
     if all.extent().length() <= MUCH_MORE * scene_size {
         return all;
     }
-    let Some(ahead) = picking::ahead(packed) else {
+    let (Some(view), Some(ahead)) = (&packed.view, picking::ahead(packed)) else {
         return all;
     };
+    // The size is about twice the distance, so that the camera is seen as well.
+    let middle = ahead.position.midpoint(view.camera.unproject(Vec2::splat(0.5), 0.0));
     let half = Vec3::splat(0.5 * scene_size);
-    Aabb {
-        min: (ahead.position - half).max(all.min),
-        max: (ahead.position + half).min(all.max),
-    }
+    let shown = Aabb {
+        min: (middle - half).max(all.min),
+        max: (middle + half).min(all.max),
+    };
+    if shown.is_empty() { all } else { shown }
 }
 
 #[cfg(test)]
