@@ -27,6 +27,7 @@ mod orientation;
 mod panels;
 mod recovery;
 mod shell;
+mod snapshots;
 mod start_page;
 mod texturing;
 mod trust;

@@ -46,7 +46,7 @@ impl Plugin for WindowPlugin {
             .add_systems(
                 EguiPrimaryContextPass,
                 (
-                    style::set_styles.run_if(run_once),
+                    style::set_styles_of_window.run_if(run_once),
                     style::follow_preferences,
                     ui::show_window,
                 )

@@ -16,12 +16,16 @@ const SMALL: f32 = 11.0;
 /// The factor by which the dark letters of the light theme are thickened: egui's font is a light one.
 const DARK_LETTERS: f32 = 0.65;
 
-pub fn set_styles(mut contexts: EguiContexts) -> Result {
-    let context = contexts.ctx_mut()?;
+pub(super) fn set_styles_of_window(mut contexts: EguiContexts) -> Result {
+    set_styles(contexts.ctx_mut()?);
+    Ok(())
+}
+
+/// Changes egui's styles of both themes to the editor's.
+pub fn set_styles(context: &egui::Context) {
     for theme in [Theme::Dark, Theme::Light] {
         context.style_mut_of(theme, |style| set_style(style, theme));
     }
-    Ok(())
 }
 
 /// Changes egui's style of a theme to the editor's.
@@ -73,7 +77,7 @@ fn field(widget: &mut WidgetVisuals, fill: u8, edge: u8) {
 
 /// Synchronizes the scale of the preferences with that of egui, which has keys of its own for it.
 #[derive(Default)]
-pub enum Scale {
+pub(super) enum Scale {
     #[default]
     Unknown,
     /// The scale was set in egui, which applies it at the beginning of the next frame.
@@ -81,7 +85,7 @@ pub enum Scale {
     Taken(f32),
 }
 
-pub fn follow_preferences(
+pub(super) fn follow_preferences(
     mut contexts: EguiContexts,
     mut preferences: ResMut<Preferences>,
     windows: Query<&Window, With<PrimaryWindow>>,

@@ -26,16 +26,21 @@ pub struct Entry {
 /// The column by which entries are ordered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Column {
+    /// By name.
     #[default]
     Name,
+    /// By size, the largest first.
     Size,
+    /// By time of change, the newest first.
     Changed,
 }
 
 /// An order of the entries. Folders always come first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Order {
+    /// The column.
     pub column: Column,
+    /// Whether the last come first.
     pub is_reversed: bool,
 }
 

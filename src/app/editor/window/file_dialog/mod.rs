@@ -35,7 +35,9 @@ pub enum Purpose {
 /// A shortcut to a folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
+    /// The name in the list.
     pub name: String,
+    /// The absolute path.
     pub folder: PathBuf,
     /// Whether it is a recent folder, which is listed apart from the others.
     pub is_recent: bool,
@@ -44,8 +46,11 @@ pub struct Place {
 /// The state of the dialog after a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
+    /// The dialog goes on.
     Open,
+    /// This file or folder was chosen.
     Picked(PathBuf),
+    /// The dialog was closed without a choice.
     Cancelled,
 }
 
@@ -136,6 +141,13 @@ impl FileDialog {
     /// The dialog for a save that writes a second file: the user is asked about both before either is replaced.
     pub fn with_second(self, second: fn(&Path) -> Option<PathBuf>) -> Self {
         Self { second, ..self }
+    }
+
+    /// The dialog as if its folder had this path and these entries.
+    pub fn with_entries(mut self, folder: PathBuf, entries: Vec<Entry>) -> Self {
+        (self.folder, self.entries) = (folder, entries);
+        (self.reading, self.problem, self.shown_for) = (None, None, None);
+        self
     }
 
     fn saves(&self) -> bool {

@@ -1,0 +1,378 @@
+//! The panels beside and below the picture.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use bevy::math::UVec2;
+use bevy_egui::egui::Ui;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::RgbImage;
+use sunroom::app::editor::command::asset_kind::AssetKind;
+use sunroom::app::editor::command::baking::BakeChoices;
+use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
+use sunroom::app::editor::command::compare_view::CompareView;
+use sunroom::app::editor::command::display::DisplaySettings;
+use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
+use sunroom::app::editor::command::light_mix::LightMix;
+use sunroom::app::editor::command::presets;
+use sunroom::app::editor::command::resolution::Resolution;
+use sunroom::app::editor::command::timeline::Timeline;
+use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, AssetsModel, Listing};
+use sunroom::app::editor::model::baking::{BakeModel, ShownBake};
+use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel};
+use sunroom::app::editor::model::{
+    ComparisonModel, HistoryModel, MixingModel, Model, Notice, RenderModel, StatusModel,
+};
+use sunroom::app::editor::panels;
+use sunroom::app::editor::panels::assets::AssetsState;
+use sunroom::app::editor::panels::library::LibraryState;
+use sunroom::app::editor::panels::outliner::state::OutlinerState;
+use sunroom::app::editor::panels::timeline::TimelineState;
+use sunroom::app::editor::picture::baking::thread::BakeNews;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::bake::progress::{Progress, Stage};
+use sunroom::color::Rgb;
+use sunroom::document::{Interpolation, Key, Severity, Track, Value};
+use sunroom::engine::{RenderState, RenderStatus};
+use sunroom::scene::KeyPath;
+
+use super::panel;
+use super::scene::{entity, model};
+
+/// What the window gives the panels at the left, and those at the right, at first.
+const LEFT: u32 = 218;
+const RIGHT: u32 = 330;
+
+fn in_a_state<T: Clone + Default + Send + 'static, S: Default + Send + 'static>(
+    size: [u32; 2],
+    given: T,
+    show: impl Fn(&mut Ui, &T, &mut S) + Clone + 'static,
+) -> RgbImage {
+    let state = Arc::new(Mutex::new(S::default()));
+    let show = move |ui: &mut Ui, given: &mut T| show(ui, given, &mut state.lock().expect("one thread"));
+    panel(size, given, show, |_| ())
+}
+
+pub fn outliner() -> RgbImage {
+    in_a_state([LEFT, 620], model(), |ui, model: &Model, state: &mut OutlinerState| {
+        panels::outliner::outliner(ui, model, state, &mut Vec::new());
+    })
+}
+
+fn render_model() -> RenderModel {
+    RenderModel {
+        target_samples: 256,
+        resolution_scale: 1.0,
+        resolution: Resolution::default(),
+        noise: Some(0.083),
+        time_limit: Some(600.0),
+        ..RenderModel::default()
+    }
+}
+
+fn render_panel(model: RenderModel, act: impl Fn(&mut Harness<RenderModel>)) -> RgbImage {
+    let show = |ui: &mut Ui, model: &mut RenderModel| {
+        let (display, overlay) = (DisplaySettings::default(), BvhOverlay::default());
+        panels::render::render(ui, model, display, overlay, &mut Vec::new());
+    };
+    panel([RIGHT, 1200], model, show, act)
+}
+
+fn open<T>(harness: &mut Harness<T>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(3);
+}
+
+pub fn render() -> RgbImage {
+    render_panel(render_model(), |_| ())
+}
+
+pub fn render_of_layers() -> RgbImage {
+    render_panel(render_model(), |harness| open(harness, "Layers"))
+}
+
+pub fn layers_and_mixing() -> RgbImage {
+    let lights = [(51, "reading lamp"), (52, "bulb")];
+    let model = RenderModel {
+        mixing: MixingModel {
+            is_on: true,
+            mix: LightMix::default(),
+            lights: lights.map(|(light, name)| (entity(light), name.to_owned())).into(),
+        },
+        comparison: ComparisonModel {
+            snapshot: Some(64),
+            is_of_other_scene: false,
+            view: CompareView::Off,
+            denoising: true,
+            figures: None,
+        },
+        ..render_model()
+    };
+    render_panel(model, |harness| {
+        for section in ["Light mixing", "Compare"] {
+            if harness.query_by_label(section).is_some() {
+                open(harness, section);
+            }
+        }
+    })
+}
+
+pub fn library() -> RgbImage {
+    let model = Model {
+        presets: Arc::new(presets::load().0),
+        ..model()
+    };
+    in_a_state([LEFT, 420], model, |ui, model: &Model, state: &mut LibraryState| {
+        panels::library::library(ui, model, state, &mut Vec::new());
+    })
+}
+
+pub fn assets() -> RgbImage {
+    let entry = |(name, bytes): (&str, u64)| {
+        let path = Path::new("/assets").join(name);
+        AssetEntry {
+            name: name.to_owned(),
+            kind: AssetKind::of(&path),
+            path,
+            bytes,
+            modified: None,
+        }
+    };
+    let entries = [
+        ("inner", 0),
+        ("bunny.ply", 3_033_195),
+        ("broken.png", 12),
+        ("room.xml", 4_096),
+        ("sky over the harbour.hdr", 6_400_000),
+        ("smoke.vol", 1_048_624),
+        ("wood.png", 812_000),
+    ];
+    let picture = |name: &str, note: &str, problem: Option<&str>| {
+        let picture = AssetPicture {
+            note: note.to_owned(),
+            problem: problem.map(str::to_owned),
+            ..AssetPicture::default()
+        };
+        (Path::new("/assets").join(name), picture)
+    };
+    let pictures = [
+        picture("bunny.ply", "69,451 triangles", None),
+        picture("broken.png", "", Some("not a picture in a known format")),
+        picture("wood.png", "1024 × 1024", None),
+    ];
+    let model = Model {
+        assets: AssetsModel {
+            places: Arc::new(vec![AssetPlace {
+                name: "Mine".to_owned(),
+                folder: "/assets".into(),
+                is_own: true,
+            }]),
+            listing: Some(Arc::new(Listing {
+                folder: "/assets".into(),
+                entries: entries.map(entry).into(),
+                problem: None,
+            })),
+            pictures: Arc::new(HashMap::from(pictures)),
+            environments: Arc::default(),
+        },
+        ..model()
+    };
+    in_a_state([RIGHT, 460], model, |ui, model: &Model, state: &mut AssetsState| {
+        state.folder = Some("/assets".into());
+        panels::assets::assets(ui, model, state, &mut Vec::new());
+    })
+}
+
+pub fn history() -> RgbImage {
+    let model = HistoryModel {
+        done: vec!["Add: floor".into(), "Move: floor".into(), "Material: oak".into()],
+        undone: vec!["Hide: ceiling".into()],
+    };
+    let show = |ui: &mut Ui, model: &mut HistoryModel| panels::history::history(ui, model, &mut Vec::new());
+    panel([RIGHT, 200], model, show, |_| ())
+}
+
+pub fn messages() -> RgbImage {
+    let notices = vec![
+        Notice {
+            severity: Severity::Error,
+            place: Some("flat.xml:12:5".into()),
+            text: "unknown plugin `glas`".into(),
+            help: Some("did you mean `dielectric`?".into()),
+            excerpt: Some("12 | <bsdf type=\"glas\">\n     ^^^^".into()),
+        },
+        Notice {
+            severity: Severity::Warning,
+            place: Some("flat.xml:40:9".into()),
+            text: "the picture `textures/worn.png` is not there".into(),
+            help: None,
+            excerpt: None,
+        },
+        Notice {
+            severity: Severity::Note,
+            place: None,
+            text: "rotations are read as degrees".into(),
+            help: None,
+            excerpt: None,
+        },
+    ];
+    let show = |ui: &mut Ui, notices: &mut Vec<Notice>| panels::diagnostics::diagnostics(ui, notices);
+    panel([RIGHT, 320], notices, show, |_| ())
+}
+
+pub fn paths() -> RgbImage {
+    let show = |ui: &mut Ui, (): &mut ()| panels::paths::paths(ui, None, UVec2::ZERO, &[], &mut Vec::new());
+    panel([RIGHT, 120], (), show, |_| ())
+}
+
+pub fn timeline() -> RgbImage {
+    let names = ["to_world.position", "to_world.rotation", "radius"];
+    let values: Vec<_> = names.into_iter().map(|name| (entity(1), KeyPath::new(name))).collect();
+    let tick = |(time, values): (f64, &[_])| {
+        let values = values.to_vec();
+        (TickTime(time), Tick { values })
+    };
+    let selected = [(0.0, &values[..]), (1.0, &values[..1]), (1.8, &values[1..])];
+    let track = |times: &[f64]| {
+        let key = |time: &f64| Key {
+            time: *time,
+            value: Value::Float(1.0),
+        };
+        Arc::new(Track {
+            keys: times.iter().map(key).collect(),
+            interpolation: Interpolation::Linear,
+        })
+    };
+    let tracks = [&[0.0, 1.0][..], &[0.0, 1.8], &[0.0, 1.8]];
+    let tracks = values
+        .iter()
+        .zip(tracks)
+        .map(|((_, path), times)| (path.clone(), track(times)));
+    let model = TimelineModel {
+        frames: Timeline {
+            fps: 24.0,
+            first: 0,
+            last: 48,
+        },
+        time: 0.75,
+        all: Arc::new(vec![0.0, 0.5, 1.0, 1.8]),
+        selected: Arc::new(selected.into_iter().map(tick).collect::<Ticks>()),
+        tracks: Arc::new(HashMap::from([(entity(1), tracks.collect())])),
+        ..TimelineModel::default()
+    };
+    in_a_state(
+        [1000, 160],
+        model,
+        |ui, model: &TimelineModel, state: &mut TimelineState| {
+            panels::timeline::timeline(ui, model, &NO_BINDINGS, state, &mut Vec::new());
+        },
+    )
+}
+
+fn status(model: StatusModel) -> RgbImage {
+    let show = |ui: &mut Ui, model: &mut StatusModel| panels::status::status_line(ui, model);
+    panel([1000, 40], model, show, |_| ())
+}
+
+fn rendering() -> RenderStatus {
+    RenderStatus {
+        state: RenderState::Rendering,
+        samples: 2,
+        target: 256,
+        size: UVec2::new(1042, 782),
+        full_size: UVec2::new(1042, 782),
+        seconds: 83.0,
+        noise: Some(75.21),
+        mrays_per_s: 2.345,
+        triangles: 871_414,
+        ..RenderStatus::default()
+    }
+}
+
+pub fn status_line() -> RgbImage {
+    status(StatusModel {
+        status: rendering(),
+        ..StatusModel::default()
+    })
+}
+
+pub fn status_line_while_denoised() -> RgbImage {
+    let mut model = StatusModel {
+        status: RenderStatus {
+            samples: 64,
+            noise: Some(0.042),
+            ..rendering()
+        },
+        denoiser: DenoiserState::Shown {
+            seconds: 0.35,
+            samples: 64,
+        },
+        ..StatusModel::default()
+    };
+    for samples in [2, 4, 8, 16, 32, 64] {
+        let noise = 0.336 / (samples as f32).sqrt();
+        model.noise_trend.note(1, samples, Some(noise));
+    }
+    status(model)
+}
+
+fn bake_model() -> BakeModel {
+    BakeModel {
+        choices: BakeChoices {
+            denoise: true,
+            ..BakeChoices::default()
+        },
+        folder: Some(PathBuf::from("/levels/flat")),
+        scene_folder: Some(PathBuf::from("/levels")),
+        shown: None,
+    }
+}
+
+pub fn bake_form() -> RgbImage {
+    in_a_state([412, 420], bake_model(), |ui, model: &BakeModel, form| {
+        panels::baking::form(ui, form, model, &mut Vec::new());
+    })
+}
+
+pub fn bake_progress() -> RgbImage {
+    let news = BakeNews {
+        stage: "Light of the lightmaps".to_owned(),
+        progress: Some(Progress {
+            stage: Stage::Lightmaps,
+            done: 0.4,
+            ..Progress::default()
+        }),
+        samples: 24,
+        pages: 2,
+        page_size: [1024, 768],
+        ..BakeNews::default()
+    };
+    let shown = ShownBake {
+        folder: PathBuf::from("/levels/flat"),
+        news,
+        is_stopped: false,
+        is_busy: true,
+        page: 0,
+        view: CompareView::Off,
+        is_of_open_scene: true,
+    };
+    let show = |ui: &mut Ui, shown: &mut ShownBake| panels::baking::progress(ui, shown, None, &mut Vec::new());
+    panel([RIGHT, 300], shown, show, |_| ())
+}
+
+/// The picker of a colour, below its field.
+pub fn color_picker() -> RgbImage {
+    let show = |ui: &mut Ui, color: &mut Rgb| _ = panels::color_field::color(ui, "Reflectance", color);
+    panel([RIGHT, 320], Rgb::new(0.6, 0.25, 0.1), show, |harness| {
+        let button = harness.get_by_role(bevy_egui::egui::accesskit::Role::ColorWell);
+        let place = button.rect().center();
+        harness.hover_at(place);
+        harness.run_steps(1);
+        harness.drag_at(place);
+        harness.run_steps(1);
+        harness.drop_at(place);
+        harness.run_steps(3);
+    })
+}
