@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::containers::menu::MenuButton;
-use bevy_egui::egui::{self, Atom, Button, Id, Key, Popup, RichText, Ui, vec2};
+use bevy_egui::egui::{self, Button, Id, Key, Popup, RichText, Ui};
 
-use super::kind_icons;
 use super::medium_section::fill_menu;
+use super::menu_marks::{self, Mark};
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::{
@@ -124,37 +124,36 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
     }
 }
 
-/// The edge of an entry's icon, in points.
-const DRAWING: f32 = 16.0;
+/// Whether an action chooses one of several values.
+fn is_choice(name: &str) -> bool {
+    let starts = ["gizmo-", "pivot-", "snap-"];
+    starts.iter().any(|start| name.starts_with(start)) && name != "gizmo-axes"
+}
 
-/// Shows the action of this name, disabled if it does not apply, and checked if it is on. `drawing`: the kind of thing
-/// whose icon stands before it.
-fn drawn_entry(ui: &mut Ui, name: &str, drawing: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
+/// Shows the action of this name, disabled if it does not apply. `kind`: the kind of thing whose icon stands before it;
+/// without one the column has a mark if the action switches or chooses something.
+fn drawn_entry(ui: &mut Ui, name: &str, kind: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else {
         return;
     };
-    let keys = action.key_text(context.bound);
     let command = (action.command)(context);
+    let mark = match (kind, action.switch(context)) {
+        (Some(kind), _) => Mark::Icon(kind),
+        (None, Some(is_on)) => Mark::Box(is_on),
+        (None, None) if is_choice(name) => Mark::Dot(action.is_on(context)),
+        (None, None) => Mark::None,
+    };
     ui.add_enabled_ui(command.is_some(), |ui| {
-        let is_on = action.is_on(context);
-        let place = Id::new("drawing");
-        let button = match drawing {
-            Some(_) => Button::selectable(is_on, (Atom::custom(place, vec2(DRAWING, DRAWING)), action.label)),
-            None => Button::selectable(is_on, action.label),
-        };
-        let shown = button.shortcut_text(keys).atom_ui(ui);
-        if let (Some(kind), Some(rect)) = (drawing, shown.rect(place)) {
-            let color = ui.visuals().text_color();
-            kind_icons::paint(ui.painter(), rect.center(), kind, color);
-        }
-        if shown.response.clicked() {
+        let response = menu_marks::entry(ui, mark, action.label, action.key_text(context.bound));
+        if response.clicked() {
             commands.extend(command);
             ui.close();
         }
-        shown.response.on_disabled_hover_text(action.missing());
+        response.on_disabled_hover_text(action.missing());
     });
 }
 
+/// Shows the action of this name in a menu with marks.
 fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
     drawn_entry(ui, name, None, context, commands);
 }
@@ -214,7 +213,7 @@ fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut 
         }
         let shapes = model.selected_shapes();
         if !shapes.is_empty() {
-            ui.menu_button("Fill with a medium of the scene", |ui| {
+            ui.menu_button(menu_marks::inset("Fill with a medium of the scene"), |ui| {
                 fill_menu(ui, &shapes, model, commands)
             });
         }
@@ -238,9 +237,9 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
         entry(ui, action.name, context, commands);
     }
     ui.separator();
-    ui.menu_button("Unit of length", |ui| {
+    ui.menu_button(menu_marks::inset("Unit of length"), |ui| {
         for (unit, name) in LengthUnit::LABELED {
-            if ui.add(Button::selectable(model.unit == unit, name)).clicked() {
+            if menu_marks::choice(ui, model.unit == unit, name).clicked() {
                 commands.push(SettingsEdit::SetUnit(unit).into());
                 ui.close();
             }
@@ -265,7 +264,7 @@ fn arrange_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command
     }
     ui.separator();
     for (start, title) in INNER {
-        ui.menu_button(title, |ui| {
+        ui.menu_button(menu_marks::inset(title), |ui| {
             for action in of_group().filter(|action| inner(action.name).is_some_and(|(its, _)| its == start)) {
                 entry(ui, action.name, context, commands);
             }
@@ -279,8 +278,10 @@ fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     for name in ["start-page", "new", "open"] {
         entry(ui, name, context, commands);
     }
-    ui.menu_button("Recent", |ui| scenes(ui, state.recent, commands));
-    ui.menu_button("Scenes", |ui| scenes(ui, &model.scene_files, commands));
+    ui.menu_button(menu_marks::inset("Recent"), |ui| scenes(ui, state.recent, commands));
+    ui.menu_button(menu_marks::inset("Scenes"), |ui| {
+        scenes(ui, &model.scene_files, commands)
+    });
     entry(ui, "reload", context, commands);
     entry(ui, "revert", context, commands);
     entry(ui, "recover", context, commands);
@@ -324,26 +325,25 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             true => actions::key_text("next-mode", state.context.bound),
             false => String::new(),
         };
-        let shown = display.mode == mode;
-        let entry = ui.add(Button::selectable(shown, name).shortcut_text(keys));
+        let entry = menu_marks::entry(ui, Mark::Dot(display.mode == mode), name, keys);
         if entry.on_hover_text(mode.about()).clicked() {
             commands.push(DisplayCommand::SetDisplay(DisplaySettings { mode, ..display }).into());
             ui.close();
         }
     }
     ui.separator();
-    ui.menu_button("Cameras", |ui| {
+    ui.menu_button(menu_marks::inset("Cameras"), |ui| {
         egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
             for camera in &model.outline.sensors {
                 let used = state.camera == Some(camera.entity);
-                if ui.add(Button::selectable(used, &camera.name)).clicked() {
+                if menu_marks::choice(ui, used, &camera.name).clicked() {
                     commands.push(ViewCommand::LookThrough(camera.entity).into());
                     ui.close();
                 }
             }
         });
     });
-    ui.menu_button("Along an axis", |ui| {
+    ui.menu_button(menu_marks::inset("Along an axis"), |ui| {
         for name in [
             "view-front",
             "view-back",
@@ -358,7 +358,7 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
     for name in ["four-views", "side-views-clay"] {
         entry(ui, name, &state.context, commands);
     }
-    ui.menu_button("Mouse", |ui| {
+    ui.menu_button(menu_marks::inset("Mouse"), |ui| {
         for name in [
             "navigation-sunroom",
             "navigation-blender",
@@ -384,11 +384,11 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
 fn window_menu(ui: &mut Ui, state: &MenuState, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     for &panel in Panel::CLOSEABLE {
-        let mut shown = state.layout.has(panel);
-        if ui.checkbox(&mut shown, panel.title()).clicked() {
+        let shown = state.layout.has(panel);
+        if menu_marks::entry(ui, Mark::Box(shown), panel.title(), String::new()).clicked() {
             let command = match shown {
-                true => ShellCommand::ShowPanel(panel),
-                false => ShellCommand::ClosePanel(panel),
+                true => ShellCommand::ClosePanel(panel),
+                false => ShellCommand::ShowPanel(panel),
             };
             commands.push(Command::Shell(command));
             ui.close();

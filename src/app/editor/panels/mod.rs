@@ -33,6 +33,7 @@ pub mod material_tree;
 mod medium;
 mod medium_section;
 pub mod menu_bar;
+mod menu_marks;
 pub mod missing_files;
 pub mod outliner;
 pub mod paths;
