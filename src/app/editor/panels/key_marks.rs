@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Sense, Stroke, Ui, vec2};
 
-use super::timeline::{key_color, mark};
+use super::key_buttons::{key_color, mark};
 use crate::app::editor::command::{Command, TimeEdit};
 use crate::app::editor::model::timeline::TimelineModel;
 use crate::document::Track;

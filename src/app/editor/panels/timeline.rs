@@ -1,14 +1,15 @@
 //! The timeline below the picture: buttons and fields for the time, and a band: a ruler on which the time is dragged,
-//! and a track of keys below it. Keys take no presses on the ruler, so that the time can be dragged away from a key.
+//! and tracks of keys below it. Keys take no presses on the ruler, so that the time can be dragged away from a key.
 
 use std::ops::RangeInclusive;
 
+use bevy::prelude::Entity;
 use bevy_egui::egui::emath::{Numeric, format_with_decimals_in_range};
-use bevy_egui::egui::{
-    self, Color32, CursorIcon, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
-};
+use bevy_egui::egui::{self, CursorIcon, DragValue, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 
+use super::key_buttons::{MARK, Sign, key_color, mark, sign_button};
 use super::look;
+use super::tracks::{TrackKey, Tracks};
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::timeline::{TimeStep, Timeline};
 use crate::app::editor::command::{Command, TimeCommand, TimeEdit};
@@ -20,13 +21,13 @@ use crate::scene::{KeyEdit, KeyPath};
 
 /// Half the width in points of the time's marker, which must not hide the number of its line.
 const HALF_MARKER: f32 = 5.0;
-/// The heights in points of the ruler, on which the time is dragged, and of the track of the keys below it.
+/// The heights in points of the ruler, on which the time is dragged, and of a track of keys below it.
 const RULER: f32 = 22.0;
 const TRACK: f32 = 22.0;
 /// The margins at both ends of the band.
 const MARGIN: f32 = 12.0;
-/// The half diagonal of a key's mark, and the distance within which the pointer hits it.
-const MARK: f32 = 5.0;
+/// The width in points of the names of the tracks.
+const NAMES: f32 = 84.0;
 /// The least distance between the numbers of two frames.
 const NUMBERS: f32 = 56.0;
 
@@ -34,9 +35,9 @@ const NUMBERS: f32 = 56.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TimelineState {
     /// The dragged key, and its present time in seconds.
-    dragged: Option<(TickTime, f64)>,
+    dragged: Option<(TrackKey, f64)>,
     /// The key whose menu is open.
-    menu: Option<TickTime>,
+    menu: Option<TrackKey>,
 }
 
 /// Shows the time, the range of frames, and the keys: those of the selection bright, others dim.
@@ -61,7 +62,31 @@ pub fn timeline(
             }
         });
     });
-    band(ui, model, state, commands);
+    let tracks = Tracks::of(model);
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        names(ui, &tracks);
+        band(ui, model, &tracks, state, commands);
+    });
+}
+
+/// Shows the names of the tracks.
+fn names(ui: &mut Ui, tracks: &Tracks) {
+    let size = vec2(NAMES, RULER + TRACK * tracks.count() as f32);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let painter = ui.painter_at(rect);
+    for track in 0..tracks.count() {
+        let place = pos2(rect.right() - 4.0, rect.top() + RULER + TRACK * (track as f32 + 0.5));
+        let color = ui.visuals().weak_text_color();
+        painter.text(
+            place,
+            egui::Align2::RIGHT_CENTER,
+            tracks.name(track),
+            font.clone(),
+            color,
+        );
+    }
 }
 
 fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &mut Vec<Command>) {
@@ -72,8 +97,20 @@ fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &m
         }
     };
     let step = |it| TimeCommand::StepTime(it).into();
+    let mut pressed = Vec::new();
+    let mut key_button = |ui: &mut Ui, sign: Sign, text: &str, name: &str, command: Command| {
+        if sign_button(ui, sign, text, actions::hint(text, name, bound)) {
+            pressed.push(command);
+        }
+    };
     button(ui, "⏮", "First frame", "first-frame", step(TimeStep::FirstFrame));
-    button(ui, "⏴ key", "Previous key", "previous-key", step(TimeStep::PreviousKey));
+    key_button(
+        ui,
+        Sign::Before,
+        "Previous key",
+        "previous-key",
+        step(TimeStep::PreviousKey),
+    );
     button(
         ui,
         "⏴",
@@ -93,21 +130,28 @@ fn buttons(ui: &mut Ui, model: &TimelineModel, bound: &KeyBindings, commands: &m
         TimeCommand::SetPlaying(!model.is_playing).into(),
     );
     button(ui, "⏵", "Next frame", "next-frame", step(TimeStep::NextFrame));
-    button(ui, "key ⏵", "Next key", "next-key", step(TimeStep::NextKey));
+    key_button(ui, Sign::After, "Next key", "next-key", step(TimeStep::NextKey));
     button(ui, "⏭", "Last frame", "last-frame", step(TimeStep::LastFrame));
     ui.separator();
     let (set, remove) = (
         Command::from(TimeEdit::Key(Vec::new(), KeyEdit::Set)),
         Command::from(TimeEdit::Key(Vec::new(), KeyEdit::Remove)),
     );
-    button(ui, "+ key", "Set a key of the place of the selection", "set-key", set);
-    button(
+    key_button(
         ui,
-        "− key",
+        Sign::Plus,
+        "Set a key of the place of the selection",
+        "set-key",
+        set,
+    );
+    key_button(
+        ui,
+        Sign::Minus,
         "Remove the keys of the selection at this time",
         "remove-key",
         remove,
     );
+    commands.append(&mut pressed);
 }
 
 /// Shows the present frame and time.
@@ -189,8 +233,8 @@ impl Scale {
     }
 }
 
-fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands: &mut Vec<Command>) {
-    let size = vec2(ui.available_width(), RULER + TRACK);
+fn band(ui: &mut Ui, model: &TimelineModel, tracks: &Tracks, state: &mut TimelineState, commands: &mut Vec<Command>) {
+    let size = vec2(ui.available_width(), RULER + TRACK * tracks.count() as f32);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Frames and keys"));
     let scale = Scale::new(model, rect);
@@ -202,26 +246,26 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
     };
     let pointer = response.interact_pointer_pos();
     let key_at = |place: egui::Pos2| {
-        let near = |time: &&TickTime| (scale.place(time.0) - place.x).abs() <= MARK && place.y >= track.top();
-        model.selected.keys().find(near).copied()
+        let row = ((place.y - track.top()) / TRACK).floor();
+        let near = |key: &TrackKey| key.track as f32 == row && (scale.place(key.time.0) - place.x).abs() <= MARK;
+        tracks.keys(model).find(near)
     };
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
-        state.dragged = origin.and_then(key_at).map(|key| (key, key.0));
+        state.dragged = origin.and_then(key_at).map(|key| (key, key.time.0));
     }
     if let (Some((key, _)), Some(place), true) = (state.dragged, pointer, response.dragged()) {
         state.dragged = Some((key, time_at(place.x)));
     } else if response.drag_stopped()
         && let Some((key, to)) = state.dragged.take()
     {
-        if to != key.0
-            && let Some(tick) = model.selected.get(&key)
-        {
-            commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Move { from: key.0, to }).into());
+        let from = key.time.0;
+        if to != from {
+            commands.push(TimeEdit::Key(tracks.values(model, key), KeyEdit::Move { from, to }).into());
         }
     } else if let Some(place) = pointer.filter(|_| response.dragged() || response.clicked()) {
         let key = key_at(place).filter(|_| response.clicked());
-        let time = key.map_or_else(|| time_at(place.x), |key| model.frames.time_of_key(key.0));
+        let time = key.map_or_else(|| time_at(place.x), |key| model.frames.time_of_key(key.time.0));
         if time != model.time {
             commands.push(TimeCommand::SetTime(time).into());
         }
@@ -238,37 +282,44 @@ fn band(ui: &mut Ui, model: &TimelineModel, state: &mut TimelineState, commands:
     };
     let response = response.on_hover_and_drag_cursor(cursor);
     if let Some(key) = state.menu {
-        let shown = response.context_menu(|ui| key_menu(ui, model, key, commands));
+        let shown = response.context_menu(|ui| key_menu(ui, model, key.time, tracks.values(model, key), commands));
         if shown.is_none() {
             state.menu = None;
         }
-    } else if let Some(tick) = hovered.and_then(|key| model.selected.get(&key)) {
-        let mut names: Vec<&str> = tick.values.iter().map(|(_, path)| path.as_str()).collect();
+    } else if let Some(key) = hovered {
+        let values = tracks.values(model, key);
+        let mut names: Vec<&str> = values.iter().map(|(_, path)| path.as_str()).collect();
         names.sort_unstable();
         names.dedup();
         response.clone().on_hover_text(names.join(", "));
     }
-    paint(ui, model, &scale, rect, track, state);
+    paint(ui, model, tracks, &scale, rect, track, state);
 }
 
-fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Vec<Command>) {
-    let Some(tick) = model.selected.get(&key) else {
+fn key_menu(
+    ui: &mut Ui,
+    model: &TimelineModel,
+    key: TickTime,
+    values: Vec<(Entity, KeyPath)>,
+    commands: &mut Vec<Command>,
+) {
+    if values.is_empty() {
         return ui.close();
-    };
+    }
     if ui.button("Remove this key").clicked() {
         commands.push(TimeCommand::SetTime(model.frames.time_of_key(key.0)).into());
-        commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Remove).into());
+        commands.push(TimeEdit::Key(values.clone(), KeyEdit::Remove).into());
         ui.close();
     }
     ui.separator();
-    let track = |(thing, path): &(bevy::prelude::Entity, KeyPath)| {
+    let track = |(thing, path): &(Entity, KeyPath)| {
         let tracks = model.tracks.get(thing)?;
         tracks
             .iter()
             .find(|(known, _)| known == path)
             .map(|(_, track)| track.clone())
     };
-    let present = tick.values.first().and_then(track).map(|track| track.interpolation);
+    let present = values.first().and_then(track).map(|track| track.interpolation);
     for way in Interpolation::ALL {
         let text = match way {
             Interpolation::Linear => "Linear: at constant speed",
@@ -276,13 +327,21 @@ fn key_menu(ui: &mut Ui, model: &TimelineModel, key: TickTime, commands: &mut Ve
             Interpolation::Step => "Step: hold until the next key",
         };
         if ui.selectable_label(present == Some(way), text).clicked() {
-            commands.push(TimeEdit::Key(tick.values.clone(), KeyEdit::Interpolate(way)).into());
+            commands.push(TimeEdit::Key(values.clone(), KeyEdit::Interpolate(way)).into());
             ui.close();
         }
     }
 }
 
-fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect, state: &TimelineState) {
+fn paint(
+    ui: &Ui,
+    model: &TimelineModel,
+    tracks: &Tracks,
+    scale: &Scale,
+    rect: Rect,
+    track: Rect,
+    state: &TimelineState,
+) {
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     let frames = &model.frames;
@@ -308,11 +367,11 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
         let left = if is_cut { x - gap - number.size().x } else { x + gap };
         painter.galley(pos2(left, rect.top() + 1.0), number, color);
     }
-    painter.hline(
-        rect.x_range(),
-        track.top(),
-        Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.4)),
-    );
+    let line = Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.4));
+    let row = |track_number: usize| track.top() + TRACK * (track_number as f32 + 0.5);
+    for number in 0..tracks.count() {
+        painter.hline(rect.x_range(), row(number) - 0.5 * TRACK, line);
+    }
     // Keys are drawn over the line of the time, which takes no drags from them.
     let now = scale.place(model.time);
     let accent = look::accent(visuals);
@@ -326,20 +385,17 @@ fn paint(ui: &Ui, model: &TimelineModel, scale: &Scale, rect: Rect, track: Rect,
         accent,
         Stroke::NONE,
     ));
-    let row = track.center().y;
     for time in model.all.iter() {
         painter.add(mark(
-            pos2(scale.place(*time), row),
+            pos2(scale.place(*time), row(0)),
             visuals.weak_text_color().gamma_multiply(0.6),
             0.6,
         ));
     }
-    for time in model.selected.keys() {
-        let shown = state
-            .dragged
-            .filter(|(key, _)| key == time)
-            .map_or(time.0, |(_, to)| to);
-        painter.add(mark(pos2(scale.place(shown), row), key_color(ui), 1.0));
+    for key in tracks.keys(model) {
+        let dragged = state.dragged.filter(|(dragged, _)| *dragged == key);
+        let shown = dragged.map_or(key.time.0, |(_, to)| to);
+        painter.add(mark(pos2(scale.place(shown), row(key.track)), key_color(ui), 1.0));
     }
 }
 
@@ -352,22 +408,6 @@ fn numbered(first: f64, last: f64, most: f64) -> impl Iterator<Item = f64> {
     let begin = (first / step).round();
     let count = ((last / step).round() - begin).min(most + 1.0) as u32;
     (0..=count).map(move |index| (begin + f64::from(index)) * step)
-}
-
-/// The colour of keys.
-pub(crate) fn key_color(ui: &Ui) -> Color32 {
-    match ui.visuals().dark_mode {
-        true => Color32::from_rgb(240, 190, 70),
-        false => Color32::from_rgb(190, 120, 0),
-    }
-}
-
-/// A diamond.
-pub(crate) fn mark(place: egui::Pos2, color: Color32, size: f32) -> Shape {
-    let half = MARK * size;
-    let corners = [vec2(0.0, -half), vec2(half, 0.0), vec2(0.0, half), vec2(-half, 0.0)];
-    let corners = corners.map(|corner: Vec2| place + corner);
-    Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE)
 }
 
 #[cfg(test)]
