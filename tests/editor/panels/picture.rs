@@ -12,12 +12,14 @@ use sunroom::app::editor::command::{
     Command, DisplayCommand, EditCommand, FileCommand, FileDialogKind, HistoryCommand, MaterialEdit, OutlineEdit,
     RenderCommand, SelectionCommand, ViewCommand,
 };
+use sunroom::app::editor::input::pipette;
 use sunroom::app::editor::model::Outline;
-use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
+use sunroom::app::editor::panels::{color_field, outliner};
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
+use sunroom::color::Rgb;
 use sunroom::render::camera::Camera;
 
 use super::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
@@ -105,6 +107,40 @@ fn a_material_is_dragged_from_the_list_onto_the_picture() {
     };
     assert_eq!(material, entity(31));
     assert!(at.min_element() > 0.2 && at.max_element() < 0.8, "{at}");
+}
+
+#[test]
+fn while_a_colour_is_asked_for_a_click_selects_nothing_and_escape_gives_up() {
+    let mut harness = picture();
+    pipette::begin(&harness.ctx, egui::Id::new("field"));
+    press_at(&mut harness, MIDDLE);
+    assert_eq!(harness.state().commands, []);
+    assert!(pipette::is_waiting(&harness.ctx), "nothing is rendered yet");
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(!pipette::is_waiting(&harness.ctx));
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn the_picker_takes_a_colour_of_the_picture() {
+    let mut harness = Harness::builder().with_size(egui::vec2(320.0, 320.0)).build_ui_state(
+        |ui, color: &mut Rgb| _ = color_field::color(ui, "Reflectance", color),
+        Rgb::ZERO,
+    );
+    harness.run_steps(2);
+    let button = harness.get_by_role(egui::accesskit::Role::ColorWell).rect().center();
+    press_at(&mut harness, button);
+    click(&mut harness, "Pick from the picture");
+    assert!(pipette::is_waiting(&harness.ctx));
+    assert!(
+        harness.query_by_label("Pick from the picture").is_none(),
+        "the picker is out of the way"
+    );
+    let blue = Rgb::new(0.2, 0.4, 0.6);
+    pipette::give(&harness.ctx, blue);
+    harness.run_steps(2);
+    assert_eq!(*harness.state(), blue);
 }
 
 #[test]

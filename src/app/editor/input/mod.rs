@@ -6,5 +6,6 @@ pub mod keys;
 pub(crate) mod leaving;
 pub(crate) mod modifier_dedup;
 pub mod number_field;
+pub mod pipette;
 pub mod press;
 pub(crate) mod typing;

@@ -1,12 +1,13 @@
-//! The picker of a colour: a square of saturation and value, the hue, the temperature of a black body, and the colours
-//! that were chosen last. Hue, saturation and value are those of the sRGB-encoded colour (Smith 1978, "Color gamut
-//! transform pairs"), as in drawing programs.
+//! The picker of a colour: a square of saturation and value, the hue, the temperature of a black body, the colours
+//! that were chosen last, and a pipette for the picture. Hue, saturation and value are those of the sRGB-encoded colour
+//! (Smith 1978, "Color gamut transform pairs"), as in drawing programs.
 
 use bevy_egui::egui::ecolor::{hsv_from_rgb, rgb_from_hsv};
 use bevy_egui::egui::{
     self, Color32, Id, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
 };
 
+use crate::app::editor::input::pipette;
 use crate::color::{Rgb, linear_from_srgb, srgb_from_linear};
 use crate::document::spectrum::{BlackBody, Role};
 
@@ -38,7 +39,18 @@ pub(super) fn color_button(ui: &mut Ui, label: Id, size: egui::Vec2, color: &mut
     let edited = response.id.with("edited");
     let popup = egui::Popup::from_toggle_button_response(&response)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-        .show(|ui| picker(ui, color));
+        .show(|ui| {
+            if pipette_button(ui) {
+                pipette::begin(ui.ctx(), response.id);
+                ui.close();
+            }
+            picker(ui, color)
+        });
+    if let Some(picked) = pipette::take(ui.ctx(), response.id) {
+        *color = picked;
+        remember(ui, picked);
+        return true;
+    }
     match popup {
         Some(shown) => {
             if shown.inner {
@@ -53,6 +65,21 @@ pub(super) fn color_button(ui: &mut Ui, label: Id, size: egui::Vec2, color: &mut
             false
         }
     }
+}
+
+/// The key of the pipette while the picker is open.
+const PIPETTE: egui::Key = egui::Key::I;
+
+/// Shows the button of the pipette; returns true if it or its key was pressed.
+fn pipette_button(ui: &mut Ui) -> bool {
+    let button = egui::Button::new("Pick from the picture").min_size(vec2(EDGE, 0.0));
+    let hint = format!(
+        "The next click in the picture takes the colour of the surface there: its albedo, without the light on it ({})",
+        PIPETTE.name()
+    );
+    let is_typing = ui.ctx().memory(|memory| memory.focused().is_some());
+    let is_pressed = !is_typing && ui.input(|input| input.key_pressed(PIPETTE));
+    ui.add(button).on_hover_text(hint).clicked() || is_pressed
 }
 
 fn picker(ui: &mut Ui, color: &mut Rgb) -> bool {

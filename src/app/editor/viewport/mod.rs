@@ -20,6 +20,7 @@ pub(crate) mod outlining;
 mod over_picture;
 pub mod path_lines;
 mod paused;
+mod pipette;
 pub(crate) mod placing;
 pub mod pointer;
 pub(crate) mod rulers;
@@ -50,7 +51,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
-use crate::app::editor::input::keys;
+use crate::app::editor::input::{self, keys};
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::overlay::MAX_BOXES;
 use crate::math::Aabb;
@@ -205,7 +206,15 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
     let mut moved = model.pose;
     if let (Some(screen), Some(pose), true) = (&active.screen, &mut moved, model.enabled) {
         state.leave_other_tools(model.keys.tool);
-        if !state.gizmo.is_dragging() {
+        // Side views show no colours of the picture.
+        let takes_color = side.is_none() && pipette::follow(ui, response, screen, model);
+        if takes_color {
+            rest = Rest {
+                pointer: false,
+                presses: Vec::new(),
+            };
+        }
+        if rest.pointer && !state.gizmo.is_dragging() {
             let grips = &mut state.grips;
             rest = grips.follow_grips(ui, response, screen, &model.grips(), presses, commands);
         }
@@ -289,6 +298,21 @@ fn takes_keyboard(ui: &Ui, response: &Response, is_pressed: bool, enabled: bool)
     response.has_focus()
 }
 
+/// The opacity of the grid and the axes of the world. They are for work in the picture, and fade while the pointer is
+/// elsewhere.
+fn strength_of_grid(ui: &Ui, picture: Rect, model: &ViewportModel) -> f32 {
+    const FADED: f32 = 0.25;
+    const SECONDS: f32 = 0.25;
+    let is_wanted = model.is_empty || model.keys.tool.blocks_out() || ui.rect_contains_pointer(picture);
+    let shown = ui
+        .ctx()
+        .animate_bool_with_time(Id::new("strength of the grid"), is_wanted, SECONDS);
+    egui::lerp(FADED..=1.0, shown)
+}
+
+/// The width of a panel, in points, from which there is room for notes beside the toolbar.
+const BESIDE_TOOLBAR: f32 = 960.0;
+
 fn paint_over(
     ui: &Ui,
     panel: Rect,
@@ -299,10 +323,11 @@ fn paint_over(
 ) {
     let painter = ui.painter_at(picture);
     if let Some(screen) = screen {
-        let id = Id::new(PICTURE);
+        let mut faded = painter.clone();
+        faded.set_opacity(strength_of_grid(ui, picture, model));
         grid::paint(
-            &painter,
-            id,
+            &faded,
+            Id::new(PICTURE),
             screen,
             model.navigation.up,
             &model.keys.grid,
@@ -313,6 +338,7 @@ fn paint_over(
     let film = place_of_film(picture, film_corners_of(model.packed.view.as_ref()));
     if let Some(screen) = screen {
         paint_scene(ui, &painter, screen, model, state, state.panes.active.is_none());
+        pipette::paint(ui, &painter, screen, model);
     }
     if let Some(region) = model.region {
         let corner = |corner: Vec2| placing::at(film, corner);
@@ -326,7 +352,8 @@ fn paint_over(
         safe_frame(&painter, film);
     }
     let next = state.tool(model.keys.tool).hint(model);
-    let hint = next.as_deref().or(model.keys.tool.hint()).map(|hint| {
+    let takes_color = input::pipette::is_waiting(ui.ctx()).then_some(pipette::HINT);
+    let hint = takes_color.or(next.as_deref()).or(model.keys.tool.hint()).map(|hint| {
         let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
         tag(&painter, at, Align2::CENTER_TOP, hint)
     });
@@ -342,9 +369,11 @@ fn paint_over(
         }
     };
     if !notes.is_empty() {
-        // Together they may be wider than the picture.
+        // Together they may be wider than the picture, and the toolbar reaches over a narrow one.
         if let Some(hint) = hint {
             corner.y = hint.bottom() + 4.0;
+        } else if panel.width() < BESIDE_TOOLBAR {
+            corner.y = corner.y.max(panel.top() + 42.0);
         }
         let notes = notes.join("   ");
         let place = beside_tools(corner, &notes);
