@@ -783,7 +783,8 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
         [Command::Shell(ShellCommand::ShowPanel(Panel::Messages))]
     );
     // The newest is on top.
-    harness.get_all_by_label("×").next().expect("a button").click();
+    // The newest message is the lowest.
+    harness.get_all_by_label("×").last().expect("a button").click();
     harness.run_steps(3);
     assert_eq!(harness.state().it.texts().collect::<Vec<_>>(), ["box.xml is broken"]);
 }

@@ -8,7 +8,7 @@ use bevy_egui::egui::{
 };
 
 use super::caption::Caption;
-use super::status::{clock, percent};
+use super::status::{percent, roughly};
 use super::{fields, look, typed};
 use crate::app::editor::command::baking::{BakeChoices, BakeCommand};
 use crate::app::editor::command::compare_view::CompareView;
@@ -51,14 +51,14 @@ pub fn form(ui: &mut Ui, form: &mut BakeForm, model: &BakeModel, commands: &mut 
     if choices != model.choices {
         commands.push(BakeCommand::Choose(choices).into());
     }
-    let text =
-        "The bake is of the scene as it is now, without what is hidden. The picture and your edits go on meanwhile.";
+    let text = "The bake uses the scene as it is now, without hidden things. You can go on editing while it runs.";
     ui.add(Label::new(RichText::new(text).weak()).wrap());
     ui.add_space(6.0);
     let is_ready = folder.is_some() && !model.is_busy();
     let (mut bakes, mut cancels) = (false, false);
     let enters = field.lost_focus() && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let button = look::primary_if(ui, is_ready, "Bake");
         let button = ui
             .add_enabled(is_ready, button)
@@ -131,7 +131,7 @@ fn choice_rows(ui: &mut Ui, choices: &mut BakeChoices) {
     fields::integer(ui, page, &mut choices.atlas_size, ATLAS_SIZES);
     let usual = match choices.time.or(choices.noise) {
         Some(_) => "as many as the limits allow".to_owned(),
-        None => format!("{USUAL_SAMPLES}, as usual"),
+        None => format!("{USUAL_SAMPLES}, the default"),
     };
     let samples = about("Samples", "The samples of each texel.");
     optional(
@@ -308,7 +308,7 @@ fn bar_text(shown: &ShownBake) -> String {
     if matches!(progress.stage, Stage::Lightmaps | Stage::Probe(_))
         && let Some(left) = progress.left()
     {
-        parts.push(format!("{} left", clock(left.as_secs_f64())));
+        parts.push(format!("{} left", roughly(left.as_secs_f64())));
     }
     parts.join("  ")
 }

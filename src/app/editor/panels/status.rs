@@ -91,7 +91,10 @@ fn parts(model: &StatusModel) -> Vec<Part> {
     }
     match model.denoiser {
         DenoiserState::Shown { seconds, samples } => parts.push(Part::new(
-            format!("denoised at {samples} spp in {seconds:.2} s"),
+            format!(
+                "denoised at {samples} spp in {seconds:.decimals$} s",
+                decimals = if seconds < 10.0 { 2 } else { 0 }
+            ),
             "What is shown; the picture behind it goes on",
         )),
         DenoiserState::Off | DenoiserState::Waiting | DenoiserState::Unavailable => {}
@@ -99,7 +102,7 @@ fn parts(model: &StatusModel) -> Vec<Part> {
     if status.triangles > 0 {
         parts.push(Part::new(
             counted(status.triangles, "triangle"),
-            "Of the scene, each instance counted",
+            "Triangles of the scene; those of an instance count each time that it is placed",
         ));
     }
     if model.developer_figures {
@@ -237,8 +240,11 @@ fn noise(model: &StatusModel) -> Option<Part> {
     })
 }
 
-/// A share as a percentage with two digits or more.
+/// A share as a percentage with two digits or more. That of a picture which is nothing but noise has no digits.
 pub(super) fn percent(share: f32) -> String {
+    if share > 1.0 {
+        return "above 100 %".to_owned();
+    }
     let percent = 100.0 * share;
     let decimals = usize::from(percent < 10.0) + usize::from(percent < 1.0);
     format!("{percent:.decimals$} %")
@@ -285,11 +291,11 @@ fn trend(ui: &mut Ui, heights: &[f32]) -> egui::Response {
     response
 }
 
-/// The time, such as `0:12, 0:48 left`.
+/// The time, such as `1:12, 4 min left`.
 fn time(status: &RenderStatus) -> String {
     let spent = clock(status.seconds);
     match status.seconds_left().filter(|left| *left > 0.0) {
-        Some(left) => format!("{spent}, {} left", clock(left)),
+        Some(left) => format!("{spent}, {} left", roughly(left)),
         None => spent,
     }
 }
@@ -318,6 +324,17 @@ pub(crate) fn progress_of(status: &RenderStatus, samples: u32) -> (f32, Option<f
     (share as f32, is_known.then(|| (wanted - done) / per_second))
 }
 
+/// An estimated time, in so many digits as it deserves: `8 s`, `90 s`, `4 min`, `3 h`.
+pub(crate) fn roughly(seconds: f64) -> String {
+    let seconds = seconds.max(0.0);
+    match seconds {
+        ..10.0 => format!("{:.0} s", seconds.ceil()),
+        ..120.0 => format!("{:.0} s", 5.0 * (seconds / 5.0).round()),
+        ..5400.0 => format!("{:.0} min", (seconds / 60.0).round()),
+        _ => format!("{:.0} h", (seconds / 3600.0).round()),
+    }
+}
+
 /// The time as `1:02` or `1:01:02`.
 pub(crate) fn clock(seconds: f64) -> String {
     let whole = seconds.max(0.0) as u64;
@@ -343,7 +360,7 @@ mod tests {
             seconds: 30.0,
             ..RenderStatus::default()
         };
-        assert_eq!(time(&status), "30.0 s, 1:30 left");
+        assert_eq!(time(&status), "30.0 s, 90 s left");
         let done = RenderStatus {
             samples: 64,
             ..status.clone()
@@ -356,12 +373,26 @@ mod tests {
             noise_target: Some(0.01),
             ..status.clone()
         };
-        assert_eq!(time(&quiet), "30.0 s, 1:05 left");
+        assert_eq!(time(&quiet), "30.0 s, 65 s left");
         let short = RenderStatus {
             time_limit: Some(45.0),
             ..quiet
         };
-        assert_eq!(time(&short), "30.0 s, 15.0 s left");
+        assert_eq!(time(&short), "30.0 s, 15 s left");
+    }
+
+    #[test]
+    fn an_estimate_has_no_more_digits_than_it_deserves() {
+        let cases = [
+            (0.2, "1 s"),
+            (12.3, "10 s"),
+            (89.0, "90 s"),
+            (250.0, "4 min"),
+            (10_474.0, "3 h"),
+        ];
+        for (seconds, text) in cases {
+            assert_eq!(roughly(seconds), text);
+        }
     }
 
     #[test]
@@ -378,7 +409,10 @@ mod tests {
         assert!(part.hint.contains("It was 7.1 % at 32 samples."), "{}", part.hint);
         assert_eq!((part.trend[0], part.trend[CURVE_POINTS - 1]), (1.0, 0.0));
         assert!(part.trend.windows(2).all(|pair| pair[0] >= pair[1]));
-        assert_eq!([percent(0.123), percent(0.0042)], ["12 %", "0.42 %"]);
+        assert_eq!(
+            [percent(0.123), percent(0.0042), percent(75.2)],
+            ["12 %", "0.42 %", "above 100 %"]
+        );
 
         // A limit that was not reached is reported once the picture has ended.
         model.status.noise_target = Some(0.02);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use crate::app::editor::command::Command;
-use crate::app::editor::words::files::without_numbers;
+use crate::app::editor::words::files::in_plain_words;
 
 /// The severity of a message, which decides its colour and duration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,7 +131,7 @@ impl Toasts {
 
     /// Adds a message without a line in the log.
     pub fn add(&mut self, tone: Tone, topic: Topic, text: String, excerpt: Option<String>) {
-        let text = without_numbers(&text);
+        let text = in_plain_words(&text);
         // A repeated message replaces its older copy.
         self.0.retain(|toast| toast.text != text);
         if tone == Tone::Error && topic != Topic::Other {

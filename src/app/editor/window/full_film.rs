@@ -5,7 +5,7 @@ use bevy_egui::egui::{self, Align2, Area, Frame, Id, ProgressBar, Rect};
 use super::question::{Answer, Question};
 use crate::app::editor::command::{Command, RenderCommand};
 use crate::app::editor::model::StatusModel;
-use crate::app::editor::panels::status::{clock, progress_of};
+use crate::app::editor::panels::status::{progress_of, roughly};
 use crate::app::editor::session::full_film_question::FullFilmQuestion;
 
 /// Shows the question if there is one.
@@ -60,7 +60,7 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
                 ));
                 ui.horizontal(|ui| {
                     let text = match left {
-                        Some(seconds) => format!("{:.0} %, {} left", 100.0 * done, clock(seconds)),
+                        Some(seconds) => format!("{:.0} %, {} left", 100.0 * done, roughly(seconds)),
                         None => format!("{:.0} %", 100.0 * done),
                     };
                     if !is_filtered {

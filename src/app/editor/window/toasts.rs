@@ -1,4 +1,5 @@
 //! Messages over the picture that disappear by themselves, and errors that stay until they are dismissed or solved.
+//! They name files without their folders, which the tool tip has.
 
 use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
 
@@ -7,10 +8,10 @@ use crate::app::editor::command::{Command, ShellCommand};
 use crate::app::editor::panels::excerpt::excerpt;
 use crate::app::editor::panels::look;
 use crate::app::editor::session::toasts::{Toast, Toasts, Tone};
-use crate::app::editor::viewport::axes_widget;
+use crate::app::editor::words::files::without_folders;
 
 const WIDTH: f32 = 380.0;
-/// The gap in points to the edges of the picture, and to the axes in its corner.
+/// The gap in points to the edges of the picture.
 const GAP: f32 = 10.0;
 
 /// The rectangles that messages must not cover.
@@ -24,7 +25,8 @@ pub struct Surroundings {
     pub has_question: bool,
 }
 
-/// Shows the messages at the right of the panel, below the axes in its corner, without messages of the tone `hidden`.
+/// Shows the messages in the lower right corner of the panel, the newest at the bottom, without messages of the tone
+/// `hidden`.
 pub fn show(
     toasts: &mut Toasts,
     hidden: Option<Tone>,
@@ -39,22 +41,21 @@ pub fn show(
     }
     let width = WIDTH.min(place.width() - 24.0).max(120.0);
     let right = place.right() - GAP;
-    let is_above = |bar: &Rect| bar.right() > right - width && bar.bottom() < place.center().y;
-    let bar = around.bar.filter(is_above).map_or(0.0, |bar| bar.bottom());
-    let top = axes_widget::place(place).bottom().max(bar) + GAP;
+    let is_below = |bar: &Rect| bar.right() > right - width && bar.top() > place.center().y;
+    let bottom = around.bar.filter(is_below).map_or(place.bottom(), |bar| bar.top()) - GAP;
     let mut dismissed = None;
     Area::new(Id::new("toasts"))
         .order(match around.has_question {
             true => Order::Middle,
             false => Order::Foreground,
         })
-        .pivot(Align2::RIGHT_TOP)
-        .fixed_pos(egui::pos2(right, top))
+        .pivot(Align2::RIGHT_BOTTOM)
+        .fixed_pos(egui::pos2(right, bottom))
         .constrain_to(place)
         .show(context, |ui| {
             ui.set_width(width);
             let is_shown = |toast: &Toast| Some(toast.tone) != hidden;
-            for (index, toast) in current.iter().enumerate().rev().filter(|(_, toast)| is_shown(toast)) {
+            for (index, toast) in current.iter().enumerate().filter(|(_, toast)| is_shown(toast)) {
                 ui.push_id(toast.since, |ui| {
                     if toast_frame(ui, toast, commands) {
                         dismissed = Some(index);
@@ -99,13 +100,17 @@ fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool 
 }
 
 fn content(ui: &mut Ui, toast: &Toast, edge: Color32, commands: &mut Vec<Command>) {
-    let text = RichText::new(&toast.text);
+    let short = without_folders(&toast.text);
+    let text = RichText::new(&short);
     let text = if toast.tone == Tone::Error {
         text.color(edge)
     } else {
         text
     };
-    ui.add(egui::Label::new(text).wrap());
+    let label = ui.add(egui::Label::new(text).wrap());
+    if short != toast.text {
+        label.on_hover_text(&toast.text);
+    }
     if let Some(lines) = &toast.excerpt {
         excerpt(ui, lines);
     }

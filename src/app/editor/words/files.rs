@@ -42,8 +42,48 @@ pub fn home_for_tilde(path: &str) -> PathBuf {
     }
 }
 
+/// Plain words for the errors of the system that users meet most.
+const PLAIN: [(&str, &str); 6] = [
+    ("Operation not permitted", "the system does not allow it"),
+    ("Permission denied", "you may not do that there"),
+    ("Read-only file system", "the disk is read-only"),
+    ("No space left on device", "the disk is full"),
+    ("No such file or directory", "it is not there"),
+    ("Is a directory", "it is a folder"),
+];
+
+/// A message with plain words for the system's errors, and without their numbers.
+pub fn in_plain_words(message: &str) -> String {
+    let mut text = without_numbers(message);
+    for (system, plain) in PLAIN {
+        text = text.replace(system, plain);
+    }
+    text
+}
+
+/// A message that names files without their folders: `/rooms/flat.xml was changed` becomes `flat.xml was changed`.
+pub(crate) fn without_folders(message: &str) -> String {
+    /// The ends of paths in sentences. Names of folders may have spaces.
+    const ENDS: [&str; 9] = [": ", "; ", ", ", ". ", " could ", " was ", " is ", " as ", " and "];
+    let mut short = String::new();
+    let mut rest = message;
+    while let Some(start) = rest.find('/') {
+        let (before, path) = rest.split_at(start);
+        let begins = before.is_empty() || before.ends_with([' ', '(']);
+        let end = ENDS.iter().filter_map(|end| path.find(end)).min().unwrap_or(path.len());
+        let (whole, after) = path.split_at(end);
+        short.push_str(before);
+        short.push_str(match whole.rsplit_once('/') {
+            Some((_, name)) if begins && !name.is_empty() && !whole.starts_with("/ ") => name,
+            _ => whole,
+        });
+        rest = after;
+    }
+    short + rest
+}
+
 /// A message without the system's error numbers.
-pub fn without_numbers(message: &str) -> String {
+fn without_numbers(message: &str) -> String {
     let mut parts = message.split(" (os error ");
     let mut text = parts.next().unwrap_or_default().to_owned();
     for part in parts {
@@ -153,5 +193,23 @@ mod tests {
             "0 B", "999 B", "1.0 kB", "9.9 kB", "10 kB", "123 kB", "1.0 MB", "7.4 GB",
         ];
         assert_eq!(sizes.map(size_text), texts);
+    }
+
+    #[test]
+    fn messages_name_files_without_folders_and_errors_in_plain_words() {
+        let refused = "The scene could not be saved: /rooms of others/a/flat.xml: Operation not permitted (os error 1)";
+        let plain = "The scene could not be saved: flat.xml: the system does not allow it";
+        assert_eq!(without_folders(&in_plain_words(refused)), plain);
+        for (whole, short) in [
+            ("Saved /rooms/flat.xml", "Saved flat.xml"),
+            (
+                "/a/b.xml was changed, and /c/d.png is gone",
+                "b.xml was changed, and d.png is gone",
+            ),
+            ("1/4 of W/sr, and a / b", "1/4 of W/sr, and a / b"),
+            ("/", "/"),
+        ] {
+            assert_eq!(without_folders(whole), short);
+        }
     }
 }

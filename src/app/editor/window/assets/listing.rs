@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::app::editor::command::asset_kind::AssetKind;
 use crate::app::editor::model::assets::{AssetEntry, Listing};
-use crate::app::editor::words::files::without_numbers;
+use crate::app::editor::words::files::in_plain_words;
 
 /// The most entries that are listed, since a folder may hold any number.
 const MOST: usize = 4000;
@@ -24,7 +24,7 @@ pub(super) fn list(folder: &Path) -> Listing {
                 listing.problem = Some(format!("Only {MOST} entries of the folder are shown."));
             }
         }
-        Err(error) => listing.problem = Some(without_numbers(&format!("The folder cannot be read: {error}"))),
+        Err(error) => listing.problem = Some(in_plain_words(&format!("The folder cannot be read: {error}"))),
     }
     listing.entries.sort_by_cached_key(|entry| entry.name.to_lowercase());
     listing

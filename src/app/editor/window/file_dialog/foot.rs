@@ -10,7 +10,7 @@ use super::listing::{Entry, changed_text};
 use super::names::in_format;
 use super::{FileDialog, NAME, Outcome, Purpose, is_entered, select};
 use crate::app::editor::panels::look;
-use crate::app::editor::words::files::{extension, size_text, without_numbers};
+use crate::app::editor::words::files::{extension, in_plain_words, size_text};
 
 impl FileDialog {
     /// Shows the name and the format, or the filter of the list, and the buttons.
@@ -121,7 +121,7 @@ impl FileDialog {
         let folder = self.folder.join(name.trim());
         match std::fs::create_dir(&folder) {
             Ok(()) => self.go_to(&folder),
-            Err(error) => self.problem = Some(without_numbers(&format!("{}: {error}", folder.display()))),
+            Err(error) => self.problem = Some(in_plain_words(&format!("{}: {error}", folder.display()))),
         }
     }
 

@@ -7,7 +7,7 @@ use std::time::UNIX_EPOCH;
 use bevy::log::error;
 use crossbeam_channel::{Receiver, bounded};
 
-use crate::app::editor::words::files::{extension, without_numbers};
+use crate::app::editor::words::files::{extension, in_plain_words};
 use crate::app::editor::words::times::clock_of;
 
 /// A file or a folder.
@@ -78,7 +78,7 @@ fn read(folder: &Path) -> Listed {
     let listed = match std::fs::read_dir(folder) {
         Ok(listed) => listed,
         Err(error) => {
-            let problem = without_numbers(&format!("{}: {error}", folder.display()));
+            let problem = in_plain_words(&format!("{}: {error}", folder.display()));
             return (Vec::new(), Some(problem));
         }
     };

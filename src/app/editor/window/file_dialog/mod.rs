@@ -1,6 +1,7 @@
 //! The dialog that chooses a file: shortcuts to folders at the left, the files of a folder with their sizes and dates,
 //! a path and a search.
 
+mod fields;
 mod foot;
 pub mod listing;
 mod names;
@@ -12,12 +13,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy_egui::egui::text::{CCursor, CCursorRange};
-use bevy_egui::egui::text_edit::TextEditState;
-use bevy_egui::egui::{self, Button, Event, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use bevy_egui::egui::{self, Button, Event, Id, Key, RichText, ScrollArea, TextEdit, Ui};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 
 use crate::app::editor::window::dialog;
 use crate::app::editor::words::files::home_for_tilde;
+use fields::{is_entered, select};
 use listing::{Entry, Filter, Listed, Order};
 use names::{is_of, is_path, with_end, without_dots};
 
@@ -408,9 +409,9 @@ impl FileDialog {
         match (self.entries.is_empty(), self.saves()) {
             _ if !self.filter.part.is_empty() => "Nothing here is called so.",
             _ if self.filter.only_folders => "There is no folder in this one.",
-            (_, true) => "There is no such file here yet.",
+            (_, true) => "This folder has no files of this kind yet.",
             (true, false) => "The folder is empty.",
-            (false, false) => "There is no such file here. All files lists the others, too.",
+            (false, false) => "This folder has no files of this kind. Choose All files to see the others.",
         }
     }
 
@@ -491,16 +492,4 @@ impl FileDialog {
         let written = std::iter::once(path.to_path_buf()).chain((self.second)(path));
         written.filter(|path| path.exists()).collect()
     }
-}
-
-/// Selects letters of a text field.
-fn select(context: &egui::Context, field: Id, letters: CCursorRange) {
-    let mut state = TextEditState::load(context, field).unwrap_or_default();
-    state.cursor.set_char_range(Some(letters));
-    state.store(context, field);
-}
-
-/// Consumes a press of Enter; returns whether there was one.
-fn is_entered(ui: &Ui) -> bool {
-    ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
 }

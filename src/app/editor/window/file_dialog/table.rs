@@ -1,5 +1,6 @@
 //! The files of a folder as rows with name, size and date.
 
+use bevy_egui::egui::text::{LayoutJob, TextWrapping};
 use bevy_egui::egui::{self, Align2, FontId, Rect, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
 
 use super::listing::{Column, Entry, Order, changed_text};
@@ -81,9 +82,12 @@ fn header(ui: &mut Ui, order: &mut Order) {
             (true, true) => " ⏶",
         };
         let font = TextStyle::Small.resolve(ui.style());
-        let at = place.left_center() + egui::vec2(if column == Column::Name { 4.0 } else { 0.0 }, 0.0);
-        ui.painter()
-            .text(at, Align2::LEFT_CENTER, format!("{name}{mark}"), font, color);
+        let (at, align) = match column {
+            Column::Name => (place.left_center() + egui::vec2(4.0, 0.0), Align2::LEFT_CENTER),
+            Column::Size => (place.right_center(), Align2::RIGHT_CENTER),
+            Column::Changed => (place.left_center(), Align2::LEFT_CENTER),
+        };
+        ui.painter().text(at, align, format!("{name}{mark}"), font, color);
         if response.clicked() {
             *order = Order {
                 column,
@@ -119,9 +123,11 @@ fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
         painter.text(mark, Align2::LEFT_CENTER, "🗀", FontId::proportional(14.0), weak);
     }
     let font = TextStyle::Body.resolve(ui.style());
-    let clipped = painter.with_clip_rect(Rect::from_x_y_ranges(name, rect.y_range()));
     let at = egui::pos2(name.min + MARK, middle);
-    clipped.text(at, Align2::LEFT_CENTER, &entry.name, font.clone(), text);
+    let mut job = LayoutJob::simple_singleline(entry.name.clone(), font, text);
+    job.wrap = TextWrapping::truncate_at_width(name.max - at.x);
+    let words = ui.painter().layout_job(job);
+    painter.galley(at - egui::vec2(0.0, 0.5 * words.size().y), words, text);
     let small = FontId::proportional(12.0);
     if !entry.is_folder {
         let at = egui::pos2(size.max, middle);

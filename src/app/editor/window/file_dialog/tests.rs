@@ -1,5 +1,6 @@
 //! Drives the dialog without a window.
 
+use bevy_egui::egui::Modifiers;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
