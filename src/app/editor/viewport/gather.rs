@@ -40,8 +40,8 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
 use crate::scene::{
-    ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
-    Sensor, Shape, StandIns, ToWorld, world_bounds,
+    ActiveSensor, AreaLight, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState,
+    SceneStatus, Sensor, Shape, StandIns, ToWorld, world_bounds,
 };
 
 /// The view of the scene in the viewport, as of this frame. Results that take long to compute are kept from frame to
@@ -171,6 +171,7 @@ pub struct Sources<'w, 's> {
     newly_named: Query<'w, 's, (), Or<(Changed<Name>, Changed<Shape>)>>,
     unnamed: RemovedComponents<'w, 's, Name>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
+    shining: Query<'w, 's, (&'static Shape, &'static ToWorld), (With<AreaLight>, Without<Hidden>, Without<Placements>)>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
     shapes: Query<'w, 's, (&'static Shape, &'static ToWorld), (Without<Placements>, Without<MemberOf>)>,
@@ -264,7 +265,7 @@ impl Sources<'_, '_> {
         })
     }
 
-    /// The icons of lights with a place, and of all cameras except the one in use.
+    /// The icons of lights with a place, of all cameras except the one in use, and of selected flat shapes that shine.
     fn icons(&self) -> Vec<Icon> {
         let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
             let kind = IconKind::of(emitter)?;
@@ -284,7 +285,16 @@ impl Sources<'_, '_> {
             kind: IconKind::Frustum,
             pose: to_world.0,
         });
-        lights.chain(cameras).collect()
+        // Others show their size and their direction by what they light.
+        let sheets = self.selection.entities().iter().filter_map(|&entity| {
+            let (shape, to_world) = self.shining.get(entity).ok()?;
+            Some(Icon {
+                entity,
+                kind: IconKind::of_shape(shape)?,
+                pose: to_world.0,
+            })
+        });
+        lights.chain(cameras).chain(sheets).collect()
     }
 }
 

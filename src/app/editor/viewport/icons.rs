@@ -8,7 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2};
 
 use crate::app::editor::camera::screen::Screen;
-use crate::scene::{Emitter, EmitterKind};
+use crate::scene::{self, Emitter, EmitterKind, ShapeKind};
 
 /// The mark of a light or a camera, which no ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub enum IconKind {
     Bulb,
     /// A light that shines along +z from infinitely far away.
     Sun,
+    /// A flat light from -1 to 1 along x and y that shines along +z.
+    Sheet,
     /// A light that shines along +z, this many radians to every side.
     Cone(f32),
     /// A camera or projector that looks along +z.
@@ -53,6 +55,14 @@ impl IconKind {
     }
 }
 
+impl IconKind {
+    /// The icon of a shape that shines; None unless it is flat and reaches from -1 to 1.
+    pub(crate) fn of_shape(shape: &scene::Shape) -> Option<Self> {
+        let is_triangle = matches!(shape.kind, ShapeKind::Triangle { .. });
+        (shape.kind.is_flat() && !is_triangle).then_some(Self::Sheet)
+    }
+}
+
 /// The half angle of the icon of a lamp, in radians.
 const LAMP_CONE: f32 = 0.5;
 
@@ -61,6 +71,10 @@ const LAMP_CONE: f32 = 0.5;
 const RADIUS: f32 = 5.0;
 const REACH: f32 = 11.0;
 const LENGTH: f32 = 30.0;
+/// The length of a camera's pyramid.
+const CAMERA: f32 = 20.0;
+/// The length of the two strokes of an arrow's head.
+const HEAD: f32 = 6.0;
 /// The most icons; more would hide the picture.
 const MOST_ICONS: usize = 1000;
 const SHADOW: Color32 = Color32::from_black_alpha(120);
@@ -73,7 +87,7 @@ pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(
         for stroke in [Stroke::new(3.0, SHADOW), Stroke::new(1.5, color(icon))] {
             painter.extend(lines.iter().map(|ends| Shape::line_segment(*ends, stroke)));
             match icon.kind {
-                IconKind::Frustum => {}
+                IconKind::Frustum | IconKind::Sheet => {}
                 _ => {
                     painter.circle_stroke(middle, RADIUS, stroke);
                 }
@@ -84,8 +98,9 @@ pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(
 
 /// The icon nearest to the pointer, within reach.
 pub(crate) fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<Entity> {
-    let distances = icons
-        .iter()
+    // The surface of a flat light is hit by rays.
+    let distances = (icons.iter())
+        .filter(|icon| icon.kind != IconKind::Sheet)
         .filter_map(|icon| Some((place(screen, icon)?.distance(pointer), icon.entity)));
     let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
     nearest
@@ -110,6 +125,15 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
     ]
     .map(|axis| Vec3::from(axis).normalize_or_zero());
     let line = |a: Vec3, b: Vec3| screen.segment(origin + a * unit, origin + b * unit);
+    // An arrow along +z, with its head in the plane of the screen.
+    let arrow = |from: f32, to: f32| -> Vec<[Pos2; 2]> {
+        let Some([start, tip]) = line(z * from, z * to) else {
+            return Vec::new();
+        };
+        let back = HEAD * (start - tip).normalized();
+        let strokes = [back + 0.6 * back.rot90(), back - 0.6 * back.rot90()];
+        [[start, tip], [tip, tip + strokes[0]], [tip, tip + strokes[1]]].into()
+    };
     let rays = (0..8).map(|ray| {
         let direction = Vec2::angled(TAU * ray as f32 / 8.0);
         Some([middle + direction * (RADIUS + 2.5), middle + direction * (RADIUS + 6.0)])
@@ -117,9 +141,15 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
     match icon.kind {
         IconKind::Bulb => rays.flatten().collect(),
         IconKind::Sun => rays
-            .chain([line(z * (RADIUS + 8.0), z * (RADIUS + 8.0 + LENGTH))])
             .flatten()
+            .chain(arrow(RADIUS + 8.0, RADIUS + 8.0 + LENGTH))
             .collect(),
+        IconKind::Sheet => {
+            let corner = |a: f32, b: f32| icon.pose.transform_point3(Vec3::new(a, b, 0.0));
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
+            let edges = (0..4).filter_map(|k| screen.segment(corners[k], corners[(k + 1) % 4]));
+            edges.chain(arrow(0.0, LENGTH)).collect()
+        }
         IconKind::Cone(angle) => {
             // A very wide cone is drawn as wide as can be told from a disk.
             let angle = angle.clamp(0.05, 1.4);
@@ -132,20 +162,13 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             circle.chain(sides).flatten().collect()
         }
         IconKind::Frustum => {
-            let corner = |across: f32, along: f32| LENGTH * (z * 0.8 + x * (across * 0.55) + y * (along * 0.4));
+            // A camera looks along +z, with +y up and +x to the left.
+            let corner = |across: f32, along: f32| CAMERA * (z + x * (across * 0.7) + y * (along * 0.5));
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
             let edges = (0..4).flat_map(|k| [line(Vec3::ZERO, corners[k]), line(corners[k], corners[(k + 1) % 4])]);
-            // A body behind the lens: without it the pyramid looks like an envelope from before and behind.
-            let body = |across: f32, along: f32, back: f32| LENGTH * (x * across + y * along - z * back);
-            let ring = [(-0.13, -0.16), (0.13, -0.16), (0.13, 0.16), (-0.13, 0.16)];
-            let sides = (0..4).flat_map(|k| {
-                let [(a, b), (c, d)] = [ring[k], ring[(k + 1) % 4]];
-                [(a, b, 0.0, c, d, 0.0), (a, b, 0.5, c, d, 0.5), (a, b, 0.0, a, b, 0.5)]
-            });
-            let body = sides.map(|(a, b, near, c, d, far)| line(body(a, b, near), body(c, d, far)));
-            let roof = [corner(-0.5, 1.15), corner(0.5, 1.15), corner(0.0, 1.8)];
+            let roof = [corner(-0.5, 1.2), corner(0.5, 1.2), corner(0.0, 1.9)];
             let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
-            edges.chain(upright).chain(body).flatten().collect()
+            edges.chain(upright).flatten().collect()
         }
         IconKind::Box | IconKind::StandIn => {
             let corner = |at: usize| {
