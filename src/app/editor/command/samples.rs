@@ -24,12 +24,13 @@ macro_rules! sample {
 }
 
 /// The samples, in the order of the start page.
-pub const SAMPLES: [Sample; 5] = [
+pub const SAMPLES: [Sample; 6] = [
     sample!("flat", "A furnished flat"),
     sample!("cornell-box", "The Cornell box"),
     sample!("materials", "Materials"),
     sample!("hundred-spheres", "A hundred spheres"),
     sample!("knot", "A knot of 115,200 triangles"),
+    sample!("pool", "A pool in the sun"),
 ];
 
 impl Sample {

@@ -11,6 +11,9 @@ use crate::app::editor::session::recovery_words::{
     about_file, count_of, scene_of, short_names, time_and_age, time_of, times_of, with_age,
 };
 
+/// The height of a button on the start page, in points.
+pub(super) const ROW: f32 = 24.0;
+
 /// Asks what to do with an autosave; `offer` becomes None once it is answered. Returns true if the user postponed it.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) -> bool {
     let Some(asked) = offer else {
@@ -120,14 +123,18 @@ pub(super) fn on_start_page(ui: &mut Ui, left: &[Offer], commands: &mut Vec<Comm
     for (place, ((name, time), offer)) in named.take(MOST_SHOWN).enumerate() {
         let mut button = look::primary_if(ui, place == 0, &format!("Recover {name}"))
             .truncate()
-            .min_size(egui::vec2(ui.available_width(), 26.0));
+            .min_size(egui::vec2(ui.available_width(), ROW));
         if let Some(clock) = time {
-            button = button.right_text(RichText::new(format!("of {clock}")).weak());
+            let text = RichText::new(format!("of {clock}"));
+            button = button.right_text(match place == 0 {
+                true => text.color(look::ON_ACCENT),
+                false => text.weak(),
+            });
         }
         ask_button(ui, button, offer, commands);
     }
     if left.len() > MOST_SHOWN {
-        let all = Button::new(format!("All {}…", left.len())).min_size(egui::vec2(ui.available_width(), 0.0));
+        let all = Button::new(format!("All {}…", left.len())).min_size(egui::vec2(ui.available_width(), ROW));
         if ui.add(all).clicked() {
             commands.push(ShellCommand::ShowRecovery.into());
         }

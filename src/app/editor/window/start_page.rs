@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, TextureOptions, Ui};
 use image::ImageFormat;
 
+use super::recovery_question::ROW;
 use super::{dialog, recovery_question};
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;
@@ -183,7 +184,7 @@ fn begin(
     ] {
         let Some(action) = actions::find(name) else { continue };
         let button =
-            look::primary_if(ui, Some(name) == first, action.label).min_size(egui::vec2(ui.available_width(), 26.0));
+            look::primary_if(ui, Some(name) == first, action.label).min_size(egui::vec2(ui.available_width(), ROW));
         let button = ui.add(button).on_hover_text(actions::hint(help, name, context.bound));
         let is_pressed = presses.iter().any(|press| action.is_pressed(press, context.bound));
         if button.clicked() || is_pressed && !is_chosen {
@@ -206,7 +207,7 @@ fn recent(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
         let button = Button::new(name)
             .right_text(RichText::new(folder).weak().small())
             .truncate()
-            .min_size(egui::vec2(ui.available_width(), 0.0));
+            .min_size(egui::vec2(ui.available_width(), ROW));
         let response = ui.add(button).on_hover_text(path.display().to_string());
         if response.clicked() {
             commands.push(FileCommand::OpenScene(path.clone()).into());
