@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, UVec2, Vec3};
-use bevy_egui::egui::{self, Context, Pos2, Rect, Ui, vec2};
+use bevy_egui::egui::{self, Context, Pos2, Rect, TextureId, Ui, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::{RgbImage, imageops};
@@ -24,6 +24,7 @@ use sunroom::app::editor::session::full_film_question::FullFilmQuestion;
 use sunroom::app::editor::session::layout::Layout;
 use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
 use sunroom::app::editor::session::tutorial::Tutorial;
+use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
 use sunroom::app::editor::window::file_dialog::listing::Entry;
@@ -74,7 +75,7 @@ fn page(preferences: Preferences, left: Vec<Offer>) -> RgbImage {
         let actions = ActionContext::new(&selection);
         start_page::show(context, preferences, &left, &actions, &[], &mut Vec::new());
     };
-    cropped(&cover([1120, 500], preferences, show, |_| ()), 0, 500)
+    cropped(&cover([1120, 540], preferences, show, |_| ()), 0, 540)
 }
 
 pub fn start_page() -> RgbImage {
@@ -226,7 +227,10 @@ pub fn toolbar() -> RgbImage {
         };
         let pose = Affine3A::look_to_rh(Vec3::new(0.0, 1.5, 4.0), Vec3::new(0.0, -0.3, -1.0), Vec3::Y).inverse();
         let camera = Camera::new(pose, 60.0, 4.0 / 3.0, 0.01, 100.0, None);
-        let model = content.model([640, 480], pose, camera, &[]);
+        let model = ViewportModel {
+            picture: Some((TextureId::User(0), [640, 480])),
+            ..content.model([640, 480], pose, camera, &[])
+        };
         viewport(ui, &model, &mut ViewportState::default(), &mut Vec::new());
     };
     in_both_themes([640, 480], (), show, |_| ())

@@ -47,7 +47,7 @@ snapshots! {
         point, spot, sky, projector, sun_and_sky, fog, camera, nothing_selected,
     }
     panels {
-        outliner, render, render_of_layers, layers_and_mixing, library, assets, history, messages, paths, timeline, status_line,
+        outliner, render, render_of_layers, mixing_and_comparison, library, assets, history, messages, paths, timeline, status_line,
         status_line_while_denoised, bake_form, bake_progress, color_picker,
     }
     covers {

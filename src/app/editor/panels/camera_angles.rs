@@ -1,11 +1,11 @@
 //! The direction of a camera as yaw, pitch and roll.
 
 use bevy::math::{Affine3A, Mat3A, Quat, Vec3};
-use bevy_egui::egui::emath::format_with_decimals_in_range;
 use bevy_egui::egui::{DragValue, Ui};
 
 use super::{fields, typed};
 use crate::app::editor::camera::navigation::{facing, scale_of};
+use crate::app::editor::words::figures::legible;
 
 /// The horizontal part of a view direction below which a camera looks straight up or down.
 const STRAIGHT: f32 = 1e-4;
@@ -71,7 +71,7 @@ pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
             .clamp_existing_to_range(false)
             .max_decimals(2)
             .suffix("°");
-        let field = typed::number(ui, drag, text, -most..=most, format_with_decimals_in_range);
+        let field = typed::number(ui, drag, text, -most..=most, |angle, _| legible(angle, 1..=1));
         fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, field)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);

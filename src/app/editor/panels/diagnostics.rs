@@ -3,11 +3,13 @@
 use bevy_egui::egui::{self, RichText, Ui};
 
 use super::excerpt::excerpt;
+use super::fields;
 use crate::app::editor::model::Notice;
 use crate::document::Severity;
 
 /// One block for each message; its text can be copied.
 pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
+    fields::leave_scroll_bar(ui);
     if notices.is_empty() {
         ui.add_space(8.0);
         ui.weak("The scene has no errors and no warnings.");

@@ -15,7 +15,7 @@ use super::key_marks::key_mark;
 use super::typed;
 use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
-use crate::app::editor::words::figures::{MOST_DECIMALS, decimals, legible};
+use crate::app::editor::words::figures::{MOST_DECIMALS, USUAL_DECIMALS, decimals, legible, tidy};
 use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
@@ -26,8 +26,18 @@ const MIXED_WIDTH: f32 = 14.0;
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 58.0;
+/// The unit of angles.
+pub(crate) const DEGREES: &str = "°";
 /// The tick that distinguishes the axes of a vector: its width and its distance from the edges, in points.
 const TICK: egui::Vec2 = egui::vec2(2.0, 4.0);
+
+/// The points at the right of a panel that a scroll bar covers if not everything fits.
+const SCROLL_BAR: f32 = 8.0;
+
+/// Leaves the room of a scroll bar at the right, whether there is one or not, so that rows keep their width.
+pub(crate) fn leave_scroll_bar(ui: &mut Ui) {
+    ui.set_max_width(ui.available_width() - SCROLL_BAR);
+}
 
 /// A row with any control; the control is named for assistive technology (and tests) after the row.
 pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnce(&mut Ui) -> Response) -> Response {
@@ -227,7 +237,7 @@ pub(crate) fn quantity<'a>(
         .clamp_existing_to_range(false)
         .max_decimals(4)
         .suffix(unit);
-    let drag = typed::number(ui, drag, caption.text, range, legible);
+    let drag = typed::number(ui, drag, caption.text, range, tidy);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -313,7 +323,15 @@ pub(crate) fn number_cells<const N: usize>(
     ui.spacing_mut().button_padding.x = 1.0;
     let width = ((width - 3.0 * (N - 1) as f32) / N as f32).max(24.0);
     ui.spacing_mut().interact_size.x = width;
-    let decimals = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
+    // Degrees have a sign of their own, which takes the room of a decimal.
+    let is_angle = styles.iter().any(|style| style.suffix == DEGREES);
+    let range = if is_angle {
+        1..=1
+    } else {
+        USUAL_DECIMALS..=MOST_DECIMALS
+    };
+    let needed = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
+    let decimals = needed.clamp(*range.start(), *range.end());
     let mut changed = false;
     for (value, style) in values.iter_mut().zip(styles) {
         let shown = f64::from(*value);
@@ -408,9 +426,20 @@ pub(crate) fn switch<'a, T: Copy + PartialEq>(
         name_cell(ui, caption);
         const GAP: f32 = 3.0;
         ui.spacing_mut().item_spacing.x = GAP;
+        // Each word has its own width, and a share of the rest.
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let padding = 2.0 * ui.spacing().button_padding.x;
+        let measure = |name: &str| {
+            let word = ui
+                .painter()
+                .layout_no_wrap(name.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
+            word.size().x + padding
+        };
+        let widths: Vec<f32> = options.iter().map(|(_, name)| measure(name)).collect();
         let count = options.len().max(1) as f32;
-        let width = (ui.available_width() - GAP * (count - 1.0)) / count;
-        for (option, name) in options {
+        let room = ui.available_width() - GAP * (count - 1.0) - widths.iter().sum::<f32>();
+        for ((option, name), width) in options.iter().zip(widths) {
+            let width = width + room / count;
             let button = egui::Button::selectable(copy == *option, *name)
                 .frame_when_inactive(true)
                 .truncate();

@@ -22,6 +22,7 @@ pub fn paths(
     paths: &[NamedPath],
     commands: &mut Vec<Command>,
 ) {
+    fields::leave_scroll_bar(ui);
     let Some(wanted) = wanted else {
         ui.add_space(8.0);
         ui.weak("Press P and click a pixel: the paths of its light are drawn into the picture and told of here.");

@@ -2,12 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use bevy_egui::egui::emath::{Numeric, format_with_decimals_in_range};
+use bevy_egui::egui::emath::Numeric;
 use bevy_egui::egui::{AsId, DragValue, Slider, Ui};
 
 use super::key_marks::owner;
 use super::lengths::length_unit;
 use crate::app::editor::input::number_field::{self, Meaning, NumberField, SliderField};
+use crate::app::editor::words::figures::tidy;
 
 /// A number in this range. `name` gives it a stable id, since a row that appears above moves it. `format` gives its
 /// text with so many decimals.
@@ -29,7 +30,7 @@ pub(super) fn slider<'a, N: Numeric>(
     range: RangeInclusive<N>,
 ) -> SliderField<'a> {
     let about = (owner(ui), name);
-    number_field::slider(ui, slider, about, range, meaning(ui), format_with_decimals_in_range)
+    number_field::slider(ui, slider, about, range, meaning(ui), tidy)
 }
 
 fn meaning(ui: &Ui) -> Meaning {

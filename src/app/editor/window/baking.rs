@@ -10,6 +10,7 @@ use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::{BakeCommand, Command, FileCommand};
 use crate::app::editor::model::baking::BakeModel;
 use crate::app::editor::panels::baking::{BakeForm, form, no_bake, progress};
+use crate::app::editor::panels::fields;
 use crate::app::editor::session::layout::Layout;
 
 /// The width of the form, in points.
@@ -62,6 +63,7 @@ impl BakeWidgets {
 
     /// Shows the running bake, or the ended one.
     pub fn panel(&mut self, ui: &mut Ui, model: &BakeModel, commands: &mut Vec<Command>) {
+        fields::leave_scroll_bar(ui);
         let Some(shown) = &model.shown else {
             self.picture = None;
             no_bake(ui, commands);

@@ -30,8 +30,10 @@ pub fn set_styles(context: &egui::Context) {
 
 /// Changes egui's style of a theme to the editor's.
 fn set_style(style: &mut Style, theme: Theme) {
-    style.spacing.item_spacing = egui::vec2(6.0, 4.0);
+    style.spacing.item_spacing = egui::vec2(6.0, 3.0);
+    style.spacing.interact_size.y = 17.0;
     style.spacing.slider_width = 96.0;
+    style.spacing.slider_rail_height = 3.0;
     style.text_styles.insert(TextStyle::Small, FontId::proportional(SMALL));
     let visuals = &mut style.visuals;
     match theme {
@@ -43,6 +45,10 @@ fn set_style(style: &mut Style, theme: Theme) {
             visuals.hyperlink_color = Color32::from_rgb(110, 180, 255);
             visuals.override_text_color = Some(Color32::from_gray(215));
             visuals.weak_text_color = Some(Color32::from_gray(165));
+            let inactive = &mut visuals.widgets.inactive;
+            inactive.weak_bg_fill = Color32::from_gray(52);
+            // The rail of a slider and the box of a tick.
+            inactive.bg_fill = Color32::from_gray(74);
         }
         Theme::Light => {
             visuals.panel_fill = Color32::from_gray(232);

@@ -55,6 +55,25 @@ pub(crate) fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
 /// The decimals of numbers that stand side by side, at most.
 pub(crate) const MOST_DECIMALS: usize = 3;
 
+/// The decimals of numbers in panels, unless they need more to be told from others.
+pub(crate) const USUAL_DECIMALS: usize = 2;
+
+/// A number in a panel: with two decimals, and with more, of those in the range, if it needs them. Large whole numbers
+/// have none.
+pub(crate) fn tidy(number: f64, decimals: RangeInclusive<usize>) -> String {
+    const MANY: f64 = 100.0;
+    let most = *decimals.end();
+    let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
+    if most == 0 || (number.abs() >= MANY && shown(0) == shown(most)) {
+        return legible(number, 0..=0);
+    }
+    let fewest = USUAL_DECIMALS.min(most);
+    let needed = (fewest..most)
+        .find(|fewer| shown(*fewer) == shown(most))
+        .unwrap_or(most);
+    legible(number, needed..=needed)
+}
+
 /// The number of decimals that shows a number as exactly as [`MOST_DECIMALS`] do.
 pub(crate) fn decimals(number: f32) -> usize {
     let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
@@ -76,6 +95,29 @@ mod tests {
         assert_eq!(shown(-0.25), "-0.25");
         assert_eq!(shown(f64::from(f32::MAX)), "3.40e38");
         assert_eq!(shown(-2e7), "-2.00e7");
+    }
+
+    #[test]
+    fn numbers_of_panels_have_two_decimals_or_the_ones_that_they_need() {
+        let cases = [
+            (f64::from(5.8_f32), "5.80"),
+            (0.0, "0.00"),
+            (1.0, "1.00"),
+            (35.6894, "35.6894"),
+            (1e-3, "0.001"),
+            (600.0, "600"),
+            (600.5, "600.50"),
+            (10_000.0, "10000"),
+            (-0.2, "-0.20"),
+            (2e8, "2.00e8"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(tidy(number, 1..=4), text);
+        }
+        assert_eq!(
+            [tidy(0.0, 1..=1), tidy(6504.0, 0..=0), tidy(0.46, 0..=1)],
+            ["0.0", "6504", "0.5"]
+        );
     }
 
     #[test]
