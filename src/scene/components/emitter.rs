@@ -110,7 +110,7 @@ declare_plugins! {
             /// The factor on the intensity, across the cone.
             texture: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
                 "texture",
-                "Slide",
+                "Picture",
                 "A picture across the cone, as a slide in front of the lamp: factor on the intensity.",
                 "a texture, or none",
             )),

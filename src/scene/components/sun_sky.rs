@@ -41,7 +41,7 @@ declare_parameters! {
         /// Whether the sun is darker towards its rim.
         complex_sun: bool = false => Flag(ParameterInfo::switch(
             "complex_sun",
-            "Dark rim",
+            "Rim darkening",
             "Lets the sun be darker and redder towards its rim, as it is.",
         )),
         /// The direction to the sun, or the place and time that determine it.

@@ -113,13 +113,13 @@ fn what_has_no_material_is_grey_and_a_light_black_unless_its_file_has_some() {
     };
     let cases = [
         (plain, "none (grey)"),
-        (mesh(true), "of the file"),
+        (mesh(true), "from the mesh file"),
         (mesh(false), "none (black)"),
         (lamp, "none (black)"),
     ];
     for (inspected, looks) in cases {
         let harness = inspect(inspected);
-        assert_eq!(harness.get_by_label("Uses").value().as_deref(), Some(looks));
+        assert_eq!(harness.get_by_label("Made of").value().as_deref(), Some(looks));
     }
 }
 
@@ -167,7 +167,7 @@ fn widgets<T>(harness: &Harness<T>) -> Vec<(String, egui::Rect)> {
 fn nothing_of_the_inspector_is_cut_off_or_lies_over_something_else() {
     for inspected in every_inspected() {
         let mut harness = inspect(inspected.clone());
-        let textured = ["Reflectance", "Base colour", "Height", "Normals", "Slide"];
+        let textured = ["Reflectance", "Base colour", "Height", "Normals", "Picture"];
         for name in textured {
             let role = egui::accesskit::Role::Button;
             let row = harness.query_all_by_role_and_label(role, name).next();

@@ -40,7 +40,7 @@ fn a_narrower_cone_takes_its_beam_along() {
 fn pictures_of_lights_are_chosen() {
     let ways: [(&str, &str, &[&str]); 3] = [
         ("envmap", "filename", &["Picture"]),
-        ("spot", "texture", &["Slide source", "picture\u{2026}"]),
+        ("spot", "texture", &["Picture source", "picture\u{2026}"]),
         ("projector", "irradiance", &["Picture source", "picture\u{2026}"]),
     ];
     for (plugin, parameter, clicks) in ways {

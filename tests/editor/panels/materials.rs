@@ -327,7 +327,7 @@ fn a_shape_takes_another_material_or_a_new_one() {
         ..Inspected::new(entity(5), "wall")
     };
     let mut harness = inspect(shape.clone());
-    click(&mut harness, "Uses");
+    click(&mut harness, "Made of");
     click(&mut harness, "glass");
     let used = Command::from(MaterialEdit::UseMaterial {
         shapes: vec![entity(5)],
@@ -335,7 +335,7 @@ fn a_shape_takes_another_material_or_a_new_one() {
     });
     assert_eq!(harness.state().commands, [used]);
     let mut harness = inspect(shape);
-    click(&mut harness, "New material for this shape");
+    click(&mut harness, "New material");
     assert_eq!(
         harness.state().commands,
         [Command::from(MaterialEdit::GiveMaterial { shape: entity(5) })]

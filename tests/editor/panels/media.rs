@@ -136,7 +136,7 @@ fn an_empty_shape_can_be_filled_and_a_camera_is_in_a_medium() {
 fn what_keeps_a_medium_from_being_seen_is_told() {
     let mut harness = inspect(with_medium(fog()));
     harness.get_by_label_contains("Not closed: 12345 edges");
-    harness.get_by_label_contains("The integrator is `path`");
+    harness.get_by_label_contains("The integrator `path` renders no media");
     click(&mut harness, "Use volpath");
     let Some(Command::Edit(EditCommand::Settings(SettingsEdit::SetIntegrator(settings)))) =
         harness.state().commands.last()
@@ -146,7 +146,7 @@ fn what_keeps_a_medium_from_being_seen_is_told() {
     assert_eq!(settings.plugin, PathPlugin::VolPath);
     harness.state_mut().given.render.integrator.plugin = PathPlugin::VolPath;
     harness.run_steps(2);
-    assert!(harness.query_by_label_contains("The integrator is").is_none());
+    assert!(harness.query_by_label_contains("renders no media").is_none());
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn the_render_panel_sets_what_it_shows() {
     click(&mut harness, "as shown, then full");
     let chosen = Command::from(RenderCommand::SetResolution(Resolution::AfterRest));
     assert_eq!(harness.state().commands.last(), Some(&chosen));
-    click(&mut harness, "Enlarged");
+    click(&mut harness, "Upscaling");
     click(&mut harness, "sharp");
     let chosen = Command::from(DisplayCommand::SetEnlarging(Enlarging::Sharp));
     assert_eq!(harness.state().commands.last(), Some(&chosen));
@@ -137,7 +137,7 @@ fn limits_have_a_switch_and_a_number() {
         Command::from(RenderCommand::SetAdaptive(true)),
     ];
     assert_eq!(harness.state().commands, expected);
-    click(&mut harness, "Keep limits with the camera");
+    click(&mut harness, "Save limits in the camera");
     assert_eq!(harness.state().commands.last(), Some(&CameraEdit::KeepLimits.into()));
     let mut harness = render_panel(RenderModel {
         time_limit: Some(5.0),
@@ -160,7 +160,7 @@ fn limits_have_a_switch_and_a_number() {
         matches!(last, Some(Command::Render(RenderCommand::SetRegion(Some(part)))) if part.max.x > 0.6 && part.min.x == 0.0),
         "{last:?}"
     );
-    click(&mut harness, "Only a part");
+    click(&mut harness, "Render region");
     assert_eq!(
         harness.state().commands.last(),
         Some(&RenderCommand::SetRegion(None).into())
@@ -216,7 +216,7 @@ fn the_panel_says_what_auto_stands_for() {
     });
     harness.run_steps(3);
     harness.get_by_label("guided path: bdpt has 3.3 times the variance of path for the cost");
-    click(&mut harness, "By scene");
+    click(&mut harness, "Automatic");
     assert_eq!(
         harness.state().commands,
         [Command::from(RenderCommand::SetPathIsAuto(false))]

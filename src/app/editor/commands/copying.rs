@@ -60,7 +60,9 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
     let mut selected = things::selected(edit)?;
     selected.retain(|entity| edit.world.get::<ToWorld>(*entity).is_some());
     if selected.is_empty() {
-        return Err("What is selected has no place.".into());
+        return Err(
+            "Only things with a position can be copied in a series, and nothing that is selected has one.".into(),
+        );
     }
     let copies = selected.len() as u64 * u64::from(series.count - 1);
     if copies > u64::from(LONGEST_SERIES) {

@@ -81,7 +81,7 @@ fn tell_density(world: &mut World, medium: Entity) {
             false => unit.text(half),
         };
         toasts.info(format!(
-            "Half of the light passes {length} of the fog; the inspector has its extinction"
+            "Half of the light gets through {length} of this fog. Extinction in the inspector makes it thinner or thicker."
         ));
     }
 }

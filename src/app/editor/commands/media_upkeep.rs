@@ -55,7 +55,7 @@ pub fn trace(world: &mut World, depth: u32) {
     if after.plugin != before.plugin {
         tell(
             world,
-            "The integrator is `volpath` now: with `path` no medium is there.",
+            "The integrator was changed from `path` to `volpath`, which renders fog and other media.",
         );
     }
     if after.max_depth != before.max_depth {

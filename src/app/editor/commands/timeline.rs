@@ -239,7 +239,9 @@ fn targets_of_selection(edit: &Edit, how: KeyEdit) -> Result<Vec<(Entity, KeyPat
         }
     }
     match (targets.is_empty(), how) {
-        (true, KeyEdit::Set) => Err("What is selected has no place.".into()),
+        (true, KeyEdit::Set) => {
+            Err("Keys are for things with a position, and nothing that is selected has one.".into())
+        }
         (true, KeyEdit::Remove | KeyEdit::Move { .. }) => Err("What is selected has no key at this time.".into()),
         (true, _) => Err("What is selected has no keys.".into()),
         (false, _) => Ok(targets),

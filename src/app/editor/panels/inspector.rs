@@ -55,12 +55,10 @@ impl EditedMaterials {
     }
 }
 
-/// The points at the right that a scroll bar covers if not everything fits.
-const SCROLL_BAR: f32 = 8.0;
-
 /// Shows the parameters of the active thing. An edit applies to all selected things of the same kind. `scene_size` is
 /// in world units.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
+    fields::leave_scroll_bar(ui);
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
         ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
@@ -98,7 +96,6 @@ fn sections(
     state: &mut InspectorState,
     commands: &mut Vec<Command>,
 ) {
-    ui.set_max_width(ui.available_width() - SCROLL_BAR);
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(egui::RichText::new(inspected.name.trim_end_matches('/')).heading()).truncate());
     });
@@ -374,7 +371,7 @@ fn lightmap_scale(ui: &mut Ui, shape: &mut Shape) -> bool {
 /// The text about a shape without a material of the scene.
 fn without_material(inspected: &Inspected) -> &'static str {
     match inspected.mesh {
-        Some(mesh) if mesh.has_materials => "of the file",
+        Some(mesh) if mesh.has_materials => "from the mesh file",
         // A light without a material reflects nothing.
         _ if inspected.area_light.is_some() => "none (black)",
         _ => "none (grey)",
@@ -407,7 +404,7 @@ fn material_rows(
                 .iter()
                 .map(|item| (Some(item.entity), item.name.as_str())),
         );
-        if fields::choice(ui, ("Uses", "uses_material"), &mut used, &options) {
+        if fields::choice(ui, ("Made of", "uses_material"), &mut used, &options) {
             commands.push(
                 MaterialEdit::UseMaterial {
                     shapes: several_or(inspected.entity, model),
@@ -416,9 +413,9 @@ fn material_rows(
                 .into(),
             );
         }
-        ui.horizontal(|ui| {
+        fields::buttons(ui, |ui| {
             // A shape without a material needs one next, so that the button is the primary one.
-            let text = "New material for this shape";
+            let text = "New material";
             let button = look::primary_if(ui, inspected.materials.is_empty(), text);
             if ui.add(button).clicked() {
                 commands.push(

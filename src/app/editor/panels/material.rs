@@ -225,9 +225,9 @@ impl Rows<'_> {
     }
 
     fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        let ways = [(false, "reflectance"), (true, "index of refraction")];
+        let ways = [(false, "specular level"), (true, "index of refraction")];
         let mut by_index = matches!(value, PrincipledIndex::Eta(_));
-        let caption = Caption::from(&SPECULAR).titled("Mirrors by");
+        let caption = Caption::from(&SPECULAR).titled("Reflects by");
         if fields::choice(self.ui, caption, &mut by_index, &ways) {
             *value = turned_index(*value);
             self.edit.changed = true;

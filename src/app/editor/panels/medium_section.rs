@@ -70,7 +70,7 @@ pub(super) fn medium_rows(
     }
     if !inspected.media.is_empty() && !model.render.integrator.plugin.traces_media() {
         let plugin = model.render.integrator.plugin.name();
-        let text = format!("The integrator is `{plugin}`: no medium is there.");
+        let text = format!("The integrator `{plugin}` renders no media.");
         let text = egui::RichText::new(text).small().color(ui.visuals().warn_fg_color);
         ui.add(egui::Label::new(text).wrap());
         if fields::buttons(ui, |ui| ui.button("Use volpath")).clicked() {

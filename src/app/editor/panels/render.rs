@@ -26,6 +26,7 @@ pub fn render(
     overlay: BvhOverlay,
     commands: &mut Vec<Command>,
 ) {
+    fields::leave_scroll_bar(ui);
     section(ui, "Picture", |ui| picture_rows(ui, model, commands));
     section(ui, "Display", |ui| {
         display_rows(ui, display, commands);
@@ -73,7 +74,7 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     if fields::checkbox(ui, "Adaptive", &mut adaptive) {
         commands.push(RenderCommand::SetAdaptive(adaptive).into());
     }
-    let keep = fields::buttons(ui, |ui| ui.button("Keep limits with the camera"));
+    let keep = fields::buttons(ui, |ui| ui.button("Save limits in the camera"));
     let hint = "Samples, Limit noise and Adaptive are those of this window: this writes them into the sampler of the camera, which the file keeps";
     if keep.on_hover_text(hint).clicked() {
         commands.push(CameraEdit::KeepLimits.into());
@@ -90,7 +91,7 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
         commands.push(RenderCommand::SetResolution(resolution).into());
     }
     let mut enlarging = model.enlarging;
-    if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::LABELED) {
+    if fields::choice(ui, "Upscaling", &mut enlarging, &Enlarging::LABELED) {
         commands.push(DisplayCommand::SetEnlarging(enlarging).into());
     }
     let button = look::primary(ui, "Render full film");
@@ -106,7 +107,7 @@ fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
 /// Shows the region of the picture that gets samples, by its edges from 0 to 1.
 fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
     let mut is_on = region.is_some();
-    let mut changed = fields::checkbox(ui, "Only a part", &mut is_on);
+    let mut changed = fields::checkbox(ui, "Render region", &mut is_on);
     let mut edges = region.unwrap_or(Rect::new(0.25, 0.25, 0.75, 0.75));
     if region.is_some() {
         // A free view may have a region outside of the film.
@@ -215,16 +216,16 @@ fn overlay_rows(ui: &mut Ui, overlay: BvhOverlay, commands: &mut Vec<Command>) {
 fn auto_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
     if model.integrator.plugin == PathPlugin::Path {
         let mut is_auto = model.path_is_auto;
-        let caption = Caption::from("By scene").explained(
-            "In this window path stands for auto: guided paths or bdpt take its place where they pay. The scene keeps path, and so does the command line. Without it the window \
-             traces by path, whatever the scene.",
+        let caption = Caption::from("Automatic").explained(
+            "Chooses between path, guided paths and bdpt, whichever has the least noise in this scene. This is a setting of the window: the scene keeps path, and the command line \
+             renders by path.",
         );
         if fields::checkbox(ui, caption, &mut is_auto) {
             commands.push(RenderCommand::SetPathIsAuto(is_auto).into());
         }
     }
     if let Some(auto) = model.auto {
-        fields::note(ui, "Chosen", auto_words(&auto));
+        fields::note(ui, "In use", auto_words(&auto));
     }
 }
 
@@ -255,7 +256,10 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
     if integrator.plugin.has_strategy() {
         changed |= fields::choice(ui, "Sampling", &mut integrator.strategy, &strategies);
         let mut split = model.strategy_split;
-        if fields::checkbox(ui, "In thirds", &mut split) {
+        let caption = Caption::from("Side by side").explained(
+            "Renders the left third of the picture by sampling of BSDFs, the middle third by both and the right third by sampling of lights, to compare their noise.",
+        );
+        if fields::checkbox(ui, caption, &mut split) {
             commands.push(RenderCommand::SetStrategySplit(split).into());
         }
     }

@@ -20,7 +20,7 @@ const LARGEST_EDGE: u32 = 8192;
 
 /// The precision of the colours in EXR files.
 const PRECISIONS: [(Option<ComponentFormat>, &str); 3] = [
-    (None, "floats by default"),
+    (None, "automatic (32 bits)"),
     (Some(ComponentFormat::Float32), "floats of 32 bits"),
     (Some(ComponentFormat::Float16), "halves of 16 bits"),
 ];
@@ -192,7 +192,7 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
         &mut film.storage.components,
         &PRECISIONS,
     );
-    let mut compressions = vec![(None, "zip by default")];
+    let mut compressions = vec![(None, "automatic (zip)")];
     compressions.extend(ExrCompression::LABELED.map(|(method, label)| (Some(method), label)));
     let caption = Caption::from(("Compression", "compression"));
     changed |= fields::choice(
@@ -265,7 +265,7 @@ fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
             Box | CatmullRom => false,
             Tent { radius } => fields::slider(ui, ("Radius", "radius"), radius, 0.1..=4.0),
             Gaussian { stddev } => {
-                let caption = Caption::from(("Deviation", "stddev"));
+                let caption = Caption::from(("Filter width", "stddev"));
                 let caption = caption.explained("The standard deviation of the Gaussian, in pixels");
                 fields::slider(ui, caption, stddev, 0.1..=2.0)
             }

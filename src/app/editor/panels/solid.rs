@@ -55,8 +55,8 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
     for (number, opening) in openings.iter_mut().enumerate() {
         // Only its user knows whether an opening that reaches the floor is a door or a French window.
         let (what, close) = match opening.sill == 0.0 {
-            true => ("door or French window", "Close this door or French window"),
-            false => ("window", "Close this window"),
+            true => ("door or French window", "Remove this door"),
+            false => ("window", "Remove this window"),
         };
         let name = format!("Opening {}", number + 1);
         ui.push_id(number, |ui| {

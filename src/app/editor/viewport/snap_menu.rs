@@ -17,7 +17,7 @@ pub(crate) fn snap_menu(ui: &mut Ui, keys: &ActionContext, snap: &mut Snapping) 
             ui.radio_value(&mut snap.to, to, to.name()).on_hover_text(help);
         }
         ui.separator();
-        ui.checkbox(&mut snap.always, hint("Without Ctrl", "snap-always", keys.bound))
+        ui.checkbox(&mut snap.always, hint("Always snap", "snap-always", keys.bound))
             .on_hover_text("Moves snap always, and with Control they do not");
         ui.checkbox(&mut snap.aligns, "Turn to the surface")
             .on_hover_text("A thing that snaps to a surface turns its upper side to the normal there");

@@ -41,7 +41,7 @@ declare_plugins! {
             /// Ours: whether light that bounces between facets counts as well.
             multiple_scattering: bool = false => Extension(ParameterInfo::switch(
                 "multiple_scattering",
-                "All bounces",
+                "Multiscatter",
                 "Counts light that bounces between facets more than once, which the model leaves out: rough metals keep their brightness. Known to this program only.",
             )),
         },
@@ -280,7 +280,7 @@ const EXT_IOR: ParameterInfo = ParameterInfo::new(
 
 const DISTRIBUTION: ParameterInfo = ParameterInfo::new(
     "distribution",
-    "Facets",
+    "Microfacets",
     "How the slopes of the surface's tiny facets are spread. GGX has longer tails: highlights with a wide glow, as measured surfaces have them.",
     "Beckmann or GGX",
 );

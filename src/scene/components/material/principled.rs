@@ -37,12 +37,12 @@ declare_parameters! {
         }),
         main_specular_sampling_rate: f32 = 1.0 => Number(ParameterInfo::sampling_rate(
             "main_specular_sampling_rate",
-            "Mirror rays",
+            "Specular rate",
             "How often rays follow the main mirror image, relative to the other parts.",
         )),
         clearcoat_sampling_rate: f32 = 1.0 => Number(ParameterInfo::sampling_rate(
             "clearcoat_sampling_rate",
-            "Coat rays",
+            "Coat rate",
             "How often rays follow the clear coat, relative to the other parts.",
         )),
         diffuse_reflectance_sampling_rate: f32 = 1.0 => Number(DIFFUSE_REFLECTANCE_SAMPLING_RATE),
@@ -86,18 +86,18 @@ declare_parameters! {
         .within(0.0..=2.0)),
         specular_reflectance_sampling_rate: f32 = 1.0 => Number(ParameterInfo::sampling_rate(
             "specular_reflectance_sampling_rate",
-            "Mirror rays",
+            "Specular rate",
             "How often rays follow the mirror image, relative to the other parts.",
         )),
         specular_transmittance_sampling_rate: f32 = 1.0 => Number(ParameterInfo::sampling_rate(
             "specular_transmittance_sampling_rate",
-            "Clear rays",
+            "Clear rate",
             "How often rays go clearly through the sheet, relative to the other parts.",
         )),
         diffuse_reflectance_sampling_rate: f32 = 1.0 => Number(DIFFUSE_REFLECTANCE_SAMPLING_RATE),
         diffuse_transmittance_sampling_rate: f32 = 1.0 => Number(ParameterInfo::sampling_rate(
             "diffuse_transmittance_sampling_rate",
-            "Through rays",
+            "Through rate",
             "How often rays follow the matt light to the other side, relative to the other parts.",
         )),
     }
@@ -151,7 +151,7 @@ const FLATNESS: ParameterInfo = ParameterInfo::share(
 
 const DIFFUSE_REFLECTANCE_SAMPLING_RATE: ParameterInfo = ParameterInfo::sampling_rate(
     "diffuse_reflectance_sampling_rate",
-    "Matt rays",
+    "Diffuse rate",
     "How often rays follow the matt part, relative to the others.",
 );
 

@@ -185,7 +185,8 @@ static SCALE: ParameterInfo = ParameterInfo::factor(
     "Factor on the coefficients: how much of the medium there is. 2 is twice as dense.",
 );
 
-static EMISSION_SCALE: ParameterInfo = ParameterInfo::factor("emission_scale", "Emission x", "Factor on the emission.");
+static EMISSION_SCALE: ParameterInfo =
+    ParameterInfo::factor("emission_scale", "Emission scale", "Factor on the emission.");
 
 static EMISSION: ParameterInfo = ParameterInfo::new(
     "emission",

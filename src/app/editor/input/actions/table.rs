@@ -102,9 +102,13 @@ pub const FILE: &[Action] = &[
     action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
         Some(FileCommand::ShowDialog(FileDialogKind::SaveImage).into())
     }),
-    action(Group::File, "keep-picture", "Keep rendering later", &[], |_| {
-        Some(KeptPicture::Keep.into())
-    }),
+    action(
+        Group::File,
+        "keep-picture",
+        "Keep the picture to resume it",
+        &[],
+        |_| Some(KeptPicture::Keep.into()),
+    ),
     action(
         Group::File,
         "continue-picture",
@@ -357,7 +361,7 @@ pub const RENDER: &[Action] = &[
     action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |context| {
         Some(DisplayCommand::SetDenoising(!context.denoising).into())
     }),
-    action(Group::Render, "keep-limits", "Keep limits with the camera", &[], |_| {
+    action(Group::Render, "keep-limits", "Save limits in the camera", &[], |_| {
         Some(CameraEdit::KeepLimits.into())
     }),
     action(Group::Render, "bake-lights", "Bake the light mix", &[], |_| {

@@ -140,14 +140,14 @@ pub const ACTIONS: &[Action] = &[
     action(
         Group::View,
         "see-into-rooms",
-        "See into rooms, or not",
+        "See into rooms",
         &[alt(Key::W)],
         |context| Some(ViewCommand::SetSeeing(context.seeing.with_walls_switched()).into()),
     ),
     action(
         Group::View,
         "cut-open",
-        "Cut the scene open, or shut",
+        "Cut the scene open",
         &[alt(Key::C)],
         |context| {
             Some(match context.seeing.cut {
@@ -162,7 +162,7 @@ pub const ACTIONS: &[Action] = &[
     action(
         Group::View,
         "isolate",
-        "Show the selection alone, or all",
+        "Show the selection alone",
         // Many keyboards have the slash above a digit.
         &[plain(Key::Slash), shift(Key::Slash)],
         |context| match context.isolated {
