@@ -19,7 +19,7 @@ enum Part {
 use Part::{Ellipse, Line, Loop, Rays};
 
 /// The icons, each with the names of its kinds in the outliner and in the menu *Add*.
-const ICONS: [(&[&str], &[Part]); 29] = [
+const ICONS: [(&[&str], &[Part]); 30] = [
     (&["sphere"], &[Ellipse((0.0, 0.0), 5.0, 5.0)]),
     (
         &["rectangle"],
