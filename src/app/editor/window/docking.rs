@@ -203,15 +203,10 @@ impl TabViewer for Panels<'_> {
     }
 
     fn tab_style_override(&self, panel: &Panel, style: &TabStyle) -> Option<TabStyle> {
-        let margin = &style.tab_body.inner_margin;
-        let margin = match panel {
-            Panel::Viewport => Margin::ZERO,
-            // The scroll bar has a place of its own.
-            _ if !panel.scrolls() => Margin { right: 0, ..*margin },
-            _ => return None,
-        };
-        let mut style = style.clone();
-        style.tab_body.inner_margin = margin;
-        Some(style)
+        (*panel == Panel::Viewport).then(|| {
+            let mut style = style.clone();
+            style.tab_body.inner_margin = Margin::ZERO;
+            style
+        })
     }
 }
