@@ -286,7 +286,8 @@ fn densities_agree() {
             }
             seen += 1;
         }
-        let is_point = ["point", "far point", "spot", "sheared spot", "projector"].contains(&name);
+        let is_point =
+            name.contains("lamp") || ["point", "far point", "spot", "sheared spot", "projector"].contains(&name);
         assert!(seen > 500 || is_point, "{name}: {seen}");
     }
 }
@@ -366,7 +367,7 @@ fn directions_follow_their_density() {
         );
         results.push((name.to_owned(), p));
     }
-    assert_eq!(results.len(), 5);
+    assert_eq!(results.len(), 8);
     statistics::assert_all_plausible(&results);
 }
 

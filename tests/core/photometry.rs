@@ -182,7 +182,8 @@ fn pictures_keep_the_intensities_between_the_angles_of_the_file() {
     ] {
         let lamp = distribution(name);
         let picture = lamp.picture();
-        for row in 0..=(180.0 / vertical) as u32 * 2 {
+        // At the poles the planes of a file may differ.
+        for row in 1..(180.0 / vertical) as u32 * 2 {
             for column in 0..(360.0 / horizontal) as u32 * 2 {
                 let (gamma, c) = (f64::from(row) * 0.5 * vertical, f64::from(column) * 0.5 * horizontal);
                 let expected = lamp.intensity(type_c(gamma, c));

@@ -28,8 +28,8 @@ const VERTEX_BYTES: u64 = 32;
 /// Bytes of a triangle.
 const TRIANGLE_BYTES: u64 = 12;
 
-/// Open tubes around the curves, with normals and with texture coordinates as curves have them, and with memory reserved
-/// for them. They are as fine as `most` triangles allow.
+/// Open tubes around the curves, with normals and with texture coordinates as curves have them. They are as fine as
+/// `most` triangles allow, and their memory is reserved.
 pub fn tubes(strands: &Strands, basis: Basis, most: usize) -> Result<MeshData, TubeError> {
     let segments = strands.segment_count(basis);
     let triangles = |[corners, rings]: [u32; 2]| 2 * segments as u64 * u64::from(corners * rings);

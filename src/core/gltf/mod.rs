@@ -54,8 +54,8 @@ use self::schema::{Material, Root};
 use self::store::{COPIES, Store};
 use crate::memory::{self, Held};
 
-/// The extensions that a file may require. Of iridescence, dispersion and variants only a warning remains, but a file is
-/// better opened without them than not at all.
+/// The extensions that a file may require. Of iridescence, dispersion and variants only a warning remains, but a file
+/// is better opened without them than not at all.
 const SUPPORTED: [&str; 24] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",

@@ -1,5 +1,6 @@
 //! Decodes the bytes of a file to an [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance
-//! HDR and PFM (linear), and the intensities of lamps (IES, EULUMDAT). The content decides on the format, never the name.
+//! HDR and PFM (linear), and the intensities of lamps (IES, EULUMDAT). The content decides on the format, never the
+//! name.
 
 use std::io::Cursor;
 

@@ -4,8 +4,8 @@ use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::image_header::{ImageFileError, PromisedSize, hold};
 use crate::photometry::{LUMENS_PER_WATT, read_profile};
 
-/// Reads an IES or EULUMDAT file as a grey picture of all directions in W/sr. The axis of the beam is in the bottom row;
-/// [`IntensityPicture`](crate::photometry::IntensityPicture) tells the columns.
+/// Reads an IES or EULUMDAT file as a grey picture of all directions in W/sr. The axis of the beam is in the bottom
+/// row; [`IntensityPicture`](crate::photometry::IntensityPicture) tells the columns.
 pub(super) fn load_profile(bytes: &[u8]) -> Result<Image, ImageFileError> {
     let picture = read_profile(bytes)?.picture();
     let pixels = picture.candela.len() as u64;

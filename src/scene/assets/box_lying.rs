@@ -165,10 +165,8 @@ pub(in crate::scene) fn has_projection(scene: &SceneDescription, shape: &ShapeDe
 
 /// Whether a shape is one whose normals a mirroring transform leaves outside, unlike those of triangles.
 fn is_round_or_flat(kind: &ShapeKind) -> bool {
-    matches!(
-        kind,
-        ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. } | ShapeKind::Rectangle | ShapeKind::Disk
-    )
+    let is_triangle = matches!(kind, ShapeKind::Triangle { .. });
+    kind.is_flat() && !is_triangle || matches!(kind, ShapeKind::Sphere { .. } | ShapeKind::Cylinder { .. })
 }
 
 /// The transform of the mesh that takes the place of a shape with the transform `to_world`, and whether the mesh has to

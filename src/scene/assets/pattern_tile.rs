@@ -97,8 +97,8 @@ impl Tile {
         self.to_uv.inverse().transform_point2(at)
     }
 
-    /// [`Self::to_uv`] as if the tile was square along its own axes, if it is nearly: a map of that kind is a scale, then
-    /// a rotation.
+    /// [`Self::to_uv`] as if the tile was square along its own axes, if it is nearly: a map of that kind is a scale,
+    /// then a rotation.
     pub fn square_to_uv(&self) -> Option<Affine2> {
         let [short, long] = [self.lengths.min_element(), self.lengths.max_element()];
         let to_axes = Affine2::from_scale(self.lengths) * self.to_uv;

@@ -1,6 +1,6 @@
 //! Pictures of panels in both themes, which hold their look. A picture that differs from the one in this folder is
-//! written into the build folder beside the difference; `UPDATE_SNAPSHOTS=1 cargo test --test editor snapshots` takes it
-//! over. Look at it before it is committed.
+//! written into the build folder beside the difference; `UPDATE_SNAPSHOTS=1 cargo test --test editor snapshots` takes
+//! it over. Look at it before it is committed.
 
 mod covers;
 mod objects;

@@ -101,7 +101,8 @@ impl Bricks {
     }
 
     /// The lengths after which bricks repeat along both axes, apart from their random numbers: whole bricks and rows.
-    /// If no number of rows up to 12 repeats exactly, or if rows are moved at random, the bond changes there at a joint.
+    /// If no number of rows up to 12 repeats exactly, or if rows are moved at random, the bond changes there at a
+    /// joint.
     pub fn period(&self) -> [f32; 2] {
         let [length, height] = self.pitch();
         match self.bond {
