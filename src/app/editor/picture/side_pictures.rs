@@ -3,6 +3,7 @@
 //!
 //! One thread suffices, since only first hits are traced, and the picture of the main view keeps its cores.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -69,6 +70,14 @@ struct Order {
 }
 
 impl Order {
+    fn new(scene: &RenderScene, view: &View) -> Self {
+        Self {
+            scene: scene.clone(),
+            view: view.clone(),
+            is_stale: AtomicBool::new(false),
+        }
+    }
+
     fn is_of(&self, scene: &RenderScene, view: &View) -> bool {
         // Lights do not show in side views, so that a change of their strength changes nothing.
         let is_same = RenderScene {
@@ -109,6 +118,8 @@ struct Tracer {
 struct Desk {
     wanted: Mutex<Wanted>,
     changed: Condvar,
+    /// Whether the thread shall end. It is set while `wanted` is locked, so that a waiting thread notices it.
+    ends: AtomicBool,
 }
 
 #[derive(Default)]
@@ -116,13 +127,34 @@ struct Wanted {
     orders: [Option<Arc<Order>>; COUNT],
     /// The view that is traced first, because the user works in it.
     first: Option<usize>,
-    ends: bool,
 }
 
 impl Desk {
     fn wanted(&self) -> MutexGuard<'_, Wanted> {
         // What is wanted is whole at any time.
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Leaves orders for these views of a scene. Returns whether some are new.
+    fn order(&self, scene: &RenderScene, views: [Option<&View>; COUNT], first: Option<usize>) -> bool {
+        let mut wanted = self.wanted();
+        wanted.first = first;
+        let mut is_new = false;
+        for (order, view) in wanted.orders.iter_mut().zip(views) {
+            let is_same = match (&*order, view) {
+                (Some(order), Some(view)) => order.is_of(scene, view),
+                (order, view) => order.is_none() && view.is_none(),
+            };
+            if is_same {
+                continue;
+            }
+            if let Some(old) = order.take() {
+                old.is_stale.store(true, Ordering::Relaxed);
+            }
+            *order = view.map(|view| Arc::new(Order::new(scene, view)));
+            is_new = true;
+        }
+        is_new
     }
 }
 
@@ -151,31 +183,7 @@ impl SidePictures {
             self.tracer = Tracer::start(wake.clone());
         }
         let Some(tracer) = &self.tracer else { return };
-        let mut wanted = tracer.desk.wanted();
-        wanted.first = first;
-        let mut is_new = false;
-        for (order, view) in wanted.orders.iter_mut().zip(views) {
-            let is_same = match (&*order, view) {
-                (Some(order), Some(view)) => order.is_of(scene, view),
-                (order, view) => order.is_none() && view.is_none(),
-            };
-            if is_same {
-                continue;
-            }
-            if let Some(old) = order.take() {
-                old.is_stale.store(true, Ordering::Relaxed);
-            }
-            *order = view.map(|view| {
-                Arc::new(Order {
-                    scene: scene.clone(),
-                    view: view.clone(),
-                    is_stale: AtomicBool::new(false),
-                })
-            });
-            is_new = true;
-        }
-        drop(wanted);
-        if is_new {
+        if tracer.desk.order(scene, views, first) {
             tracer.desk.changed.notify_one();
         }
     }
@@ -208,7 +216,7 @@ impl Tracer {
 impl Drop for Tracer {
     fn drop(&mut self) {
         let mut wanted = self.desk.wanted();
-        wanted.ends = true;
+        self.desk.ends.store(true, Ordering::Relaxed);
         for order in wanted.orders.iter_mut().filter_map(Option::take) {
             order.is_stale.store(true, Ordering::Relaxed);
         }
@@ -220,7 +228,8 @@ impl Drop for Tracer {
 /// An order under way.
 struct Work {
     order: Arc<Order>,
-    film: Film,
+    /// The samples of the fine passes; None before the first.
+    film: Option<Film>,
     /// The number of passes done, the coarse one among them.
     passes: usize,
 }
@@ -228,8 +237,8 @@ struct Work {
 impl Work {
     fn new(order: Arc<Order>) -> Self {
         Self {
-            film: Film::new(order.view.width, order.view.height),
             order,
+            film: None,
             passes: 0,
         }
     }
@@ -238,8 +247,17 @@ impl Work {
         self.passes > SAMPLES.len()
     }
 
-    /// Makes the next pass; None if the order has become stale meanwhile.
-    fn advance(&mut self) -> Option<ColorImage> {
+    /// Makes the next pass; None if the order has become stale meanwhile, or the thread `ends`. After a panic the order
+    /// counts as done, so that the other views and later orders are traced.
+    fn advance(&mut self, ends: &AtomicBool) -> Option<ColorImage> {
+        catch_unwind(AssertUnwindSafe(|| self.next_pass(ends))).unwrap_or_else(|_| {
+            self.film = None;
+            self.passes = SAMPLES.len() + 1;
+            None
+        })
+    }
+
+    fn next_pass(&mut self, ends: &AtomicBool) -> Option<ColorImage> {
         let Order { scene, view, is_stale } = &*self.order;
         let pass = self.passes;
         self.passes += 1;
@@ -251,11 +269,12 @@ impl Work {
             };
             let mut film = Film::new(coarse.width, coarse.height);
             // It is finished even if stale: otherwise nothing would be seen while the view moves.
-            add_samples(&mut film, scene, &coarse, 1, &AtomicBool::new(false))?;
+            add_samples(&mut film, scene, &coarse, 1, ends)?;
             return Some(image(&film));
         };
-        add_samples(&mut self.film, scene, view, samples, is_stale)?;
-        Some(image(&self.film))
+        let film = self.film.get_or_insert_with(|| Film::new(view.width, view.height));
+        add_samples(film, scene, view, samples, is_stale)?;
+        Some(image(film))
     }
 }
 
@@ -278,11 +297,14 @@ fn image(film: &Film) -> ColorImage {
 /// Traces what is wanted until the window ends the thread.
 fn work(desk: &Desk, pictures: &Sender<(usize, Camera, ColorImage)>, wake: &WakeUp) {
     yield_to_rendering();
-    let mut works: [Option<Work>; COUNT] = Default::default();
-    loop {
-        let Some(side) = next(desk, &mut works) else { return };
-        let Some(work) = &mut works[side] else { continue };
-        let Some(image) = work.advance() else { continue };
+    let mut works = Works::default();
+    while let Some(side) = works.next(desk) {
+        let Some(work) = &mut works.of_sides[side] else {
+            continue;
+        };
+        let Some(image) = work.advance(&desk.ends) else {
+            continue;
+        };
         if pictures.send((side, work.order.view.camera, image)).is_err() {
             return;
         }
@@ -292,15 +314,45 @@ fn work(desk: &Desk, pictures: &Sender<(usize, Camera, ColorImage)>, wake: &Wake
     }
 }
 
-/// Waits for something to do and returns the view of which the least is done; None when the thread shall end.
-fn next(desk: &Desk, works: &mut [Option<Work>; COUNT]) -> Option<usize> {
-    let mut wanted = desk.wanted();
-    loop {
-        if wanted.ends {
-            return None;
+/// The orders under way.
+#[derive(Default)]
+struct Works {
+    of_sides: [Option<Work>; COUNT],
+    /// The turn in which each view was traced last. It outlives the orders: an edit that goes on replaces all of them
+    /// before each turn, and every view shall follow it.
+    last_turns: [u64; COUNT],
+    turn: u64,
+}
+
+impl Works {
+    /// Waits for an order that is not done and returns its view; None when the thread shall end.
+    fn next(&mut self, desk: &Desk) -> Option<usize> {
+        let mut wanted = desk.wanted();
+        loop {
+            if desk.ends.load(Ordering::Relaxed) {
+                return None;
+            }
+            let old = self.take_orders(&wanted);
+            if !old.is_empty() {
+                // The window must not wait until a large scene is freed.
+                drop(wanted);
+                drop(old);
+                wanted = desk.wanted();
+                continue;
+            }
+            if let Some(side) = self.least_done(wanted.first) {
+                self.turn += 1;
+                self.last_turns[side] = self.turn;
+                return Some(side);
+            }
+            wanted = desk.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    /// Takes the orders that are new. Returns the work on those that they replace.
+    fn take_orders(&mut self, wanted: &Wanted) -> Vec<Work> {
         let mut old = Vec::new();
-        for (work, order) in works.iter_mut().zip(&wanted.orders) {
+        for (work, order) in self.of_sides.iter_mut().zip(&wanted.orders) {
             let is_same = match (&*work, order) {
                 (Some(work), Some(order)) => Arc::ptr_eq(&work.order, order),
                 (work, order) => work.is_none() && order.is_none(),
@@ -309,22 +361,18 @@ fn next(desk: &Desk, works: &mut [Option<Work>; COUNT]) -> Option<usize> {
                 old.extend(std::mem::replace(work, order.clone().map(Work::new)));
             }
         }
-        if !old.is_empty() {
-            // The window must not wait until a large scene is freed.
-            drop(wanted);
-            drop(old);
-            wanted = desk.wanted();
-            continue;
-        }
-        let first = wanted.first;
-        let waiting = works.iter().enumerate().filter_map(|(side, work)| {
-            let work = work.as_ref().filter(|work| !work.is_done())?;
-            Some((work.passes, first != Some(side), side))
+        old
+    }
+
+    /// The view with the fewest passes. Among views without any it is the one that was traced longest ago, and among
+    /// other equals the `first`.
+    fn least_done(&self, first: Option<usize>) -> Option<usize> {
+        let waiting = self.of_sides.iter().enumerate().filter_map(|(side, work)| {
+            let passes = work.as_ref().filter(|work| !work.is_done())?.passes;
+            let last_turn = if passes == 0 { self.last_turns[side] } else { 0 };
+            Some((passes, last_turn, first != Some(side), side))
         });
-        if let Some((.., side)) = waiting.min() {
-            return Some(side);
-        }
-        wanted = desk.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner);
+        waiting.min().map(|(.., side)| side)
     }
 }
 
@@ -413,5 +461,62 @@ mod tests {
         assert!(grey(&moved, 10, 10) > nothing + 40 && moved.number > aside.number);
         pictures.clear();
         assert!(pictures.picture(0).is_none());
+    }
+
+    /// A scene with a shape that has no surface, which no renderer gets.
+    fn broken_scene() -> RenderScene {
+        spheres(&[Vec3::ZERO]).0.scene.expect("a sphere")
+    }
+
+    #[test]
+    fn all_views_follow_a_scene_that_changes_after_each_picture() {
+        let desk = Desk::default();
+        let mut works = Works::default();
+        let views = [view(0.0), view(1.0), view(2.0)];
+        let turns = [(); 6].map(|()| {
+            assert!(desk.order(&scene(), views.each_ref().map(Some), Some(1)));
+            let side = works.next(&desk).expect("there is work");
+            let work = works.of_sides[side].as_mut().expect("it was chosen");
+            assert!(work.advance(&desk.ends).is_some());
+            side
+        });
+        assert_eq!(turns, [1, 0, 2, 1, 0, 2]);
+    }
+
+    #[test]
+    fn the_coarse_pass_stops_with_the_thread_and_not_with_its_order() {
+        let mut work = Work::new(Arc::new(Order::new(&scene(), &view(0.0))));
+        work.order.is_stale.store(true, Ordering::Relaxed);
+        assert!(work.advance(&AtomicBool::new(false)).is_some());
+        assert!(work.film.is_none());
+        let mut work = Work::new(Arc::new(Order::new(&scene(), &view(0.0))));
+        assert!(work.advance(&AtomicBool::new(true)).is_none());
+    }
+
+    #[test]
+    fn a_panic_ends_nothing_but_its_order() {
+        let mut work = Work::new(Arc::new(Order::new(&broken_scene(), &view(0.0))));
+        assert!(work.advance(&AtomicBool::new(false)).is_none() && work.is_done());
+        let mut pictures = SidePictures::default();
+        let (broken, whole) = (view(0.0), view(0.5));
+        pictures.request(&broken_scene(), [Some(&broken), None, None], None, &WakeUp::default());
+        pictures.request(&scene(), [Some(&whole), None, None], None, &WakeUp::default());
+        awaited(&mut pictures, 0, whole.camera, 40);
+    }
+
+    #[test]
+    fn nothing_keeps_the_scene_after_the_end() {
+        let scene = scene();
+        let geometry = Arc::downgrade(&scene.geometry);
+        let mut pictures = SidePictures::default();
+        let views = [view(0.0), view(1.0), view(2.0)];
+        pictures.request(&scene, views.each_ref().map(Some), None, &WakeUp::default());
+        drop(scene);
+        pictures.clear();
+        let begin = Instant::now();
+        while geometry.strong_count() > 0 {
+            assert!(begin.elapsed() < Duration::from_secs(600));
+            std::thread::sleep(Duration::from_millis(1));
+        }
     }
 }
