@@ -57,6 +57,7 @@ pub(crate) use priority::{yield_to_all, yield_to_rendering, yield_to_window};
 pub use resolution::{active_film, fit, framing, full_size};
 pub use saved::{job_state, reserve_film, resume};
 pub use shutter::{OpenShutter, open_shutter};
+pub(crate) use sight::SeenThrough;
 pub use status::{AutoStatus, BvhStatus, GuideStatus, LatencyStats, Outdated, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 

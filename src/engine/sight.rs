@@ -49,7 +49,7 @@ impl SeenAlone {
 
 /// The last outer walls found in the scene.
 #[derive(Default)]
-pub(super) struct SeenThrough {
+pub(crate) struct SeenThrough {
     of: Option<Arc<Tlas>>,
     walls: OuterWalls,
 }

@@ -14,7 +14,7 @@ use crate::app::editor::command::side_views::{SIDES, SidePlace, SideViews};
 use crate::app::editor::picture::outline_pass::{OutlinePass, OutlineRequest};
 use crate::app::editor::picture::side_pictures::{SidePictures, side_view};
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{PackedScene, RenderStatus, WakeUp};
+use crate::engine::{PackedScene, RenderStatus, SeenThrough, WakeUp};
 use crate::math::Aabb;
 use crate::render::view::View;
 use crate::render::visibility::outer_walls::OuterWalls;
@@ -31,7 +31,7 @@ const MUCH_MORE: f32 = 2.0;
 pub struct SideScenes {
     scenes: [SideScene; COUNT],
     pictures: SidePictures,
-    walls: Option<(Arc<Tlas>, OuterWalls)>,
+    walls: SeenThrough,
 }
 
 /// The scene as a side view sees it.
@@ -79,23 +79,11 @@ impl SideScenes {
     }
 
     /// The outer walls of the scene, through which side views see into rooms.
-    fn walls(&mut self, packed: &PackedScene, geometry: &Arc<Tlas>) -> OuterWalls {
-        if let Some(sight) = packed
-            .view
-            .as_ref()
-            .map(|view| &view.sight)
-            .filter(|it| it.passes_backs)
-        {
-            return sight.outer_walls.clone();
-        }
-        match &self.walls {
-            Some((of, walls)) if Arc::ptr_eq(of, geometry) => walls.clone(),
-            _ => {
-                let walls = OuterWalls::find(geometry);
-                self.walls = Some((geometry.clone(), walls.clone()));
-                walls
-            }
-        }
+    fn outer_walls(&mut self, packed: &PackedScene, geometry: &Arc<Tlas>) -> OuterWalls {
+        let main = packed.view.as_ref().map(|view| &view.sight);
+        let known = main.filter(|sight| sight.passes_backs);
+        let found = self.walls.update(known.is_none(), geometry);
+        known.map_or(found, |sight| sight.outer_walls.clone())
     }
 }
 
@@ -118,7 +106,7 @@ pub(crate) fn follow_side_views(
     let bounds = picking::scene_bounds(&packed).unwrap_or(Aabb::EMPTY);
     let sight = Sight {
         passes_backs: true,
-        outer_walls: sides.walls(&packed, &scene.geometry),
+        outer_walls: sides.outer_walls(&packed, &scene.geometry),
         ..main.sight.clone()
     };
     // While a scene is being read its bounds are not those of all of it.
