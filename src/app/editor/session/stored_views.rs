@@ -47,7 +47,9 @@ pub fn follow_views(
         Some(path) if is_opened => {
             settings.bookmarks = file.open(path);
             (settings.timeline, settings.timeline_shown) = (file.timeline, None);
-            settings.side_views = file.sides.unwrap_or(settings.side_views);
+            // A script shows the same whatever its user has looked at.
+            let sides = file.sides.filter(|_| file.returns);
+            settings.side_views = sides.unwrap_or(settings.side_views);
         }
         None if is_opened => settings.timeline = file.timeline,
         // The scene was saved under this name.
@@ -124,8 +126,11 @@ pub fn note_view(
     let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
     let is_free = free_view.pose.is_some() || free_view.lens.is_some();
     file.keeps_last &= !is_free;
-    let sides = settings.side_views;
-    file.sides = (file.scene.is_some() && sides != SideViews::default()).then_some(sides);
+    // Otherwise those of the file stay.
+    if file.returns {
+        let sides = settings.side_views;
+        file.sides = (file.scene.is_some() && sides != SideViews::default()).then_some(sides);
+    }
     if !file.keeps_last {
         file.last = sensor
             .filter(|_| is_free && file.scene.is_some())
@@ -151,6 +156,7 @@ mod tests {
     use super::super::views_file::tests::views;
     use super::*;
     use crate::app::editor::command::baking::BakeChoices;
+    use crate::app::editor::command::side_views::SidePlace;
 
     #[test]
     fn each_scene_has_its_own_way_to_be_baked() {
@@ -255,6 +261,39 @@ mod tests {
                 let last = world.resource::<ViewsFile>().last;
                 assert_eq!(last.map(|view| view.pose), expected);
             }
+        }
+    }
+
+    #[test]
+    fn side_views_come_back_for_users_and_scripts_leave_them() {
+        let shown = |height| SideViews {
+            shown: true,
+            places: [Some(SidePlace {
+                center: [1.0, 2.0, 3.0],
+                height,
+            }); 3],
+            ..SideViews::default()
+        };
+        let (left, other) = (shown(4.0), shown(5.0));
+        for returns in [true, false] {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let path = folder.path().join("a.xml");
+            let mut file = ViewsFile::new(Some(folder.path()));
+            file.open(&path);
+            file.sides = Some(left);
+            file.leave().expect("a writable folder");
+            let mut world = opened(returns, true);
+            world.insert_resource(ViewsFile { returns, ..file });
+            world.resource_mut::<SceneStatus>().path = Some(path.clone());
+            world.run_system_cached(follow_views).expect("runs");
+            let expected = if returns { left } else { SideViews::default() };
+            assert_eq!(world.resource::<ViewSettings>().side_views, expected);
+            world.resource_mut::<ViewSettings>().side_views = other;
+            world.run_system_cached(note_view).expect("runs");
+            let mut file = world.resource_mut::<ViewsFile>();
+            file.leave().expect("a writable folder");
+            file.open(&path);
+            assert_eq!(file.sides, Some(if returns { other } else { left }));
         }
     }
 

@@ -62,7 +62,7 @@ pub struct ViewsFile {
     pub(super) bake: BakePlan,
     /// The same, as in the file.
     pub(super) bake_written: BakePlan,
-    /// Whether scenes may begin with their last view and their settings of bakes.
+    /// Whether scenes may begin with their last view, their side views and their settings of bakes.
     pub(super) returns: bool,
     /// Whether the stored last view stays in the file: the scene did not begin with it, and the user has not moved the
     /// view since.
@@ -80,7 +80,7 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with their settings of bakes and their last view, except that a requested camera comes first.
+    /// Lets scenes begin with their settings of bakes, their side views and their last view, except that a requested camera comes first.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,
