@@ -84,7 +84,7 @@ impl ScreenPixels {
         let per_point = ui.ctx().pixels_per_point();
         let size = (place.size() * per_point).round();
         Self {
-            size: UVec2::new(size.x as u32, size.y as u32),
+            size: UVec2::new(size.x as u32, size.y as u32).max(UVec2::ONE),
             per_point,
         }
     }
@@ -118,5 +118,24 @@ impl SpeedTag {
 
     pub(super) fn is_shown(&self, ui: &Ui) -> bool {
         self.known.is_some() && ui.input(|input| input.time) < self.until
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_egui::egui::{__run_test_ui, Pos2, vec2};
+
+    use super::*;
+
+    #[test]
+    fn a_picture_has_at_least_one_pixel() {
+        for (points, expected) in [
+            (vec2(30.0, 0.2), UVec2::new(30, 1)),
+            (vec2(-3.0, 7.0), UVec2::new(1, 7)),
+        ] {
+            let mut found = None;
+            __run_test_ui(|ui| found = Some(ScreenPixels::of(ui, Rect::from_min_size(Pos2::ZERO, points)).size));
+            assert_eq!(found, Some(expected));
+        }
     }
 }
