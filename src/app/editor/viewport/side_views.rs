@@ -86,7 +86,9 @@ pub(super) fn panes<'a>(
     let packed = panes.iter().map(|pane| pane.model.packed.view.as_ref());
     let packed = packed.map(|view| view.map(|view| [view.width, view.height]));
     let shown = state.sides.iter().flatten().map(|shown| Some(shown.size.to_array()));
-    if !packed.eq(shown) {
+    // Without a scene nothing is packed, however often it is asked for.
+    let is_packed = model.packed.scene.is_some() && model.packed.view.is_some();
+    if is_packed && !packed.eq(shown) {
         // The views are packed for these sizes before the next frame is shown.
         ui.ctx().request_repaint();
     }
