@@ -16,6 +16,7 @@ mod blocking;
 mod corpus;
 mod editing;
 mod four_views;
+mod four_views_keys;
 mod gizmo;
 mod importing;
 mod keys;

@@ -63,9 +63,9 @@ impl SidePlace {
 
     /// The place after the pose of its camera was panned or narrowed from one to another.
     pub fn moved(&self, from: &Affine3A, to: &Affine3A) -> Self {
-        let way = Vec3::from(to.translation - from.translation);
+        let offset = Vec3::from(to.translation - from.translation);
         Self {
-            center: (Vec3::from(self.center) + way).into(),
+            center: (Vec3::from(self.center) + offset).into(),
             height: self.height * (to.matrix3.x_axis.length() / from.matrix3.x_axis.length()),
         }
     }

@@ -102,6 +102,8 @@ pub enum ArrangeEdit {
     FitToView(Vec<Entity>),
     /// Moves the selection by a step along the axis of the world that is nearest to this direction in the picture.
     Nudge(Direction),
+    /// Moves the selection by a step along the axis of the world that is nearest to this direction in world space.
+    NudgeAlong(Vec3),
     /// Drops each selected thing onto the surface below it.
     Drop,
     /// Puts the origin of each selected thing onto the grid of the gizmo's step.
@@ -115,7 +117,7 @@ impl ArrangeEdit {
             Self::Distribute(..) => Traits::edit("Distribute").of_selection(),
             Self::Resize(..) => Traits::drag("Resize").of_selection(),
             Self::FitToView(things) => Traits::edit("Fit to view").of(things),
-            Self::Nudge(_) => Traits::edit("Move").of_selection(),
+            Self::Nudge(_) | Self::NudgeAlong(_) => Traits::edit("Move").of_selection(),
             Self::Drop => Traits::edit("Drop").of_selection(),
             Self::SnapToGrid => Traits::edit("Put onto the grid").of_selection(),
         }

@@ -5,7 +5,7 @@ use bevy::prelude::Entity;
 
 use super::axis_view::AxisView;
 use super::seeing::Seeing;
-use super::side_views::SideViews;
+use super::side_views::SidePlace;
 use super::traits::Traits;
 
 /// An edit of the camera in use.
@@ -59,8 +59,12 @@ pub enum ViewCommand {
     CutOpen,
     /// Isolates these shapes; without any, shows all again.
     Isolate(Vec<Entity>),
-    /// Shows, hides or moves the side views.
-    SetSideViews(SideViews),
+    /// Shows or hides the side views.
+    ShowSideViews(bool),
+    /// Shows the surfaces in side views in one grey, or in their own colours.
+    ShowSidesInClay(bool),
+    /// Sets the place of the side view with this number.
+    PlaceSideView(usize, SidePlace),
 }
 
 impl ViewCommand {
@@ -76,7 +80,8 @@ impl ViewCommand {
             | Self::SetSeeing(_)
             | Self::CutOpen
             | Self::Isolate(_) => Traits::VIEW,
-            Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) | Self::SetSideViews(_) => Traits::NONE,
+            Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) => Traits::NONE,
+            Self::ShowSideViews(_) | Self::ShowSidesInClay(_) | Self::PlaceSideView(..) => Traits::NONE,
         }
     }
 }

@@ -23,8 +23,12 @@ pub fn edit(edit: &mut Edit, command: ArrangeEdit) -> Result<(), CommandError> {
         ArrangeEdit::Resize(axis, size) => arranging::resize(edit, axis, size)?,
         ArrangeEdit::FitToView(entities) => fitting::fit_to_view(edit, &entities)?,
         ArrangeEdit::Nudge(direction) => {
-            edit.kind = StepKind::Move;
-            nudge(edit, direction)?;
+            let by = step(edit.world, direction);
+            nudge(edit, by)?;
+        }
+        ArrangeEdit::NudgeAlong(direction) => {
+            let length = edit.world.resource::<ViewSettings>().length_step();
+            nudge(edit, nearest_axis(direction) * length)?;
         }
         ArrangeEdit::Drop => drop(edit)?,
         ArrangeEdit::SnapToGrid => onto_grid(edit)?,
@@ -32,9 +36,10 @@ pub fn edit(edit: &mut Edit, command: ArrangeEdit) -> Result<(), CommandError> {
     Ok(())
 }
 
-pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
+/// Moves the selection by a vector in world space.
+fn nudge(edit: &mut Edit, by: Vec3) -> Result<(), CommandError> {
+    edit.kind = StepKind::Move;
     let units = grouping::units(edit)?;
-    let by = step(edit.world, direction);
     let exact = 0.0;
     let all = units.into_iter().flat_map(|unit| unit.all);
     move_each(edit, all.map(|entity| (entity, by)).collect(), exact)
@@ -61,8 +66,13 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
         Direction::Up => up,
         Direction::Down => -up,
     };
-    let axis = wanted.abs().max_position();
-    Vec3::AXES[axis] * wanted[axis].signum()
+    nearest_axis(wanted)
+}
+
+/// The axis of the world that is nearest to a direction, of unit length.
+fn nearest_axis(direction: Vec3) -> Vec3 {
+    let axis = direction.abs().max_position();
+    Vec3::AXES[axis] * direction[axis].signum()
 }
 
 pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {

@@ -35,7 +35,12 @@ pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError
         ViewCommand::SetSeeing(seen) => seeing::set(world, seen),
         ViewCommand::CutOpen => seeing::cut_open(world)?,
         ViewCommand::Isolate(entities) => seeing::isolate(world, entities)?,
-        ViewCommand::SetSideViews(views) => world.resource_mut::<ViewSettings>().side_views = views.within_range(),
+        ViewCommand::ShowSideViews(shown) => world.resource_mut::<ViewSettings>().side_views.shown = shown,
+        ViewCommand::ShowSidesInClay(clay) => world.resource_mut::<ViewSettings>().side_views.clay = clay,
+        ViewCommand::PlaceSideView(side, place) => {
+            let views = &mut world.resource_mut::<ViewSettings>().side_views;
+            *views = views.with_place(side, place);
+        }
     }
     Ok(())
 }

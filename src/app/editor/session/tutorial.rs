@@ -90,7 +90,7 @@ impl Tutorial {
                 command,
                 Command::Edit(
                     EditCommand::Value(ValueEdit::Transform(_) | ValueEdit::Turn(..))
-                        | EditCommand::Arrange(ArrangeEdit::Nudge(_) | ArrangeEdit::Drop)
+                        | EditCommand::Arrange(ArrangeEdit::Nudge(_) | ArrangeEdit::NudgeAlong(_) | ArrangeEdit::Drop)
                 )
             ),
             3 => is_about_material(command),

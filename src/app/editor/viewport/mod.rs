@@ -190,8 +190,13 @@ fn film_corners_of(view: Option<&View>) -> [Vec2; 2] {
 ///
 /// The view under the pointer gets them. Flying keys are for the main view, wherever the pointer is.
 fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportState, commands: &mut Vec<Command>) {
+    let last = state.panes.active;
     state.panes.follow(ui, sides, &state.gizmo);
     let side = state.panes.active;
+    if side != last {
+        // A drag ends with its view: it must not go on with another camera.
+        state.pointer.let_go(ui);
+    }
     let active = side.and_then(|side| sides.get(side)).unwrap_or(main);
     let Pane { response, model, .. } = active;
     let is_pressed = response.is_pointer_button_down_on();
@@ -271,9 +276,9 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
         ..main.model.keys
     };
     let meant = keys::shortcuts(&rest.presses, &context).into_iter();
-    commands.extend(meant.map(|command| match side {
+    commands.extend(meant.filter_map(|command| match side {
         Some(side) => side_views::in_side(command, side, model),
-        None => command,
+        None => Some(command),
     }));
 }
 

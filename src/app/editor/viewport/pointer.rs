@@ -260,7 +260,8 @@ impl PointerState {
         if notches == 0.0 || !(is_over || self.hold.is_some()) {
             return;
         }
-        if ui.input(|input| input.pointer.secondary_down()) {
+        // In a side view the button pans, and nothing flies.
+        if model.side.is_none() && ui.input(|input| input.pointer.secondary_down()) {
             commands.push(ViewCommand::SetSpeed(model.navigation.speed_after(notches)).into());
         } else {
             let target = seen_at(pointer, screen, model).or_else(|| ground_at(pointer, screen, model));

@@ -21,10 +21,11 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::arrange::Direction;
 use crate::app::editor::command::side_views::{SIDES, SidePlace};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, ValueEdit, ViewCommand};
+use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, ViewCommand};
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::side_pictures::SidePicture;
+use crate::math::Aabb;
 
 /// The gap between the views, in points.
 const GAP: f32 = 2.0;
@@ -120,7 +121,7 @@ fn of_side<'a>(model: &ViewportModel<'a>, seen: &SideModel<'a>, side: usize) -> 
 
 impl PaneState {
     /// Finds the view that has the mouse: the one in which a button went down as long as it is down, and the one under
-    /// the pointer otherwise. A thing that follows the pointer without a button stays in its view as well.
+    /// the pointer otherwise. A drag by the handles that follows the pointer without a button stays in its view as well.
     pub(super) fn follow(&mut self, ui: &Ui, panes: &[Pane], gizmo: &GizmoState) {
         let (at, is_down) = ui.input(|input| {
             let at = input.pointer.press_origin().or(input.pointer.latest_pos());
@@ -139,43 +140,61 @@ impl PaneState {
     }
 }
 
-/// The command that a key of the main view gives in a side view.
-pub(super) fn in_side(command: Command, side: usize, model: &ViewportModel) -> Command {
-    if let Some(nudged) = nudged(&command, model) {
-        return nudged;
+/// The command that a key of the main view gives in a side view; None if there is nothing to frame.
+pub(super) fn in_side(command: Command, side: usize, model: &ViewportModel) -> Option<Command> {
+    match command {
+        Command::View(ViewCommand::FrameSelection) => {
+            let place = match model.extent {
+                Some(bounds) => framing(&bounds, side, model)?,
+                None => around_selection(side, model)?,
+            };
+            Some(ViewCommand::PlaceSideView(side, place).into())
+        }
+        Command::View(ViewCommand::FrameAll) => {
+            let bounds = picking::scene_bounds(model.packed).unwrap_or(Aabb::EMPTY);
+            Some(ViewCommand::PlaceSideView(side, framing(&bounds, side, model)?).into())
+        }
+        Command::Edit(EditCommand::Arrange(ArrangeEdit::Nudge(direction))) => {
+            let along = across(direction, model).map_or(ArrangeEdit::Nudge(direction), ArrangeEdit::NudgeAlong);
+            Some(along.into())
+        }
+        other => Some(other),
     }
-    let is = |other: ViewCommand| command == Command::from(other);
-    let bounds = match (is(ViewCommand::FrameSelection), is(ViewCommand::FrameAll)) {
-        (true, _) => model.extent,
-        (_, true) => picking::scene_bounds(model.packed),
-        (false, false) => None,
-    };
-    let (Some(bounds), Some(view)) = (bounds, model.packed.view.as_ref()) else {
-        return command;
-    };
-    let aspect = view.width as f32 / view.height as f32;
-    let place = SidePlace::framing(&bounds, SIDES[side].0, aspect, &model.navigation);
-    ViewCommand::SetSideViews(model.keys.side_views.with_place(side, place)).into()
 }
 
-/// The command that moves the selection across the view by a step, as arrow keys do; None for other commands.
-fn nudged(command: &Command, model: &ViewportModel) -> Option<Command> {
-    let Command::Edit(EditCommand::Arrange(ArrangeEdit::Nudge(direction))) = command else {
-        return None;
-    };
-    let axes = model.pose?.matrix3;
-    let [left, upward] = [axes.x_axis, axes.y_axis].map(|axis| Vec3::from(axis.normalize_or_zero()));
-    let by = match direction {
-        Direction::Left => left,
-        Direction::Right => -left,
-        Direction::Ahead => upward,
-        Direction::Back => -upward,
-        Direction::Up | Direction::Down => return None,
-    };
-    let step = Affine3A::from_translation(by * model.gizmo.length_step);
+/// The place that shows all of `bounds`; None before the view has been packed.
+fn framing(bounds: &Aabb, side: usize, model: &ViewportModel) -> Option<SidePlace> {
+    let view = model.packed.view.as_ref()?;
+    let aspect = view.width as f32 / view.height as f32;
+    Some(SidePlace::framing(bounds, SIDES[side].0, aspect, &model.navigation))
+}
+
+/// The place with the selection in its middle, for lights and cameras, which have no extent. It is not narrower than
+/// the present one. None without a selection.
+fn around_selection(side: usize, model: &ViewportModel) -> Option<SidePlace> {
     let targets = model.gizmo.targets.iter();
-    let poses: Vec<_> = targets.map(|target| (target.entity, step * target.to_world)).collect();
-    (!poses.is_empty()).then(|| ValueEdit::Transform(poses).into())
+    let points = targets.map(|target| Vec3::from(target.to_world.translation));
+    let bounds = points
+        .map(|point| Aabb { min: point, max: point })
+        .reduce(Aabb::union)?;
+    let (shown, place) = (model.keys.side_views.places[side]?, framing(&bounds, side, model)?);
+    Some(SidePlace {
+        height: place.height.max(shown.height),
+        ..place
+    })
+}
+
+/// The direction of an arrow key across the view, in world space; None for directions that are the same in all views.
+fn across(direction: Direction, model: &ViewportModel) -> Option<Vec3> {
+    let axes = model.pose?.matrix3;
+    let [left, upward] = [axes.x_axis, axes.y_axis].map(Vec3::from);
+    match direction {
+        Direction::Left => Some(left),
+        Direction::Right => Some(-left),
+        Direction::Ahead => Some(upward),
+        Direction::Back => Some(-upward),
+        Direction::Up | Direction::Down => None,
+    }
 }
 
 /// The command that moves a side view from its pose to another one.
@@ -183,7 +202,7 @@ pub(super) fn moved(side: usize, to: &Affine3A, model: &ViewportModel) -> Option
     let (from, views) = (model.pose?, model.keys.side_views);
     let place = views.places.get(side).copied().flatten()?;
     let is_moved = *to != from && to.is_finite();
-    is_moved.then(|| ViewCommand::SetSideViews(views.with_place(side, place.moved(&from, to))).into())
+    is_moved.then(|| ViewCommand::PlaceSideView(side, place.moved(&from, to)).into())
 }
 
 /// Paints a side view with everything over its picture. `main` is the pose of the main view, which is marked.

@@ -14,7 +14,6 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoSettings, LENGTHS, Mode, Pivot, Steps};
 use crate::app::editor::command::grid_settings::GridSettings;
-use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{Command, DisplayCommand, ToolCommand, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext, hint};
@@ -326,10 +325,6 @@ fn overlays(ui: &mut Ui, keys: &ActionContext, commands: &mut Vec<Command>) {
         keys.bound,
     );
     if icon_button(ui, ToolIcon::Views, keys.side_views.shown, "Four views", &help).clicked() {
-        let views = SideViews {
-            shown: !keys.side_views.shown,
-            ..keys.side_views
-        };
-        commands.push(ViewCommand::SetSideViews(views).into());
+        commands.push(ViewCommand::ShowSideViews(!keys.side_views.shown).into());
     }
 }

@@ -118,6 +118,14 @@ fn a_group_is_aligned_as_one() {
     let heights = [a, b, group[2]].map(|it| world.get::<ToWorld>(it).expect("a pose").0.translation.y);
     assert_eq!(heights[0], heights[1]);
     assert!(heights[0] > 0.5, "{heights:?}");
+    // A direction of the world moves the whole group by a step along the nearest axis, whatever the view.
+    let before = [a, b, group[2]].map(|it| world.get::<ToWorld>(it).expect("a pose").0.translation);
+    let step = world.resource::<ViewSettings>().length_step();
+    say(&mut world, ArrangeEdit::NudgeAlong(Vec3::new(0.1, 0.2, -0.9)));
+    for (thing, before) in [a, b, group[2]].into_iter().zip(before) {
+        let moved = Vec3::from(world.get::<ToWorld>(thing).expect("a pose").0.translation - before);
+        assert!(moved.abs_diff_eq(-step * Vec3::Z, 1e-6), "{moved}");
+    }
 }
 
 #[test]

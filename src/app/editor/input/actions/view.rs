@@ -10,7 +10,6 @@ use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::shortcut::Shortcut;
-use crate::app::editor::command::side_views::SideViews;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::command::{CameraEdit, Command, DisplayCommand, ShellCommand, ToolCommand, ViewCommand};
 
@@ -72,24 +71,10 @@ pub const ACTIONS: &[Action] = &[
         "four-views",
         "One view or four",
         &[plain(Key::V), command_alt(Key::Q)],
-        |context| {
-            Some(
-                ViewCommand::SetSideViews(SideViews {
-                    shown: !context.side_views.shown,
-                    ..context.side_views
-                })
-                .into(),
-            )
-        },
+        |context| Some(ViewCommand::ShowSideViews(!context.side_views.shown).into()),
     ),
     action(Group::View, "side-views-clay", "Side views in clay", &[], |context| {
-        Some(
-            ViewCommand::SetSideViews(SideViews {
-                clay: !context.side_views.clay,
-                ..context.side_views
-            })
-            .into(),
-        )
+        Some(ViewCommand::ShowSidesInClay(!context.side_views.clay).into())
     }),
     view!("view-1", "View 1", plain(Key::Num1) => ViewCommand::RecallView(1)),
     view!("view-2", "View 2", plain(Key::Num2) => ViewCommand::RecallView(2)),
