@@ -129,6 +129,25 @@ fn a_group_is_aligned_as_one() {
 }
 
 #[test]
+fn steps_along_a_direction_add_up_to_round_numbers() {
+    let mut world = bare_world();
+    let thing = cubes(&mut world, &[(0.5, 0.5)]);
+    let steps = Steps {
+        length: Some(0.1),
+        ..Steps::default()
+    };
+    let gizmo = GizmoSettings {
+        steps,
+        ..GizmoSettings::default()
+    };
+    say(&mut world, ToolCommand::SetGizmo(gizmo));
+    for _ in 0..7 {
+        say(&mut world, ArrangeEdit::NudgeAlong(2.0 * Vec3::X));
+    }
+    assert_eq!(places(&world, &thing), [1.2]);
+}
+
+#[test]
 fn gaps_or_distances_become_equal() {
     for (by, expected) in [(Spacing::Gaps, [0.0, 2.25, 6.0]), (Spacing::Middles, [0.0, 3.0, 6.0])] {
         let mut world = bare_world();
