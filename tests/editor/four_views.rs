@@ -1,5 +1,5 @@
-//! Drives the views from above, the front and the right beside the main one: each has mouse, keys and tools with its
-//! own camera.
+//! Drives the views from above, the front and the right beside the main one: each has mouse and tools with its own
+//! camera.
 
 use std::sync::Arc;
 

@@ -80,7 +80,8 @@ impl ViewsFile {
         }
     }
 
-    /// Lets scenes begin with their settings of bakes, their side views and their last view, except that a requested camera comes first.
+    /// Lets scenes begin with their settings of bakes, their side views and their last view, except that a requested
+    /// camera comes first.
     pub fn returning(self, begins_at_camera: bool) -> Self {
         Self {
             returns: true,

@@ -121,7 +121,7 @@ fn of_side<'a>(model: &ViewportModel<'a>, seen: &SideModel<'a>, side: usize) -> 
 
 impl PaneState {
     /// Finds the view that has the mouse: the one in which a button went down as long as it is down, and the one under
-    /// the pointer otherwise. A drag by the handles that follows the pointer without a button stays in its view as well.
+    /// the pointer otherwise. A drag by the handles that follows the pointer without a button stays in its view too.
     pub(super) fn follow(&mut self, ui: &Ui, panes: &[Pane], gizmo: &GizmoState) {
         let (at, is_down) = ui.input(|input| {
             let at = input.pointer.press_origin().or(input.pointer.latest_pos());
