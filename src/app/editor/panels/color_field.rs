@@ -33,7 +33,7 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
             let label = name_cell(ui, caption);
             ui.spacing_mut().item_spacing.x = 3.0;
             let size = egui::vec2(SWATCH, ui.spacing().interact_size.y);
-            let mut changed = color_button(ui, label.id, size, &mut copy);
+            let mut changed = color_button(ui, (label.id, caption.text), size, &mut copy);
             let room = ui.available_width() - SWITCH - 3.0;
             let notation = notation(ui);
             changed |= match notation {

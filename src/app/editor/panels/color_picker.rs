@@ -7,6 +7,7 @@ use bevy_egui::egui::{
     self, Color32, Id, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, lerp, pos2, remap_clamp, vec2,
 };
 
+use super::key_marks::owner;
 use crate::app::editor::input::pipette;
 use crate::color::{Rgb, linear_from_srgb, srgb_from_linear};
 use crate::document::spectrum::{BlackBody, Role};
@@ -27,8 +28,11 @@ const DAYLIGHT: f32 = 6500.0;
 /// Hue, saturation and value in [0, 1].
 type Hsv = [f32; 3];
 
-/// Shows the colour as a button that opens the picker; returns true if edited. `label` names the button.
-pub(super) fn color_button(ui: &mut Ui, label: Id, size: egui::Vec2, color: &mut Rgb) -> bool {
+/// Shows the colour as a button that opens the picker; returns true if edited. `label` names the button, with the text
+/// `name`.
+pub(super) fn color_button(ui: &mut Ui, (label, name): (Id, &str), size: egui::Vec2, color: &mut Rgb) -> bool {
+    // The field keeps its id when rows appear above it, and another thing has another one.
+    let field = ui.make_persistent_id((name, "pipette", owner(ui)));
     let (place, response) = ui.allocate_exact_size(size, Sense::click());
     let response = response.labelled_by(label);
     response.widget_info(|| egui::WidgetInfo::new(egui::WidgetType::ColorButton));
@@ -41,12 +45,12 @@ pub(super) fn color_button(ui: &mut Ui, label: Id, size: egui::Vec2, color: &mut
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| {
             if pipette_button(ui) {
-                pipette::begin(ui.ctx(), response.id);
+                pipette::begin(ui.ctx(), field);
                 ui.close();
             }
             picker(ui, color)
         });
-    if let Some(picked) = pipette::take(ui.ctx(), response.id) {
+    if let Some(picked) = pipette::take(ui.ctx(), field) {
         *color = picked;
         remember(ui, picked);
         return true;

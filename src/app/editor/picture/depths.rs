@@ -52,13 +52,14 @@ impl<'f> Depths<'f> {
     }
 
     /// The colour of the surface at a place of the picture, as [`Self::at`]: its albedo, linear Rec. 709 in [0, 1].
-    /// Where nothing is hit it is the radiance, scaled down to that range. None if it is not known yet.
-    pub fn color_at(&self, place: Vec2) -> Option<Rgb> {
+    /// Where nothing is hit, or a light as `is_light` says, it is the radiance, scaled down to that range. None if it
+    /// is not known yet.
+    pub fn color_at(&self, place: Vec2, is_light: bool) -> Option<Rgb> {
         let pixel = self.pixel(place)?;
-        let color = if pixel.depth > 0.0 {
-            pixel.albedo
-        } else {
-            pixel.radiance
+        // The albedo of lights in the film is 1.
+        let color = match pixel.depth > 0.0 && !is_light {
+            true => pixel.albedo,
+            false => pixel.radiance,
         };
         Some((color / color.max_element().max(1.0)).max(Rgb::ZERO))
     }
@@ -72,5 +73,58 @@ impl<'f> Depths<'f> {
     /// The number of depths in a row; 0 if none is known.
     pub fn width(&self) -> u32 {
         self.film.map_or(0, Film::width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::tile::{TileSamples, tiles};
+
+    /// A film of one sample per pixel, all of them alike.
+    fn film(pixel: PixelSum) -> Film {
+        let mut film = Film::new(4, 4);
+        for tile in tiles(4, 4) {
+            film.add(&TileSamples {
+                tile,
+                samples: 0..1,
+                pixels: vec![pixel; (tile.width * tile.height) as usize],
+                blocks: None,
+                layers: Default::default(),
+                first_hits: Vec::new(),
+                splats: Default::default(),
+                rays: 0,
+                invalid: 0,
+            });
+        }
+        film
+    }
+
+    #[test]
+    fn surfaces_have_their_albedo_and_lights_and_the_sky_their_radiance() {
+        let surface = PixelSum {
+            radiance: Rgb::new(4.0, 2.0, 1.0),
+            albedo: Rgb::new(0.5, 0.25, 0.75),
+            depth: 2.0,
+            ..PixelSum::default()
+        };
+        let color = |pixel: PixelSum, is_light| Depths::of(&film(pixel)).color_at(Vec2::splat(0.5), is_light);
+        let orange = Some(Rgb::new(1.0, 0.5, 0.25));
+        assert_eq!(color(surface, false), Some(surface.albedo));
+        let lamp = PixelSum {
+            albedo: Rgb::ONE,
+            ..surface
+        };
+        assert_eq!(color(lamp, true), orange);
+        let sky = PixelSum { depth: 0.0, ..surface };
+        assert_eq!(color(sky, false), orange);
+        // Dark light keeps its strength.
+        let dim = PixelSum {
+            radiance: Rgb::new(0.2, 0.1, 0.0),
+            ..sky
+        };
+        assert_eq!(color(dim, false), Some(dim.radiance));
+        assert_eq!(Depths::of(&Film::new(4, 4)).color_at(Vec2::splat(0.5), false), None);
+        assert_eq!(Depths::default().color_at(Vec2::splat(0.5), false), None);
     }
 }
