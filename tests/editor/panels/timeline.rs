@@ -10,7 +10,7 @@ use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::timeline::{TimeStep, Timeline};
 use sunroom::app::editor::command::{Command, EditCommand, TimeCommand, TimeEdit};
-use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel};
+use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel, values_of};
 use sunroom::app::editor::panels::timeline::{TimelineState, timeline};
 use sunroom::document::{Interpolation, Key, Track, Value};
 use sunroom::scene::{KeyEdit, KeyPath};
@@ -36,6 +36,7 @@ fn shown() -> Harness<'static, Shown> {
         let values = values.clone();
         (TickTime(time), Tick { values })
     };
+    let selected: Ticks = [0.0, 1.0].into_iter().map(tick).collect();
     let model = TimelineModel {
         frames: Timeline {
             fps: 10.0,
@@ -43,7 +44,8 @@ fn shown() -> Harness<'static, Shown> {
             last: 20,
         },
         all: Arc::new(vec![0.0, 1.0]),
-        selected: Arc::new([0.0, 1.0].into_iter().map(tick).collect::<Ticks>()),
+        values: Arc::new(values_of(&selected)),
+        selected: Arc::new(selected),
         tracks: Arc::new(HashMap::from([(
             values[0].0,
             vec![(KeyPath::new("radius"), Arc::new(track))],
@@ -59,20 +61,24 @@ fn shown() -> Harness<'static, Shown> {
         timeline(ui, &shown.model, &NO_BINDINGS, &mut shown.state, &mut shown.commands);
     };
     Harness::builder()
-        .with_size(egui::vec2(1000.0, 120.0))
+        .with_size(egui::vec2(1000.0, 160.0))
         .build_ui_state(show, state)
 }
 
-/// The place of a time on the band, at this height from the foot.
+/// The heights of the ruler and of a track below it.
+const RULER: f32 = 22.0;
+const TRACK: f32 = 16.0;
+
+/// The place of a time on the band, at this height above the foot of the first track.
 fn at_height(harness: &Harness<Shown>, time: f32, height: f32) -> egui::Pos2 {
     let band = harness.get_by_label("Frames and keys").rect();
     let (left, right) = (band.left() + 12.0, band.right() - 12.0);
-    pos2(left + (right - left) * time / 2.0, band.bottom() - height)
+    pos2(left + (right - left) * time / 2.0, band.top() + RULER + TRACK - height)
 }
 
 /// The place of a time on the band, in the row of the keys.
 fn at(harness: &Harness<Shown>, time: f32) -> egui::Pos2 {
-    at_height(harness, time, 11.0)
+    at_height(harness, time, 0.5 * TRACK)
 }
 
 fn drag(harness: &mut Harness<Shown>, from: egui::Pos2, to: egui::Pos2) {
@@ -112,7 +118,7 @@ fn a_key_is_dragged_to_another_time() {
 #[test]
 fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
     // The time that is shown is that of the key. Its handle at the top of the ruler, and the foot of the ruler.
-    for height in [42.0, 23.0] {
+    for height in [TRACK + RULER - 2.0, TRACK + 1.0] {
         let mut harness = shown();
         harness.state_mut().model.time = 1.0;
         harness.run_steps(2);
@@ -124,7 +130,7 @@ fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
         assert!(commands.iter().all(is_time), "{height}: {commands:?}");
     }
     // The mark of the key, and the ends of the track above and below it.
-    for height in [11.0, 21.0, 2.0] {
+    for height in [0.5 * TRACK, TRACK - 1.0, 2.0] {
         let mut harness = shown();
         harness.state_mut().model.time = 1.0;
         harness.run_steps(2);
@@ -142,6 +148,19 @@ fn the_time_is_dragged_away_from_a_key_and_the_key_from_the_time() {
             "{height}: {commands:?}"
         );
     }
+}
+
+#[test]
+fn the_timeline_is_as_high_for_many_values_as_for_none() {
+    let mut harness = shown();
+    harness.run_steps(2);
+    let mut heights = Vec::new();
+    for names in [&[][..], &["radius"], &["a", "b", "c", "d"], &["a", "b", "c", "d", "e"]] {
+        harness.state_mut().model.values = Arc::new(names.iter().map(|name| KeyPath::new(*name)).collect());
+        harness.run_steps(2);
+        heights.push(harness.get_by_label("Frames and keys").rect().height());
+    }
+    assert!(heights.iter().all(|height| *height == heights[0]), "{heights:?}");
 }
 
 #[test]

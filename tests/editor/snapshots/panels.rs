@@ -21,7 +21,7 @@ use sunroom::app::editor::command::resolution::Resolution;
 use sunroom::app::editor::command::timeline::Timeline;
 use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, AssetsModel, Listing};
 use sunroom::app::editor::model::baking::{BakeModel, ShownBake};
-use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel};
+use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel, values_of};
 use sunroom::app::editor::model::{
     ComparisonModel, HistoryModel, MixingModel, Model, Notice, RenderModel, StatusModel,
 };
@@ -234,6 +234,7 @@ pub fn timeline() -> RgbImage {
             time: *time,
             value: Value::Float(1.0),
         };
+    let selected: Ticks = selected.into_iter().map(tick).collect();
         Arc::new(Track {
             keys: times.iter().map(key).collect(),
             interpolation: Interpolation::Linear,
@@ -252,7 +253,8 @@ pub fn timeline() -> RgbImage {
         },
         time: 0.75,
         all: Arc::new(vec![0.0, 0.5, 1.0, 1.8]),
-        selected: Arc::new(selected.into_iter().map(tick).collect::<Ticks>()),
+        values: Arc::new(values_of(&selected)),
+        selected: Arc::new(selected),
         tracks: Arc::new(HashMap::from([(entity(1), tracks.collect())])),
         ..TimelineModel::default()
     };

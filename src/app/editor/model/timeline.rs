@@ -53,6 +53,8 @@ pub struct TimelineModel {
     pub is_playing: bool,
     /// The keys of the selection and of its materials.
     pub selected: Arc<Ticks>,
+    /// The values of the selection and of its materials that have keys, by their names; things share them.
+    pub values: Arc<Vec<KeyPath>>,
     /// The times of all keys in seconds.
     pub all: Arc<Vec<f64>>,
     /// The tracks of the things that the inspector shows.
@@ -114,8 +116,18 @@ pub fn gather_timeline(world: &mut World, mut gathered: Local<Gathered>) {
     all.dedup();
     let model = &mut world.resource_mut::<EditorModel>().0.timeline;
     share(&mut model.all, all);
+    share(&mut model.values, values_of(&selected));
     share(&mut model.selected, selected);
     share(&mut model.tracks, tracks);
+}
+
+/// The values that have keys, each once, by their names.
+pub fn values_of(ticks: &Ticks) -> Vec<KeyPath> {
+    let values = ticks.values().flat_map(|tick| &tick.values);
+    let mut paths: Vec<&KeyPath> = values.map(|(_, path)| path).collect();
+    paths.sort_unstable_by_key(|path| path.as_str());
+    paths.dedup();
+    paths.into_iter().cloned().collect()
 }
 
 /// The selection, its materials and their nested ones.

@@ -9,7 +9,7 @@ use bevy_egui::egui::{self, CursorIcon, DragValue, Rect, Response, Sense, Shape,
 
 use super::key_buttons::{MARK, Sign, key_color, mark, sign_button};
 use super::look;
-use super::tracks::{TrackKey, Tracks};
+use super::tracks::{self, TrackKey, Tracks};
 use crate::app::editor::command::key_bindings::KeyBindings;
 use crate::app::editor::command::timeline::{TimeStep, Timeline};
 use crate::app::editor::command::{Command, TimeCommand, TimeEdit};
@@ -23,7 +23,12 @@ use crate::scene::{KeyEdit, KeyPath};
 const HALF_MARKER: f32 = 5.0;
 /// The heights in points of the ruler, on which the time is dragged, and of a track of keys below it.
 const RULER: f32 = 22.0;
-const TRACK: f32 = 22.0;
+const TRACK: f32 = 16.0;
+/// The height in points of the band. It is that of most tracks, since another height for another selection would change
+/// the size of the picture, which would then begin anew.
+const BAND: f32 = RULER + TRACK * tracks::MOST as f32;
+/// The height in points above the foot of the ruler at which the keys of other things are.
+const OTHERS: f32 = 5.0;
 /// The margins at both ends of the band.
 const MARGIN: f32 = 12.0;
 /// The width in points of the names of the tracks.
@@ -65,14 +70,14 @@ pub fn timeline(
     let tracks = Tracks::of(model);
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        names(ui, &tracks);
-        band(ui, model, &tracks, state, commands);
+        names(ui, tracks);
+        band(ui, model, tracks, state, commands);
     });
 }
 
 /// Shows the names of the tracks.
-fn names(ui: &mut Ui, tracks: &Tracks) {
-    let size = vec2(NAMES, RULER + TRACK * tracks.count() as f32);
+fn names(ui: &mut Ui, tracks: Tracks) {
+    let size = vec2(NAMES, BAND);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let painter = ui.painter_at(rect);
@@ -233,8 +238,8 @@ impl Scale {
     }
 }
 
-fn band(ui: &mut Ui, model: &TimelineModel, tracks: &Tracks, state: &mut TimelineState, commands: &mut Vec<Command>) {
-    let size = vec2(ui.available_width(), RULER + TRACK * tracks.count() as f32);
+fn band(ui: &mut Ui, model: &TimelineModel, tracks: Tracks, state: &mut TimelineState, commands: &mut Vec<Command>) {
+    let size = vec2(ui.available_width(), BAND);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Frames and keys"));
     let scale = Scale::new(model, rect);
@@ -248,7 +253,7 @@ fn band(ui: &mut Ui, model: &TimelineModel, tracks: &Tracks, state: &mut Timelin
     let key_at = |place: egui::Pos2| {
         let row = ((place.y - track.top()) / TRACK).floor();
         let near = |key: &TrackKey| key.track as f32 == row && (scale.place(key.time.0) - place.x).abs() <= MARK;
-        tracks.keys(model).find(near)
+        tracks.keys().find(near)
     };
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
@@ -261,7 +266,8 @@ fn band(ui: &mut Ui, model: &TimelineModel, tracks: &Tracks, state: &mut Timelin
     {
         let from = key.time.0;
         if to != from {
-            commands.push(TimeEdit::Key(tracks.values(model, key), KeyEdit::Move { from, to }).into());
+            let values = tracks.values(key).cloned().collect();
+            commands.push(TimeEdit::Key(values, KeyEdit::Move { from, to }).into());
         }
     } else if let Some(place) = pointer.filter(|_| response.dragged() || response.clicked()) {
         let key = key_at(place).filter(|_| response.clicked());
@@ -282,13 +288,13 @@ fn band(ui: &mut Ui, model: &TimelineModel, tracks: &Tracks, state: &mut Timelin
     };
     let response = response.on_hover_and_drag_cursor(cursor);
     if let Some(key) = state.menu {
-        let shown = response.context_menu(|ui| key_menu(ui, model, key.time, tracks.values(model, key), commands));
+        let values = tracks.values(key).cloned().collect();
+        let shown = response.context_menu(|ui| key_menu(ui, model, key.time, values, commands));
         if shown.is_none() {
             state.menu = None;
         }
     } else if let Some(key) = hovered {
-        let values = tracks.values(model, key);
-        let mut names: Vec<&str> = values.iter().map(|(_, path)| path.as_str()).collect();
+        let mut names: Vec<&str> = tracks.values(key).map(|(_, path)| path.as_str()).collect();
         names.sort_unstable();
         names.dedup();
         response.clone().on_hover_text(names.join(", "));
@@ -336,7 +342,7 @@ fn key_menu(
 fn paint(
     ui: &Ui,
     model: &TimelineModel,
-    tracks: &Tracks,
+    tracks: Tracks,
     scale: &Scale,
     rect: Rect,
     track: Rect,
@@ -385,14 +391,11 @@ fn paint(
         accent,
         Stroke::NONE,
     ));
-    for time in model.all.iter() {
-        painter.add(mark(
-            pos2(scale.place(*time), row(0)),
-            visuals.weak_text_color().gamma_multiply(0.6),
-            0.6,
-        ));
+    let dim = visuals.weak_text_color().gamma_multiply(0.6);
+    for time in tracks.times_of_others() {
+        painter.add(mark(pos2(scale.place(time), track.top() - OTHERS), dim, 0.6));
     }
-    for key in tracks.keys(model) {
+    for key in tracks.keys() {
         let dragged = state.dragged.filter(|(dragged, _)| *dragged == key);
         let shown = dragged.map_or(key.time.0, |(_, to)| to);
         painter.add(mark(pos2(scale.place(shown), row(key.track)), key_color(ui), 1.0));
