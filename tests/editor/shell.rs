@@ -718,7 +718,7 @@ fn preferences_are_said_when_they_change_and_only_then() {
 fn around(egui: &Context) -> toasts::Surroundings {
     toasts::Surroundings {
         panel: egui.content_rect(),
-        bar: None,
+        bars: Vec::new(),
         has_question: false,
     }
 }
@@ -731,12 +731,28 @@ fn messages_leave_the_bar_and_questions_free() {
     let harness = show(said.clone(), |egui, shown| {
         let bar = egui::Rect::from_min_size(egui::pos2(800.0, 120.0), egui::vec2(380.0, 30.0));
         let around = toasts::Surroundings {
-            bar: Some(bar),
+            bars: vec![bar],
             ..around(egui)
         };
         toasts::show(&mut shown.it, None, egui, around, &mut shown.commands);
     });
     assert!(harness.get_by_label("Saved").rect().top() > bar.bottom());
+    // Bars at the foot of the picture, one of them far to the left.
+    let harness = show(said.clone(), |egui, shown| {
+        let window = egui.content_rect();
+        let bar = |left: f32, height: f32| {
+            let corner = egui::pos2(left, window.bottom() - height);
+            egui::Rect::from_min_size(corner, egui::vec2(300.0, height))
+        };
+        let right = window.right() - 320.0;
+        let around = toasts::Surroundings {
+            bars: vec![bar(right, 30.0), bar(right, 70.0), bar(window.left(), 130.0)],
+            ..around(egui)
+        };
+        toasts::show(&mut shown.it, None, egui, around, &mut shown.commands);
+    });
+    let above = harness.ctx.content_rect().bottom() - harness.get_by_label("Saved").rect().bottom();
+    assert!((70.0..120.0).contains(&above), "{above}");
     // The message is below the veil of a question.
     let harness = show(said, |egui, shown| {
         recovery_question::question(egui, &mut Some(offer()), &mut shown.commands);
@@ -782,7 +798,6 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
         harness.state().commands,
         [Command::Shell(ShellCommand::ShowPanel(Panel::Messages))]
     );
-    // The newest is on top.
     // The newest message is the lowest.
     harness.get_all_by_label("×").last().expect("a button").click();
     harness.run_steps(3);

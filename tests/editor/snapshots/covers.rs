@@ -318,7 +318,7 @@ pub fn messages_over_the_picture() -> RgbImage {
     let show = |context: &Context, toasts: &mut Toasts| {
         let around = toasts::Surroundings {
             panel: Rect::from_min_size(Pos2::ZERO, vec2(560.0, 360.0)),
-            bar: None,
+            bars: Vec::new(),
             has_question: false,
         };
         toasts::show(toasts, None, context, around, &mut Vec::new());

@@ -14,29 +14,37 @@ const MARGIN: egui::Vec2 = vec2(48.0, 8.0);
 /// The height of a line of words, and the width of all lines, in points.
 const LINE: egui::Vec2 = vec2(108.0, 18.0);
 
+/// The gap to the corner of the picture, in points.
+const GAP: egui::Vec2 = vec2(8.0, 6.0);
+
 /// The height of a legend at the foot of the picture, in points.
 pub(crate) fn height(legend: &Legend) -> f32 {
-    6.0 + match legend {
-        Legend::Ramp { .. } => BAR.y + 2.0 * MARGIN.y,
-        Legend::Words(words) => words_height(words.len()),
-    }
+    GAP.y + size(legend).y
 }
 
-fn words_height(lines: usize) -> f32 {
-    LINE.y * lines as f32 + 6.0
+/// The place of a legend in the window.
+pub(crate) fn place(picture: Rect, legend: &Legend) -> Rect {
+    let size = size(legend);
+    Rect::from_min_size(picture.right_bottom() - size - GAP, size)
+}
+
+fn size(legend: &Legend) -> egui::Vec2 {
+    match legend {
+        Legend::Ramp { .. } => BAR + 2.0 * MARGIN,
+        Legend::Words(words) => vec2(LINE.x, LINE.y * words.len() as f32 + 6.0),
+    }
 }
 
 pub(crate) fn paint(painter: &Painter, picture: Rect, legend: &Legend) {
+    let back = place(picture, legend);
+    painter.rect_filled(back, 3.0, BACKING);
     match legend {
-        Legend::Ramp { ramp, low, high } => paint_ramp(painter, picture, *ramp, low, high),
-        Legend::Words(words) => paint_words(painter, picture, words),
+        Legend::Ramp { ramp, low, high } => paint_ramp(painter, back.shrink2(MARGIN), *ramp, low, high),
+        Legend::Words(words) => paint_words(painter, back, words),
     }
 }
 
-fn paint_ramp(painter: &Painter, picture: Rect, ramp: Ramp, low: &str, high: &str) {
-    let corner = picture.right_bottom() - BAR - MARGIN - vec2(8.0, 6.0);
-    let bar = Rect::from_min_size(corner, BAR);
-    painter.rect_filled(bar.expand2(MARGIN), 3.0, BACKING);
+fn paint_ramp(painter: &Painter, bar: Rect, ramp: Ramp, low: &str, high: &str) {
     let strips = 60;
     for strip in 0..strips {
         let (from, to) = (strip as f32 / strips as f32, (strip + 1) as f32 / strips as f32);
@@ -54,10 +62,7 @@ fn paint_ramp(painter: &Painter, picture: Rect, ramp: Ramp, low: &str, high: &st
     }
 }
 
-fn paint_words(painter: &Painter, picture: Rect, words: &[([u8; 3], &str)]) {
-    let size = vec2(LINE.x, words_height(words.len()));
-    let back = Rect::from_min_size(picture.right_bottom() - size - vec2(8.0, 6.0), size);
-    painter.rect_filled(back, 3.0, BACKING);
+fn paint_words(painter: &Painter, back: Rect, words: &[([u8; 3], &str)]) {
     for (place, ([r, g, b], text)) in words.iter().enumerate() {
         let middle = back.top() + 3.0 + (place as f32 + 0.5) * LINE.y;
         let swatch = Rect::from_center_size(pos2(back.left() + 14.0, middle), egui::Vec2::splat(11.0));

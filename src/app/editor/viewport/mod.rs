@@ -149,6 +149,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         tool.bar(ui, picture, model, commands);
     }
     state.bar = None;
+    state.legend = model.legend.map(|shown| legend::place(picture, shown));
     if !state.gizmo.is_dragging() {
         let handles = screen
             .as_ref()

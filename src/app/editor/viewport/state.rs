@@ -40,6 +40,8 @@ pub struct ViewportState {
     pub sides: Option<[ScreenPixels; COUNT]>,
     /// The place of the bar over a paused picture, if there is one.
     pub bar: Option<Rect>,
+    /// The place of the legend of false colours, if there is one.
+    pub legend: Option<Rect>,
     /// Whether the picture is in headlight mode because of a drag.
     is_in_headlight: bool,
     pub(super) flying: bool,

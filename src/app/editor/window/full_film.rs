@@ -35,13 +35,17 @@ pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, c
     }
 }
 
-/// Shows the progress of the full film that will be saved. `viewport` is the rectangle of the picture's panel.
-pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, commands: &mut Vec<Command>) {
-    let Some(image) = &status.awaited_image else {
-        return;
-    };
+/// Shows the progress of the full film that will be saved, and returns its place. `viewport` is the rectangle of the
+/// picture's panel.
+pub fn progress(
+    context: &egui::Context,
+    status: &StatusModel,
+    viewport: Rect,
+    commands: &mut Vec<Command>,
+) -> Option<Rect> {
+    let image = status.awaited_image.as_ref()?;
     let (done, left) = progress_of(&status.status, image.samples);
-    Area::new(Id::new("full film progress"))
+    let shown = Area::new(Id::new("full film progress"))
         .pivot(Align2::CENTER_BOTTOM)
         .fixed_pos(viewport.center_bottom() - egui::vec2(0.0, 16.0))
         .order(egui::Order::Foreground)
@@ -75,4 +79,5 @@ pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, c
                 });
             });
         });
+    Some(shown.response.rect)
 }

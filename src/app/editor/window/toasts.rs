@@ -1,7 +1,7 @@
 //! Messages over the picture that disappear by themselves, and errors that stay until they are dismissed or solved.
 //! They name files without their folders, which the tool tip has.
 
-use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
+use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rangef, Rect, RichText, Ui};
 
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::{Command, ShellCommand};
@@ -15,12 +15,12 @@ const WIDTH: f32 = 380.0;
 const GAP: f32 = 10.0;
 
 /// The rectangles that messages must not cover.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Surroundings {
     /// The panel with the picture.
     pub panel: Rect,
-    /// The bar over a paused picture.
-    pub bar: Option<Rect>,
+    /// The bars over the picture and its legend. Messages are above those at the foot of the picture.
+    pub bars: Vec<Rect>,
     /// Whether a question is open, which messages must not cover.
     pub has_question: bool,
 }
@@ -41,8 +41,10 @@ pub fn show(
     }
     let width = WIDTH.min(place.width() - 24.0).max(120.0);
     let right = place.right() - GAP;
-    let is_below = |bar: &Rect| bar.right() > right - width && bar.top() > place.center().y;
-    let bottom = around.bar.filter(is_below).map_or(place.bottom(), |bar| bar.top()) - GAP;
+    let column = Rangef::new(right - width, right);
+    let is_below = |bar: &&Rect| bar.x_range().intersects(column) && bar.top() > place.center().y;
+    let tops = around.bars.iter().filter(is_below).map(|bar| bar.top());
+    let bottom = tops.fold(place.bottom(), f32::min) - GAP;
     let mut dismissed = None;
     Area::new(Id::new("toasts"))
         .order(match around.has_question {

@@ -264,7 +264,7 @@ pub fn show_window(
     save_question::show(&context, requests, commands);
     full_film::question(&context, &mut requests.full_film_question, commands);
     scene_question::question(&context, &mut requests.scene_question, commands);
-    full_film::progress(&context, &model.status, widgets.viewport_place, commands);
+    let progress = full_film::progress(&context, &model.status, widgets.viewport_place, commands);
     // One question at a time.
     if shell.recovery.offer.is_none() {
         trust_question::question(&context, &mut shell.trusted.question, commands);
@@ -291,7 +291,7 @@ pub fn show_window(
     };
     let around = toasts::Surroundings {
         panel: widgets.viewport_place,
-        bar: state.bar,
+        bars: [state.bar, state.legend, progress].into_iter().flatten().collect(),
         has_question,
     };
     toasts::show(&mut said.toasts, hidden, &context, around, commands);
