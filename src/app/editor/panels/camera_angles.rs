@@ -5,7 +5,7 @@ use bevy_egui::egui::{DragValue, Ui};
 
 use super::{fields, typed};
 use crate::app::editor::camera::navigation::{facing, scale_of};
-use crate::app::editor::words::figures::legible;
+use crate::app::editor::words::figures::{DEGREES, MOST_DECIMALS, tidy};
 
 /// The horizontal part of a view direction below which a camera looks straight up or down.
 const STRAIGHT: f32 = 1e-4;
@@ -69,9 +69,10 @@ pub(super) fn camera_angles(ui: &mut Ui, pose: &mut Affine3A) -> bool {
         let drag = DragValue::new(angle)
             .speed(0.5)
             .clamp_existing_to_range(false)
-            .max_decimals(2)
-            .suffix("°");
-        let field = typed::number(ui, drag, text, -most..=most, |angle, _| legible(angle, 1..=1));
+            .max_decimals(MOST_DECIMALS)
+            .suffix(DEGREES);
+        let format = |angle, decimals| tidy(DEGREES, angle, decimals);
+        let field = typed::number(ui, drag, text, -most..=most, format);
         fields::row(ui, (text, "to_world.rotation"), |ui| fields::wide_number(ui, field)).changed()
     };
     let mut changed = row("Yaw", &mut angles.yaw, 180.0);

@@ -94,9 +94,8 @@ impl Rows<'_> {
     }
 
     pub(super) fn cone(&mut self, cone: &mut Cone) {
-        let mut angle = |info: &'static ParameterInfo, value: &mut f32, range| {
-            fields::slider_with(self.ui, info, value, range, |slider| slider.suffix(info.unit))
-        };
+        let mut angle =
+            |info: &'static ParameterInfo, value: &mut f32, range| fields::angle_slider(self.ui, info, value, range);
         let mut changed = angle(&CUTOFF_ANGLE, &mut cone.cutoff_angle, CUTOFF_ANGLE.slider_range());
         // A narrower cone has a narrower beam.
         if changed {

@@ -15,7 +15,9 @@ use super::key_marks::key_mark;
 use super::typed;
 use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::picture::axis_colors::AXIS_COLORS;
-use crate::app::editor::words::figures::{MOST_DECIMALS, USUAL_DECIMALS, decimals, legible, tidy};
+use crate::app::editor::words::figures::{
+    DEGREES, MOST_DECIMALS, USUAL_DECIMALS, decimals, legible, tidy, usual_decimals,
+};
 use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
@@ -26,8 +28,6 @@ const MIXED_WIDTH: f32 = 14.0;
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 58.0;
-/// The unit of angles.
-pub(crate) const DEGREES: &str = "°";
 /// The tick that distinguishes the axes of a vector: its width and its distance from the edges, in points.
 const TICK: egui::Vec2 = egui::vec2(2.0, 4.0);
 
@@ -139,6 +139,18 @@ pub(crate) fn log_slider<'a>(
     slider_with(ui, caption, value, range, |slider| slider.logarithmic(true))
 }
 
+/// Shows a slider of an angle in degrees.
+pub(crate) fn angle_slider<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    range: RangeInclusive<f32>,
+) -> bool {
+    slider_in(ui, caption.into(), value, range, DEGREES, |slider| {
+        slider.suffix(DEGREES)
+    })
+}
+
 pub(crate) fn slider_with<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -146,11 +158,23 @@ pub(crate) fn slider_with<'a>(
     range: RangeInclusive<f32>,
     style: impl FnOnce(egui::Slider<'_>) -> egui::Slider<'_>,
 ) -> bool {
-    let (caption, mut copy) = (caption.into(), *value);
+    slider_in(ui, caption.into(), value, range, "", style)
+}
+
+/// Shows a slider whose number has the decimals that are usual in `unit`.
+fn slider_in(
+    ui: &mut Ui,
+    caption: Caption,
+    value: &mut f32,
+    range: RangeInclusive<f32>,
+    unit: &str,
+    style: impl FnOnce(egui::Slider<'_>) -> egui::Slider<'_>,
+) -> bool {
+    let mut copy = *value;
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
-        .max_decimals(3);
-    let slider = typed::slider(ui, slider, caption.text, range);
+        .max_decimals(MOST_DECIMALS);
+    let slider = typed::slider(ui, slider, caption.text, unit, range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(slider.styled(style))
@@ -170,7 +194,7 @@ pub(crate) fn integer_slider<'a>(
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .logarithmic(logarithmic);
-    let slider = typed::slider(ui, slider, caption.text, range);
+    let slider = typed::slider(ui, slider, caption.text, "", range);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH);
         ui.add(slider)
@@ -189,7 +213,7 @@ pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f3
         .logarithmic(true)
         .smallest_positive(0.01)
         .suffix(unit);
-    let slider = typed::slider(ui, slider, caption.text, STRENGTHS);
+    let slider = typed::slider(ui, slider, caption.text, unit, STRENGTHS);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32);
         ui.add(slider)
@@ -237,7 +261,8 @@ pub(crate) fn quantity<'a>(
         .clamp_existing_to_range(false)
         .max_decimals(4)
         .suffix(unit);
-    let drag = typed::number(ui, drag, caption.text, range, tidy);
+    let format = move |number, decimals| tidy(unit, number, decimals);
+    let drag = typed::number(ui, drag, caption.text, range, format);
     let changed = row(ui, caption, |ui| wide_number(ui, drag)).changed();
     write_back(changed, value, copy)
 }
@@ -323,15 +348,9 @@ pub(crate) fn number_cells<const N: usize>(
     ui.spacing_mut().button_padding.x = 1.0;
     let width = ((width - 3.0 * (N - 1) as f32) / N as f32).max(24.0);
     ui.spacing_mut().interact_size.x = width;
-    // Degrees have a sign of their own, which takes the room of a decimal.
-    let is_angle = styles.iter().any(|style| style.suffix == DEGREES);
-    let range = if is_angle {
-        1..=1
-    } else {
-        USUAL_DECIMALS..=MOST_DECIMALS
-    };
+    let usual = styles.iter().map(|style| usual_decimals(style.suffix)).min();
     let needed = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
-    let decimals = needed.clamp(*range.start(), *range.end());
+    let decimals = needed.clamp(usual.unwrap_or(USUAL_DECIMALS), MOST_DECIMALS);
     let mut changed = false;
     for (value, style) in values.iter_mut().zip(styles) {
         let shown = f64::from(*value);
@@ -437,9 +456,12 @@ pub(crate) fn switch<'a, T: Copy + PartialEq>(
         };
         let widths: Vec<f32> = options.iter().map(|(_, name)| measure(name)).collect();
         let count = options.len().max(1) as f32;
-        let room = ui.available_width() - GAP * (count - 1.0) - widths.iter().sum::<f32>();
+        let room = (ui.available_width() - GAP * (count - 1.0)).max(0.0);
+        let wanted = widths.iter().sum::<f32>().max(1.0);
+        // In a narrow panel the words are cut off.
+        let (share, rest) = ((room / wanted).min(1.0), (room - wanted).max(0.0));
         for ((option, name), width) in options.iter().zip(widths) {
-            let width = width + room / count;
+            let width = share * width + rest / count;
             let button = egui::Button::selectable(copy == *option, *name)
                 .frame_when_inactive(true)
                 .truncate();

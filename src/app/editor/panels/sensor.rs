@@ -67,7 +67,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
 
 /// Shows the rows of a field of view; returns true if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
-    let changed = fields::slider_with(ui, &FOV, fov, FOV.slider_range(), |slider| slider.suffix(FOV.unit));
+    let changed = fields::angle_slider(ui, &FOV, fov, FOV.slider_range());
     fields::choice(ui, &FOV_AXIS, axis, &FovAxis::LABELED) || changed
 }
 
@@ -137,14 +137,9 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
         );
         changed |= fields::integer(ui, ("Blades", "blades"), blades, 0..=32);
         if *blades >= 3 {
-            changed |= fields::slider_with(
-                ui,
-                Caption::from(("Blade angle", "blade_rotation"))
-                    .explained("How far the polygon of the aperture is turned"),
-                blade_rotation,
-                0.0..=360.0,
-                |slider| slider.suffix("°"),
-            );
+            let caption = Caption::from(("Blade angle", "blade_rotation"))
+                .explained("How far the polygon of the aperture is turned");
+            changed |= fields::angle_slider(ui, caption, blade_rotation, 0.0..=360.0);
         }
     }
     changed

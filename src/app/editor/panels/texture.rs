@@ -143,13 +143,7 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     let style = NumberStyle::new;
     let pair = |speed| [style("U", speed), style("V", speed)];
     let mut changed = fields::numbers(ui, caption.titled("Repeats"), &mut scaling, pair(0.02));
-    changed |= fields::slider_with(
-        ui,
-        caption.titled("Rotation"),
-        &mut placing.degrees,
-        -180.0..=180.0,
-        |slider| slider.suffix("°").max_decimals(1),
-    );
+    changed |= fields::angle_slider(ui, caption.titled("Rotation"), &mut placing.degrees, -180.0..=180.0);
     changed |= fields::numbers(ui, caption.titled("Offset"), &mut shift, pair(0.005));
     if before.shear != 0.0 {
         changed |= fields::number(

@@ -91,9 +91,7 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
     };
     let (swing, mut degrees) = spin_about(Quat::from_mat3a(&turned.matrix()), up);
     let caption = Caption::from("Azimuth").explained("The angle about the vertical axis");
-    let turned = fields::slider_with(ui, caption, &mut degrees, -180.0..=180.0, |slider| {
-        slider.suffix("°").max_decimals(1)
-    });
+    let turned = fields::angle_slider(ui, caption, &mut degrees, -180.0..=180.0);
     if turned {
         let rotation = swing * Quat::from_axis_angle(up, degrees.to_radians());
         to_world.matrix3 = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(scale);

@@ -22,15 +22,17 @@ pub(super) fn number<'a, N: Numeric>(
     number_field::number(ui, drag, (owner(ui), name), range, meaning(ui), format)
 }
 
-/// [`number`] for a slider.
+/// [`number`] for a slider in this unit.
 pub(super) fn slider<'a, N: Numeric>(
     ui: &Ui,
     slider: Slider<'a>,
     name: impl AsId,
+    unit: &'a str,
     range: RangeInclusive<N>,
 ) -> SliderField<'a> {
     let about = (owner(ui), name);
-    number_field::slider(ui, slider, about, range, meaning(ui), tidy)
+    let format = move |number, decimals| tidy(unit, number, decimals);
+    number_field::slider(ui, slider, about, range, meaning(ui), format)
 }
 
 fn meaning(ui: &Ui) -> Meaning {

@@ -58,16 +58,29 @@ pub(crate) const MOST_DECIMALS: usize = 3;
 /// The decimals of numbers in panels, unless they need more to be told from others.
 pub(crate) const USUAL_DECIMALS: usize = 2;
 
-/// A number in a panel: with two decimals, and with more, of those in the range, if it needs them. Large whole numbers
-/// have none.
-pub(crate) fn tidy(number: f64, decimals: RangeInclusive<usize>) -> String {
+/// The unit of angles.
+pub(crate) const DEGREES: &str = "°";
+
+/// The decimals of numbers in this unit in panels, unless they need more. Times are whole numbers mostly, and the sign
+/// of degrees takes the room of a decimal.
+pub(crate) fn usual_decimals(unit: &str) -> usize {
+    match unit {
+        " h" | " min" | " s" => 0,
+        DEGREES => 1,
+        _ => USUAL_DECIMALS,
+    }
+}
+
+/// A number in a panel: with the decimals that are usual in its unit, and with more, of those in the range, if it needs
+/// them. Large whole numbers have none.
+pub(crate) fn tidy(unit: &str, number: f64, decimals: RangeInclusive<usize>) -> String {
     const MANY: f64 = 100.0;
     let most = *decimals.end();
     let shown = |decimals: usize| format!("{number:.decimals$}").parse::<f64>().unwrap_or_default();
     if most == 0 || (number.abs() >= MANY && shown(0) == shown(most)) {
         return legible(number, 0..=0);
     }
-    let fewest = USUAL_DECIMALS.min(most);
+    let fewest = usual_decimals(unit).min(most);
     let needed = (fewest..most)
         .find(|fewer| shown(*fewer) == shown(most))
         .unwrap_or(most);
@@ -112,12 +125,30 @@ mod tests {
             (2e8, "2.00e8"),
         ];
         for (number, text) in cases {
-            assert_eq!(tidy(number, 1..=4), text);
+            assert_eq!(tidy("", number, 1..=4), text);
         }
         assert_eq!(
-            [tidy(0.0, 1..=1), tidy(6504.0, 0..=0), tidy(0.46, 0..=1)],
+            [tidy("", 0.0, 1..=1), tidy("", 6504.0, 0..=0), tidy("", 0.46, 0..=1)],
             ["0.0", "6504", "0.5"]
         );
+    }
+
+    #[test]
+    fn times_are_whole_and_angles_have_a_decimal_unless_they_need_more() {
+        let cases = [
+            (" h", 9.0, "9"),
+            (" h", 9.5, "9.5"),
+            (" s", 0.0, "0"),
+            (" min", 12.25, "12.25"),
+            (DEGREES, 45.0, "45.0"),
+            (DEGREES, 22.55, "22.55"),
+            (DEGREES, 180.0, "180"),
+            (DEGREES, f64::from(39.308_f32), "39.308"),
+            (" m", 9.0, "9.00"),
+        ];
+        for (unit, number, text) in cases {
+            assert_eq!(tidy(unit, number, 0..=3), text, "{unit}");
+        }
     }
 
     #[test]
