@@ -126,21 +126,22 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, context: &ActionContext, co
 
 /// Whether an action chooses one of several values.
 fn is_choice(name: &str) -> bool {
-    let starts = ["gizmo-", "pivot-", "snap-"];
+    let starts = ["gizmo-", "navigation-", "pivot-", "snap-"];
     starts.iter().any(|start| name.starts_with(start)) && name != "gizmo-axes"
 }
 
 /// Shows the action of this name, disabled if it does not apply. `kind`: the kind of thing whose icon stands before it;
-/// without one the column has a mark if the action switches or chooses something.
+/// without one the column has a mark if the action switches or chooses something. The tool in use has a dot.
 fn drawn_entry(ui: &mut Ui, name: &str, kind: Option<&str>, context: &ActionContext, commands: &mut Vec<Command>) {
     let Some(action) = actions::find(name) else {
         return;
     };
     let command = (action.command)(context);
     let mark = match (kind, action.switch(context)) {
-        (Some(kind), _) => Mark::Icon(kind),
-        (None, Some(is_on)) => Mark::Box(is_on),
-        (None, None) if is_choice(name) => Mark::Dot(action.is_on(context)),
+        (_, Some(is_on)) => Mark::Box(is_on),
+        (_, None) if is_choice(name) => Mark::Dot(action.is_on(context)),
+        (_, None) if action.is_on(context) => Mark::Dot(true),
+        (Some(kind), None) => Mark::Icon(kind),
         (None, None) => Mark::None,
     };
     ui.add_enabled_ui(command.is_some(), |ui| {

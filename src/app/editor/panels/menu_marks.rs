@@ -1,5 +1,5 @@
 //! Entries of menus with a column of marks before their texts: a box for what is on or off, a dot for one of several
-//! values, the icon of a kind of thing. The row itself has a colour only below the pointer.
+//! values and for the tool in use, the icon of a kind of thing. The row itself has a colour only below the pointer.
 
 use bevy_egui::egui::{
     Atom, Atoms, Button, Color32, Id, IntoAtoms, Painter, Rect, Response, Stroke, StrokeKind, Ui, WidgetInfo,

@@ -168,6 +168,7 @@ pub fn show_window(
         bound,
         has_textures: model.inspected.as_ref().is_some_and(Inspected::has_textures),
         has_kept_picture: shell.kept_pictures.is_there,
+        navigation: shell.preferences.navigation,
         has_missing: !model.missing.is_empty(),
         can_revert: model.status.scene.is_some() && (model.status.unsaved || model.status.load_failed),
         ..action_context(settings, model, &scene.selection)

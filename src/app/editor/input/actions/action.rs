@@ -7,6 +7,7 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::{KeyBindings, NO_BINDINGS};
+use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::shortcut::Shortcut;
@@ -61,6 +62,8 @@ pub struct ActionContext<'a> {
     pub timeline_shown: bool,
     /// Whether the timeline plays.
     pub playing: bool,
+    /// The mapping of the mouse to navigation.
+    pub navigation: NavigationPreset,
     /// Whether the user flies. Control means slow then, and belongs to no shortcut.
     pub flying: bool,
 }
@@ -181,6 +184,7 @@ impl Action {
             "gizmo-axes" | "select-none" => false,
             _ => (self.command)(context).is_some_and(|command| match command {
                 Command::Tool(ToolCommand::SetGizmo(settings)) => settings == context.gizmo,
+                Command::Shell(ShellCommand::SetNavigation(preset)) => preset == context.navigation,
                 // An action of the tool in use puts the tool away.
                 Command::Tool(ToolCommand::SetTool(Tool::Select)) => context.tool != Tool::Select,
                 command => command == ToolCommand::SetTool(context.tool).into(),
@@ -214,6 +218,7 @@ impl<'a> ActionContext<'a> {
             can_revert: false,
             timeline_shown: false,
             playing: false,
+            navigation: NavigationPreset::default(),
             flying: false,
         }
     }
@@ -252,6 +257,7 @@ impl ActionContext<'_> {
             Command::Display(DisplayCommand::SetGrid(grid)) => self.grid = *grid,
             Command::Display(DisplayCommand::ShowDimensions(shown)) => self.dimensions = *shown,
             Command::Shell(ShellCommand::ShowPanels(shown)) => self.panels_shown = *shown,
+            Command::Shell(ShellCommand::SetNavigation(preset)) => self.navigation = *preset,
             Command::Time(TimeCommand::ShowTimeline(shown)) => self.timeline_shown = *shown,
             Command::Time(TimeCommand::SetPlaying(plays)) => self.playing = *plays,
             // Actions depend on no other state.

@@ -97,7 +97,7 @@ pub const ACTIONS: &[Action] = &[
     action(
         Group::Arrange,
         "snap-always",
-        "Snap always or with Ctrl",
+        "Always snap",
         &[shift(Key::Tab)],
         |context| {
             let always = !context.gizmo.snap.always;

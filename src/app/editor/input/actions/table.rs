@@ -342,13 +342,9 @@ pub const RENDER: &[Action] = &[
     action(Group::Render, "draw-region", "Draw the region to render", &[], |_| {
         Some(ToolCommand::SetTool(Tool::Region).into())
     }),
-    action(
-        Group::Render,
-        "pause",
-        "Pause or go on",
-        &[plain(Key::Space)],
-        |context| Some(RenderCommand::SetPaused(!context.paused).into()),
-    ),
+    action(Group::Render, "pause", "Pause", &[plain(Key::Space)], |context| {
+        Some(RenderCommand::SetPaused(!context.paused).into())
+    }),
     action(Group::Render, "restart", "Start again", &[shift(Key::R)], |_| {
         Some(RenderCommand::Restart.into())
     }),
@@ -377,13 +373,9 @@ pub const RENDER: &[Action] = &[
 
 /// The menu *Window*.
 pub const WINDOW: &[Action] = &[
-    action(
-        Group::Window,
-        "panels",
-        "Show or hide panels",
-        &[command(Key::B)],
-        |context| Some(ShellCommand::ShowPanels(!context.panels_shown).into()),
-    ),
+    action(Group::Window, "panels", "Panels", &[command(Key::B)], |context| {
+        Some(ShellCommand::ShowPanels(!context.panels_shown).into())
+    }),
     action(Group::Window, "palette", "Commands…", &[command(Key::P)], |_| {
         Some(ShellCommand::ShowSheet(Sheet::Palette).into())
     }),
