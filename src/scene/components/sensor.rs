@@ -189,7 +189,7 @@ declare_plugins! {
 
         /// A Gaussian, truncated at four standard deviations.
         [PluginInfo::new("gaussian", "gaussian")]
-        Gaussian { stddev: f32 = 0.5 => Number(pixels("stddev", "Filter width", "The standard deviation of the Gaussian, in pixels.")) },
+        Gaussian { stddev: f32 = 0.5 => Number(pixels("stddev", "Std. deviation", "The standard deviation of the Gaussian, in pixels.")) },
 
         /// Mitchell and Netravali's filter.
         [PluginInfo::new("mitchell", "mitchell")]

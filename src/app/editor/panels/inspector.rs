@@ -359,7 +359,7 @@ fn missing_mesh(ui: &mut Ui, shape: &Shape, missing: &[MissingItem], commands: &
             ui.visuals().warn_fg_color,
             "The file is missing: a box stands in place of the mesh.",
         );
-        missing_files::find_button(ui, item, true, commands);
+        fields::buttons(ui, |ui| missing_files::find_button(ui, item, true, commands));
     }
 }
 

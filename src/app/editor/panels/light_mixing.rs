@@ -26,7 +26,7 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
                 mix.set(*light, channel);
                 commands.push(DisplayCommand::SetLightMix(mix).into());
             }
-            alone_button(ui, place, display, commands);
+            fields::buttons(ui, |ui| alone_button(ui, place, display, commands));
         });
     }
     fields::buttons(ui, |ui| {

@@ -260,7 +260,7 @@ fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
             Box | CatmullRom => false,
             Tent { radius } => fields::slider(ui, ("Radius", "radius"), radius, 0.1..=4.0),
             Gaussian { stddev } => {
-                let caption = Caption::from(("Filter width", "stddev"));
+                let caption = Caption::from(("Std. deviation", "stddev"));
                 let caption = caption.explained("The standard deviation of the Gaussian, in pixels");
                 fields::slider(ui, caption, stddev, 0.1..=2.0)
             }

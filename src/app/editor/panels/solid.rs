@@ -55,25 +55,25 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
     for (number, opening) in openings.iter_mut().enumerate() {
         // Only its user knows whether an opening that reaches the floor is a door or a French window.
         let (what, close) = match opening.sill == 0.0 {
-            true => ("door or French window", "Remove this door"),
+            true => ("door or French window", "Remove this opening"),
             false => ("window", "Remove this window"),
         };
-        let name = format!("Opening {}", number + 1);
         ui.push_id(number, |ui| {
+            fields::note(ui, &format!("Opening {}", number + 1), what);
             let place = ["From", "Sill"].map(|letter| style(letter, speed, f32::MIN..=f32::MAX));
             let mut numbers = [opening.from, opening.sill];
-            if lengths::numbers(ui, &format!("{name} at"), &mut numbers, place) {
+            if lengths::numbers(ui, "Along, sill", &mut numbers, place) {
                 [opening.from, opening.sill] = numbers;
                 changed = true;
             }
             let least = opening.width.min(opening.height).min(1e-4);
             let size = ["Wide", "High"].map(|letter| style(letter, speed, least..=f32::MAX));
             let mut numbers = [opening.width, opening.height];
-            if lengths::numbers(ui, &format!("{name} size"), &mut numbers, size) {
+            if lengths::numbers(ui, "Width, height", &mut numbers, size) {
                 [opening.width, opening.height] = numbers;
                 changed = true;
             }
-            let button = ui.button(close);
+            let button = fields::buttons(ui, |ui| ui.button(close));
             if button
                 .on_hover_text(format!("Fill the {what} with wall again"))
                 .clicked()
@@ -87,23 +87,25 @@ fn opening_rows(ui: &mut Ui, openings: &mut Vec<Opening>, wall_height: f32, spee
         changed = true;
     }
     let has_room = openings.len() < Solid::MOST_OPENINGS;
-    ui.horizontal_wrapped(|ui| {
-        for (name, new) in [
-            ("Add door", Opening::DOOR),
-            ("Add window", Opening::WINDOW),
-            ("Add French window", Opening::FRENCH_WINDOW),
-        ] {
-            let button = ui.add_enabled(has_room, Button::new(name));
-            let button =
-                button.on_disabled_hover_text(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS));
-            if button.clicked() {
-                let new = new.in_wall(wall_height);
-                let after = openings.iter().map(|opening| opening.from + opening.width);
-                let from = after.fold(0.0, f32::max) + new.from;
-                openings.push(Opening { from, ..new });
-                changed = true;
+    fields::buttons(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            for (name, new) in [
+                ("Add door", Opening::DOOR),
+                ("Add window", Opening::WINDOW),
+                ("Add French window", Opening::FRENCH_WINDOW),
+            ] {
+                let button = ui.add_enabled(has_room, Button::new(name));
+                let button =
+                    button.on_disabled_hover_text(format!("A wall has at most {} openings.", Solid::MOST_OPENINGS));
+                if button.clicked() {
+                    let new = new.in_wall(wall_height);
+                    let after = openings.iter().map(|opening| opening.from + opening.width);
+                    let from = after.fold(0.0, f32::max) + new.from;
+                    openings.push(Opening { from, ..new });
+                    changed = true;
+                }
             }
-        }
+        });
     });
     changed
 }

@@ -231,7 +231,7 @@ fn noise(model: &StatusModel) -> Option<Part> {
     Some(Part {
         text: match (missed, model.status.noise_target) {
             (Some(limit), _) => format!("noise {noise}, limit {} not reached", percent(limit)),
-            (None, Some(target)) => format!("noise {noise} of {}", percent(target)),
+            (None, Some(target)) => format!("noise {noise}, limit {}", percent(target)),
             (None, None) => format!("noise {noise}"),
         },
         hint: format!("The error that is expected of a pixel, as a share of the picture's brightness.{before} {more}")
@@ -324,13 +324,15 @@ pub(crate) fn progress_of(status: &RenderStatus, samples: u32) -> (f32, Option<f
     (share as f32, is_known.then(|| (wanted - done) / per_second))
 }
 
-/// An estimated time, in so many digits as it deserves: `8 s`, `90 s`, `4 min`, `3 h`.
+/// An estimated time, in so many digits as it deserves: `8 s`, `90 s`, `4 min`, `1.5 h`, `12 h`; at least a second.
 pub(crate) fn roughly(seconds: f64) -> String {
-    let seconds = seconds.max(0.0);
+    let seconds = seconds.max(1.0);
+    // The bounds are those from which on the number of the smaller unit would be rounded up to them.
     match seconds {
         ..10.0 => format!("{:.0} s", seconds.ceil()),
-        ..120.0 => format!("{:.0} s", 5.0 * (seconds / 5.0).round()),
-        ..5400.0 => format!("{:.0} min", (seconds / 60.0).round()),
+        ..117.5 => format!("{:.0} s", 5.0 * (seconds / 5.0).round()),
+        ..5370.0 => format!("{:.0} min", (seconds / 60.0).round()),
+        ..35_820.0 => format!("{:.1} h", seconds / 3600.0),
         _ => format!("{:.0} h", (seconds / 3600.0).round()),
     }
 }
@@ -384,11 +386,16 @@ mod tests {
     #[test]
     fn an_estimate_has_no_more_digits_than_it_deserves() {
         let cases = [
+            (0.0, "1 s"),
             (0.2, "1 s"),
             (12.3, "10 s"),
             (89.0, "90 s"),
+            (119.0, "2 min"),
             (250.0, "4 min"),
-            (10_474.0, "3 h"),
+            (5_360.0, "89 min"),
+            (5_380.0, "1.5 h"),
+            (10_474.0, "2.9 h"),
+            (35_900.0, "10 h"),
         ];
         for (seconds, text) in cases {
             assert_eq!(roughly(seconds), text);
@@ -416,7 +423,13 @@ mod tests {
 
         // A limit that was not reached is reported once the picture has ended.
         model.status.noise_target = Some(0.02);
-        assert_eq!(noise(&model).expect("it is known").text, "noise 5.0 % of 2.0 %");
+        assert_eq!(noise(&model).expect("it is known").text, "noise 5.0 %, limit 2.0 %");
+        model.status.noise = Some(75.0);
+        assert_eq!(
+            noise(&model).expect("it is known").text,
+            "noise above 100 %, limit 2.0 %"
+        );
+        model.status.noise = Some(0.05);
         model.status.state = RenderState::Done;
         model.status.stopped_by = Some(StopReason::Samples);
         let part = noise(&model).expect("it is known");
@@ -424,7 +437,7 @@ mod tests {
         assert!(part.hint.contains("Samples in Render has ended"), "{}", part.hint);
         model.status.noise = Some(0.02);
         model.status.stopped_by = Some(StopReason::Noise);
-        assert_eq!(noise(&model).expect("it is known").text, "noise 2.0 % of 2.0 %");
+        assert_eq!(noise(&model).expect("it is known").text, "noise 2.0 %, limit 2.0 %");
     }
 
     #[test]

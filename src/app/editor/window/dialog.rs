@@ -3,6 +3,9 @@
 
 use bevy_egui::egui::{Context, Event, Id, Key, LayerId, Modal, Modifiers, Popup, RichText, Ui};
 
+/// The height of the buttons that stand below each other on pages and in lists, in points.
+pub(super) const ROW: f32 = 24.0;
+
 /// The result of a cover in a frame.
 pub struct Cover<R> {
     /// The value that the content has returned.

@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{self, Button, Id, Modal, RichText, ScrollArea, Ui};
 
-use super::dialog;
+use super::dialog::{self, ROW};
 use super::question::{Answer, Question};
 use crate::app::editor::command::recovery_offer::Offer;
 use crate::app::editor::command::{Command, ShellCommand};
@@ -10,9 +10,6 @@ use crate::app::editor::panels::look;
 use crate::app::editor::session::recovery_words::{
     about_file, count_of, scene_of, short_names, time_and_age, time_of, times_of, with_age,
 };
-
-/// The height of a button on the start page, in points.
-pub(super) const ROW: f32 = 24.0;
 
 /// Asks what to do with an autosave; `offer` becomes None once it is answered. Returns true if the user postponed it.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) -> bool {

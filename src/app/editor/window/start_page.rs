@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy_egui::egui::{self, Button, Id, Image, Modal, RichText, TextureHandle, TextureOptions, Ui};
 use image::ImageFormat;
 
-use super::recovery_question::ROW;
+use super::dialog::ROW;
 use super::{dialog, recovery_question};
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::preferences::Preferences;

@@ -61,10 +61,13 @@ pub fn in_plain_words(message: &str) -> String {
     text
 }
 
-/// A message that names files without their folders: `/rooms/flat.xml was changed` becomes `flat.xml was changed`.
+/// A message that names files without their folders: `/rooms/flat.xml was changed` becomes `flat.xml was changed`. A
+/// name without an extension is that of a folder mostly, and keeps the one around it.
 pub(crate) fn without_folders(message: &str) -> String {
     /// The ends of paths in sentences. Names of folders may have spaces.
-    const ENDS: [&str; 9] = [": ", "; ", ", ", ". ", " could ", " was ", " is ", " as ", " and "];
+    const ENDS: [&str; 12] = [
+        ": ", "; ", ", ", ". ", " could ", " was ", " is ", " as ", " and ", " to ", " in ", " from ",
+    ];
     let mut short = String::new();
     let mut rest = message;
     while let Some(start) = rest.find('/') {
@@ -74,7 +77,13 @@ pub(crate) fn without_folders(message: &str) -> String {
         let (whole, after) = path.split_at(end);
         short.push_str(before);
         short.push_str(match whole.rsplit_once('/') {
-            Some((_, name)) if begins && !name.is_empty() && !whole.starts_with("/ ") => name,
+            Some((folder, name)) if begins && !name.is_empty() && !whole.starts_with("/ ") => {
+                let kept = match folder.rsplit_once('/') {
+                    Some((_, around)) if !name.contains('.') => around.len() + 1 + name.len(),
+                    _ => name.len(),
+                };
+                &whole[whole.len() - kept..]
+            }
             _ => whole,
         });
         rest = after;
@@ -202,6 +211,10 @@ mod tests {
         assert_eq!(without_folders(&in_plain_words(refused)), plain);
         for (whole, short) in [
             ("Saved /rooms/flat.xml", "Saved flat.xml"),
+            ("there is no folder /levels/rooms/new", "there is no folder rooms/new"),
+            ("there is no folder /new", "there is no folder new"),
+            ("Moved /a/b.png to /c/d.png", "Moved b.png to d.png"),
+            ("2 files of /a/b/c in /d/e.xml", "2 files of b/c in e.xml"),
             (
                 "/a/b.xml was changed, and /c/d.png is gone",
                 "b.xml was changed, and d.png is gone",
