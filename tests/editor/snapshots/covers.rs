@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::math::{Affine3A, UVec2, Vec3};
+use bevy::math::{Affine3A, Quat, UVec2, Vec3};
 use bevy_egui::egui::{self, Context, Pos2, Rect, TextureId, Ui, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::{RgbImage, imageops};
+use sunroom::app::editor::command::asset_kind::FileUse;
 use sunroom::app::editor::command::file_access::Question as AccessQuestion;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::preferences::Preferences;
@@ -22,8 +23,9 @@ use sunroom::app::editor::panels::missing_files::{self as missing, MissingForm};
 use sunroom::app::editor::panels::series::{SeriesForm, series};
 use sunroom::app::editor::session::full_film_question::FullFilmQuestion;
 use sunroom::app::editor::session::layout::Layout;
-use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
+use sunroom::app::editor::session::toasts::{Toasts, Topic};
 use sunroom::app::editor::session::tutorial::Tutorial;
+use sunroom::app::editor::viewport::icons::{Icon, IconKind};
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
@@ -32,7 +34,7 @@ use sunroom::app::editor::window::file_dialog::{FileDialog, Place, Purpose};
 use sunroom::app::editor::window::palette::Palette;
 use sunroom::app::editor::window::shortcuts::shortcuts;
 use sunroom::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
-use sunroom::app::editor::window::{full_film, recovery_question, start_page, toasts, trust_question};
+use sunroom::app::editor::window::{full_film, recovery_question, scene_question, start_page, toasts, trust_question};
 use sunroom::render::camera::Camera;
 use sunroom::scene::FileKind;
 
@@ -206,6 +208,14 @@ pub fn add_menu() -> RgbImage {
     menu("Add", [640, 860])
 }
 
+pub fn arrange_menu() -> RgbImage {
+    menu("Arrange", [640, 560])
+}
+
+pub fn time_menu() -> RgbImage {
+    menu("Time", [640, 560])
+}
+
 pub fn view_menu() -> RgbImage {
     menu("View", [640, 720])
 }
@@ -218,9 +228,36 @@ pub fn window_menu() -> RgbImage {
     menu("Window", [640, 440])
 }
 
-/// The picture with its bars, a selected thing and the handles, over nothing.
+/// The picture with its bars. Neither handles nor an outline are shown, as there is no scene.
 pub fn toolbar() -> RgbImage {
-    let show = |ui: &mut Ui, (): &mut ()| {
+    picture(Vec::new())
+}
+
+/// The icons of lights and cameras in the picture, one of them selected.
+pub fn icons() -> RgbImage {
+    let kinds = [
+        IconKind::Bulb,
+        IconKind::Sun,
+        IconKind::Sheet,
+        IconKind::Cone(0.5),
+        IconKind::Frustum,
+        IconKind::Box,
+        IconKind::StandIn,
+    ];
+    let icon = |(kind, number): (IconKind, u16)| Icon {
+        entity: entity(1 + u32::from(number)),
+        kind,
+        pose: Affine3A::from_scale_rotation_translation(
+            Vec3::splat(0.3),
+            Quat::from_rotation_x(1.2),
+            Vec3::new(f32::from(number % 4) - 1.5, 1.4 - f32::from(number / 4), 0.0),
+        ),
+    };
+    picture(kinds.into_iter().zip(0..).map(icon).collect())
+}
+
+fn picture(icons: Vec<Icon>) -> RgbImage {
+    let show = move |ui: &mut Ui, (): &mut ()| {
         let content = ViewportContent {
             selection: Selection::of([entity(1)]),
             ..ViewportContent::default()
@@ -229,6 +266,7 @@ pub fn toolbar() -> RgbImage {
         let camera = Camera::new(pose, 60.0, 4.0 / 3.0, 0.01, 100.0, None);
         let model = ViewportModel {
             picture: Some((TextureId::User(0), [640, 480])),
+            icons: &icons,
             ..content.model([640, 480], pose, camera, &[])
         };
         viewport(ui, &model, &mut ViewportState::default(), &mut Vec::new());
@@ -293,6 +331,18 @@ pub fn render_full_film() -> RgbImage {
     cropped(&cover([560, 400], Some(question), show, |_| ()), 80, 240)
 }
 
+pub fn dropped_scene() -> RgbImage {
+    let file = FileUse {
+        path: "/rooms/flat.xml".into(),
+        at: None,
+        bounds: None,
+    };
+    let show = |context: &Context, asked: &mut Option<FileUse>| {
+        scene_question::question(context, asked, &mut Vec::new());
+    };
+    cropped(&cover([560, 400], Some(file), show, |_| ()), 80, 240)
+}
+
 pub fn access_to_files() -> RgbImage {
     let files: Vec<PathBuf> = (0..3).map(|number| format!("/elsewhere/{number}.png").into()).collect();
     let question = AccessQuestion {
@@ -311,7 +361,8 @@ pub fn access_to_files() -> RgbImage {
 pub fn messages_over_the_picture() -> RgbImage {
     let mut toasts = Toasts::default();
     let kept = "Saved /rooms/flat.xml";
-    toasts.add(Tone::Note, Topic::Other, kept.to_owned(), None);
+    // Other notes disappear while a slow machine draws them.
+    toasts.report(kept.to_owned());
     let refused =
         "The scene could not be saved: /rooms of other people/levels/flat.xml: Operation not permitted (os error 1)";
     toasts.error(Topic::Saving, refused, None);

@@ -10,19 +10,26 @@ mod scene;
 
 use std::path::PathBuf;
 
-use bevy_egui::egui::{self, Color32, Frame, LayerId, Margin, Theme, Ui, UiBuilder};
+use bevy_egui::egui::{self, Color32, Frame, LayerId, Margin, Pos2, Rect, Theme, Ui, UiBuilder};
 use egui_kittest::Harness;
 use image::{Rgb, RgbImage, imageops};
+use sunroom::app::editor::command::panel::Panel;
 use sunroom::app::editor::window::style::set_styles;
 
 use rasteriser::{Textures, draw};
 
-/// Pixels differ if a channel does by more than this, of 255. The steps of stored colours are finer.
-const LEAST_DIFFERENCE: u8 = 24;
-/// The largest share of pixels that may differ: a few pixels of a letter's edge, but not a letter.
-const MOST_DIFFERENT: f64 = 2e-5;
 /// Stored colours are multiples of this, which makes the files a third smaller.
 const STEP: u8 = 8;
+/// The pixels at which a channel differs by more than so much, of 255, are counted in tiles: those of a letter.
+const CLEAR: u8 = 3 * STEP;
+/// The edge of a tile in pixels, and the number of clear differences that a tile may have: some pixels of a letter's
+/// edge, but not a letter.
+const TILE: u32 = 32;
+const MOST_IN_TILE: u32 = 2;
+/// The pixels at which a channel differs by more than so much are counted in the whole picture: those of a fill.
+const FAINT: u8 = STEP;
+/// The largest share of faint differences.
+const MOST_FAINT: f64 = 5e-3;
 /// The grey around what is shown, as that of a picture.
 const BEHIND: Color32 = Color32::from_gray(96);
 
@@ -47,13 +54,14 @@ snapshots! {
         point, spot, sky, projector, sun_and_sky, fog, camera, nothing_selected,
     }
     panels {
-        outliner, render, render_of_layers, mixing_and_comparison, library, assets, history, messages, paths, timeline, status_line,
+        outliner, render, render_of_layers, render_in_a_narrow_panel, mixing_and_comparison, library, assets, history, messages, paths, timeline, status_line,
         status_line_while_denoised, bake_form, bake_progress, color_picker,
     }
     covers {
         start_page, start_page_of_a_first_start, preferences, key_list, key_overview, palette, file_dialog, save_dialog,
-        file_menu, edit_menu, add_menu, view_menu, render_menu, window_menu, toolbar, series_of_copies, missing_files,
-        unsaved_edits, recovery, render_full_film, access_to_files, messages_over_the_picture, tutorial,
+        file_menu, edit_menu, add_menu, arrange_menu, view_menu, time_menu, render_menu, window_menu, toolbar, icons,
+        series_of_copies, missing_files, unsaved_edits, recovery, render_full_film, dropped_scene, access_to_files,
+        messages_over_the_picture, tutorial,
     }
 }
 
@@ -75,17 +83,69 @@ fn every_picture_in_the_folder_is_compared() {
     }
 }
 
+/// The pictures of a panel that can be closed.
+fn pictures_of(panel: Panel) -> &'static [&'static str] {
+    match panel {
+        Panel::Viewport => &["toolbar", "icons"],
+        Panel::Outliner => &["outliner"],
+        Panel::Library => &["library"],
+        Panel::Assets => &["assets"],
+        Panel::Inspector => &["cube", "principled", "spot", "camera"],
+        Panel::Render => &["render"],
+        Panel::History => &["history"],
+        Panel::Messages => &["messages"],
+        Panel::Paths => &["paths"],
+        Panel::Bake => &["bake_progress"],
+    }
+}
+
+#[test]
+fn every_panel_has_a_picture() {
+    for &panel in Panel::CLOSEABLE {
+        let pictures = pictures_of(panel);
+        assert!(!pictures.is_empty(), "{panel:?}");
+        for name in pictures {
+            assert!(NAMES.contains(name), "{panel:?}: {name}");
+        }
+    }
+}
+
 #[test]
 fn a_letter_more_is_a_difference_and_rounding_is_none() {
-    let text = |text: &'static str| in_both_themes([200, 60], (), move |ui, ()| _ = ui.label(text), |_| ());
-    let (one, other) = (text("a panel"), text("a panels"));
-    assert!(difference(&one, &one).is_none());
-    assert!(difference(&one, &other).is_some());
-    let mut rounded = one.clone();
-    rounded
-        .pixels_mut()
-        .for_each(|pixel| pixel.0[1] = pixel.0[1].saturating_add(5));
-    assert!(difference(&one, &rounded).is_none());
+    // The size of a page, whose other pixels are all alike.
+    for size in [[200, 60], [1200, 1000]] {
+        let text = |text: &'static str| {
+            let show = move |ui: &mut Ui, (): &mut ()| {
+                ui.label(text);
+                ui.add_space(size[1] as f32 - 50.0);
+                ui.label("foot");
+            };
+            in_both_themes(size, (), show, |_| ())
+        };
+        let one = text("a panel");
+        assert!(difference(&one, &one).is_none());
+        for other in ["a panels", "a pane1", "a panel."] {
+            assert!(difference(&one, &text(other)).is_some(), "{other}, {size:?}");
+        }
+        let mut rounded = one.clone();
+        for channel in rounded.pixels_mut().flat_map(|pixel| &mut pixel.0) {
+            *channel = channel.saturating_add(5);
+        }
+        assert!(difference(&one, &rounded).is_none());
+    }
+}
+
+#[test]
+fn another_shade_of_a_fill_is_a_difference() {
+    let filled = |gray: u8| {
+        let show = move |ui: &mut Ui, (): &mut ()| {
+            let place = Rect::from_min_size(Pos2::new(10.0, 10.0), egui::vec2(120.0, 60.0));
+            ui.painter().rect_filled(place, 0.0, Color32::from_gray(gray));
+        };
+        in_both_themes([600, 400], (), show, |_| ())
+    };
+    assert!(difference(&filled(40), &filled(40)).is_none());
+    assert!(difference(&filled(40), &filled(56)).is_some());
 }
 
 /// What is shown, dark at the left and light at the right, after `act`. The rows at the bottom without anything are
@@ -202,20 +262,24 @@ fn compare(name: &str, now: &RgbImage) {
 /// where one of them has no pixel.
 fn difference(known: &RgbImage, now: &RgbImage) -> Option<(RgbImage, f64)> {
     let (width, height) = (known.width().max(now.width()), known.height().max(now.height()));
-    let mut count = 0;
+    let tiles = [width, height].map(|edge| edge.div_ceil(TILE) as usize);
+    let mut in_tiles = vec![0; tiles[0] * tiles[1]];
+    let mut faint = 0;
     let marked = RgbImage::from_fn(width, height, |x, y| {
-        let differs = match (known.get_pixel_checked(x, y), now.get_pixel_checked(x, y)) {
+        let differs_by = match (known.get_pixel_checked(x, y), now.get_pixel_checked(x, y)) {
             (Some(one), Some(other)) => {
-                let mut channels = one.0.iter().zip(other.0);
-                channels.any(|(one, other)| one.abs_diff(other) > LEAST_DIFFERENCE)
+                let channels = one.0.iter().zip(other.0);
+                channels.map(|(one, other)| one.abs_diff(other)).max().unwrap_or(0)
             }
-            _ => true,
+            _ => u8::MAX,
         };
-        count += u32::from(differs);
-        Rgb([if differs { 255 } else { 0 }; 3])
+        in_tiles[(y / TILE) as usize * tiles[0] + (x / TILE) as usize] += u32::from(differs_by > CLEAR);
+        faint += u32::from(differs_by > FAINT);
+        Rgb([if differs_by > FAINT { 255 } else { 0 }; 3])
     });
-    let share = f64::from(count) / (f64::from(width) * f64::from(height));
-    (share > MOST_DIFFERENT).then_some((marked, share))
+    let share = f64::from(faint) / (f64::from(width) * f64::from(height));
+    let is_clear = in_tiles.iter().any(|count| *count > MOST_IN_TILE);
+    (is_clear || share > MOST_FAINT).then_some((marked, share))
 }
 
 /// The picture as PNG, with a palette if 256 colours suffice: half as large.

@@ -72,12 +72,12 @@ fn render_model() -> RenderModel {
     }
 }
 
-fn render_panel(model: RenderModel, act: impl Fn(&mut Harness<RenderModel>)) -> RgbImage {
+fn render_panel(width: u32, model: RenderModel, act: impl Fn(&mut Harness<RenderModel>)) -> RgbImage {
     let show = |ui: &mut Ui, model: &mut RenderModel| {
         let (display, overlay) = (DisplaySettings::default(), BvhOverlay::default());
         panels::render::render(ui, model, display, overlay, &mut Vec::new());
     };
-    panel([RIGHT, 1200], model, show, act)
+    panel([width, 2000], model, show, act)
 }
 
 fn open<T>(harness: &mut Harness<T>, name: &str) {
@@ -86,11 +86,16 @@ fn open<T>(harness: &mut Harness<T>, name: &str) {
 }
 
 pub fn render() -> RgbImage {
-    render_panel(render_model(), |_| ())
+    render_panel(RIGHT, render_model(), |_| ())
 }
 
 pub fn render_of_layers() -> RgbImage {
-    render_panel(render_model(), |harness| open(harness, "Layers"))
+    render_panel(RIGHT, render_model(), |harness| open(harness, "Layers"))
+}
+
+/// Words of switches that have no room are cut off.
+pub fn render_in_a_narrow_panel() -> RgbImage {
+    render_panel(180, render_model(), |_| ())
 }
 
 pub fn mixing_and_comparison() -> RgbImage {
@@ -110,15 +115,15 @@ pub fn mixing_and_comparison() -> RgbImage {
         },
         ..render_model()
     };
-    render_panel(model, |_| ())
+    render_panel(RIGHT, model, |_| ())
 }
 
 pub fn library() -> RgbImage {
     let model = Model {
-        presets: Arc::new(presets::load().0),
+        presets: Arc::new(presets::built_in()),
         ..model()
     };
-    in_a_state([LEFT, 420], model, |ui, model: &Model, state: &mut LibraryState| {
+    in_a_state([LEFT, 1000], model, |ui, model: &Model, state: &mut LibraryState| {
         panels::library::library(ui, model, state, &mut Vec::new());
     })
 }
@@ -229,12 +234,12 @@ pub fn timeline() -> RgbImage {
         (TickTime(time), Tick { values })
     };
     let selected = [(0.0, &values[..]), (1.0, &values[..1]), (1.8, &values[1..])];
+    let selected: Ticks = selected.into_iter().map(tick).collect();
     let track = |times: &[f64]| {
         let key = |time: &f64| Key {
             time: *time,
             value: Value::Float(1.0),
         };
-    let selected: Ticks = selected.into_iter().map(tick).collect();
         Arc::new(Track {
             keys: times.iter().map(key).collect(),
             interpolation: Interpolation::Linear,
