@@ -394,7 +394,8 @@ mod tests {
             "buffers": [{"byteLength": 36, "uri": "corners.bin"}]}"#;
         let file = entry(folder.path(), "two.gltf", text.as_bytes());
         let content = content_of(&file, &PictureCache::default(), &nowhere()).expect("it can be read");
-        assert_eq!((content.note.as_str(), content.bounds), ("2 shapes", None));
+        let bounds = Some([Vec3::new(-1.0, 0.0, 0.0), Vec3::new(4.0, 2.0, 0.0)]);
+        assert_eq!((content.note.as_str(), content.bounds), ("2 shapes", bounds));
         let image = content.image.expect("it has a picture");
         let is_lit = |x: usize, y: usize| image[(x, y)].r() > 2 * image[(2, 2)].r();
         // The two triangles stand beside each other, with a gap between their upper ends.
