@@ -21,7 +21,7 @@ use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::{
     Command, FileCommand, FileDialogKind, HistoryCommand, RenderCommand, SelectionCommand,
 };
-use sunroom::app::editor::command::{KeptPicture, ShellCommand};
+use sunroom::app::editor::command::{KeptPicture, SceneEdit, ShellCommand};
 use sunroom::app::editor::input::actions::{ACTIONS, ActionContext, Group};
 use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;
@@ -469,7 +469,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
         shown: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
         folders: vec!["/elsewhere".into()],
         is_needed: false,
-        import: None,
+        edit: None,
     };
     let needed = "the scene cannot be shown without them, and the last one stays.";
     let ask = || {
@@ -498,7 +498,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     });
     assert!(harness.query_by_label(needed).is_some());
     let imported = Question {
-        import: Some("/downloads/chair.xml".into()),
+        edit: Some(SceneEdit::Import("/downloads/chair.xml".into())),
         ..asked
     };
     let harness = show(Some(imported), |egui, shown| {

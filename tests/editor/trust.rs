@@ -203,7 +203,7 @@ fn edits_stay_when_an_include_is_allowed() {
             shown: vec![window.path("outside/more.xml")],
             folders: vec![window.path("outside")],
             is_needed: true,
-            import: None,
+            edit: None,
         }
     );
     window.allow();

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::SceneEdit;
+use super::scene::Replacement;
 use crate::document::paths::settle;
 
 /// The files and folders that a scene names outside its own folder.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// The paths as the scene gives them, made absolute.
     pub files: Vec<PathBuf>,
@@ -15,8 +17,8 @@ pub struct Question {
     pub folders: Vec<PathBuf>,
     /// Whether the scene could not be read without them.
     pub is_needed: bool,
-    /// The scene file of an import that names them; None if the open scene does, or one to be opened.
-    pub import: Option<PathBuf>,
+    /// The edit that needs them, for a file names them; None if the open scene does, or one to be opened.
+    pub edit: Option<SceneEdit>,
 }
 
 impl Question {
@@ -33,8 +35,16 @@ impl Question {
             shown,
             folders,
             is_needed: false,
-            import: None,
+            edit: None,
         })
+    }
+
+    /// The file of the edit, which names the others.
+    pub fn file(&self) -> Option<&Path> {
+        match self.edit.as_ref()? {
+            SceneEdit::Import(path) | SceneEdit::Replace(Replacement::File(path)) => Some(path),
+            _ => None,
+        }
     }
 }
 

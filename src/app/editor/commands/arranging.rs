@@ -68,15 +68,18 @@ pub fn resize(edit: &mut Edit, axis: usize, size: f32) -> Result<(), CommandErro
     if !(size > 0.0 && size.is_finite()) {
         return Err("A size is above 0.".into());
     }
+    let units = grouping::units(edit)?;
+    let all: Vec<Entity> = units.iter().flat_map(|unit| unit.all.iter().copied()).collect();
+    let mut bounds = picking::bounds_of_each(edit.world.resource::<PackedScene>(), &all).into_iter();
     let mut poses = Vec::new();
-    for Unit { lead, all } in grouping::units(edit)? {
-        let (world, packed) = (&*edit.world, edit.world.resource::<PackedScene>());
+    for Unit { lead, all } in units {
+        let seen = bounds.by_ref().take(all.len()).flatten().reduce(Aabb::union);
+        let world = &*edit.world;
         let (Some(shape), Some(pose)) = (world.get::<Shape>(lead), things::pose_of(world, lead)) else {
             continue;
         };
-        let seen = picking::bounds_of_each(packed, &all).into_iter().flatten();
         let own = || world_bounds(shape, &world.get::<ToWorld>(lead)?.0, None);
-        let Some(bounds) = seen.reduce(Aabb::union).or_else(own) else {
+        let Some(bounds) = seen.or_else(own) else {
             continue;
         };
         let mut extent = bounds.extent();
@@ -134,8 +137,11 @@ fn extent(world: &World, thing: Entity, solids: &[Solid], direction: Vec3) -> Op
     union(ends.collect())
         .or_else(|| {
             let bounds = world_bounds(world.get::<Shape>(thing)?, &pose, None)?;
-            let [a, b] = [bounds.min.dot(direction), bounds.max.dot(direction)];
-            Some(a.min(b)..a.max(b))
+            let (middle, reach) = (
+                bounds.center().dot(direction),
+                0.5 * bounds.extent().dot(direction.abs()),
+            );
+            Some(middle - reach..middle + reach)
         })
         .or_else(|| {
             let place = Vec3::from(pose.translation).dot(direction);

@@ -1,5 +1,6 @@
 //! Adds the content of files and of the clipboard. A glTF file becomes a group of its name.
 
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use bevy::math::Affine3A;
@@ -11,6 +12,7 @@ use super::fitting;
 use super::grouping::is_frame;
 use super::things::{is_no_name, select_new};
 use super::volumes;
+use crate::app::editor::command::SceneEdit;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
@@ -80,7 +82,7 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
         picture if PICTURES.contains(&picture) => set_environment(edit, path),
         lamp if LAMPS.contains(&lamp) => add_lamp(edit, path, None)?,
         "xml" | "gltf" | "glb" => {
-            let mut content = scene_of(edit, &path)?;
+            let mut content = scene_of(edit, &path, SceneEdit::Import)?;
             if extension != "xml" {
                 group_as(&mut content, &name_of(&path));
             }
@@ -97,15 +99,20 @@ fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The content of a scene or a glTF file. Where it names files that may not be read, the user is asked.
-pub fn scene_of(edit: &mut Edit, path: &Path) -> Result<SceneDescription, CommandError> {
+/// The content of a scene or a glTF file. Where it names files that may not be read, the user is asked; once they are
+/// allowed, the edit that needs the content is repeated, which `again` makes from the path.
+pub fn scene_of(
+    edit: &mut Edit,
+    path: &Path,
+    again: impl FnOnce(PathBuf) -> SceneEdit,
+) -> Result<SceneDescription, CommandError> {
     let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
     let access = trust.access(path);
     let mut document = load_document(path, &[], access).map_err(CommandError::file)?;
     let scene = read::read(&mut document);
     let refused = document.access.refused();
     if document.diagnostics.has_errors() && !refused.is_empty() {
-        trust::ask_about_import(edit.world, path, refused);
+        trust::ask_about_edit(edit.world, again(path.to_owned()), refused);
     }
     check(&document.diagnostics).map_err(CommandError::file)?;
     Ok(without_setting(scene, document.stand_in_light.as_deref()))
@@ -268,9 +275,15 @@ fn insert_all(edit: &mut Edit, scene: SceneDescription) -> Result<(), String> {
         return Err("There is nothing in it.".to_owned());
     }
     edit.spawned(inserted.all);
-    // Groups follow their members, as they are selected: the last one becomes active.
+    // Groups follow their members, as they are selected: the last one, which is an outermost one, becomes active.
     let is_group = |entity: &Entity| is_frame(edit.world, *entity);
-    let (groups, mut objects): (Vec<Entity>, Vec<Entity>) = inserted.objects.into_iter().partition(is_group);
+    let (mut groups, mut objects): (Vec<Entity>, Vec<Entity>) = inserted.objects.into_iter().partition(is_group);
+    let depth = |entity: &Entity| {
+        edit.world
+            .get::<Name>(*entity)
+            .map_or(0, |name| name.matches('/').count())
+    };
+    groups.sort_by_key(|group| Reverse(depth(group)));
     objects.extend(groups);
     select_new(edit, objects);
     Ok(())

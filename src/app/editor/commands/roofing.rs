@@ -16,6 +16,7 @@ use crate::scene::{DocumentOrder, SceneId, Shape, ShapeKind, Solid, ToWorld};
 
 /// The extents of houses whose roofs have the usual overhang and thickness, in world units.
 const HOUSES: std::ops::RangeInclusive<f32> = 1.5..=80.0;
+const TOO_NARROW: &str = "The selection has no extent that a roof could cover.";
 /// The digits of the rise of the slopes.
 const DIGITS: i32 = 2;
 
@@ -33,11 +34,11 @@ pub fn cover(edit: &mut Edit, plugin: &'static str) -> Result<(), CommandError> 
     let mut spans = Vec::new();
     for axis in axes {
         let span = union(extent_of_each(edit.world, &covered, axis));
-        spans.push(span.ok_or("Select the walls or the floor that the roof is to cover.")?);
+        spans.push(span.ok_or("Select walls or a floor, which the roof covers then.")?);
     }
     let size = |axis: usize| spans[axis].end - spans[axis].start;
     if !(size(0) > 0.0 && size(1) > 0.0) {
-        return Err("What is selected has no extent that a roof could cover.".into());
+        return Err(TOO_NARROW.into());
     }
     let is_long = size(0) >= size(1);
     let (long, short) = if is_long {
@@ -50,12 +51,16 @@ pub fn cover(edit: &mut Edit, plugin: &'static str) -> Result<(), CommandError> 
     if !is_long {
         axes = [axes[1], -axes[0], up];
     }
-    let unit = rounding::unit_of_scene(edit.world.resource::<ViewSettings>().navigation.scene_size);
+    // A small thing in a large scene gets a roof of its own size.
+    let unit = rounding::unit_of_scene(long);
     let pose = Affine3A::from_mat3_translation(
         Mat3::from_cols(axes[0], axes[1], axes[2]),
         rounding::rounded_place(place, unit),
     );
     let [long, short] = [long, short].map(|size| rounding::rounded(size, unit));
+    if short <= 0.0 {
+        return Err(TOO_NARROW.into());
+    }
     let part = roof(plugin, long, short).ok_or_else(|| format!("There is no roof called \"{plugin}\"."))?;
     let name = free_name_for(edit.world, "roof");
     let order = DocumentOrder(next_order(edit.world));

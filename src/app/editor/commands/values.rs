@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
+use super::replacing::forget_keys;
 use super::things::{need_surface, pose_of, replace, set_angles, set_pose, transform};
 use super::{grouping, materials, media};
 use crate::app::editor::command::ValueEdit;
@@ -17,8 +18,8 @@ use crate::app::editor::model::difference::rounding;
 use crate::app::editor::session::history::{Edit, StepKind};
 use crate::scene::carry_over::{Vectors, carry_over};
 use crate::scene::{
-    AreaLight, ExteriorMedium, InMedium, InteriorMedium, Locked, Material, Medium, MemberOf, Placements, Shape,
-    UsesMaterial,
+    AreaLight, Declared, ExteriorMedium, InMedium, InteriorMedium, Locked, Material, Medium, MemberOf, Placements,
+    Shape, ShapeKind, Solid, UsesMaterial,
 };
 
 /// The depth to which nested materials are followed.
@@ -49,9 +50,12 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
             set_angles(edit, entity, Some(angles));
         }
         ValueEdit::SetShape(entity, shape) => {
-            carry(edit, entity, &shape, selected, |before, after, other| {
-                carry_over(before, after, other, Vectors::ByComponent);
-            });
+            match other_roof(edit, entity, &shape) {
+                Some(plugin) => set_roof(edit, plugin, entity, selected),
+                None => carry(edit, entity, &shape, selected, |before, after, other| {
+                    carry_over(before, after, other, Vectors::ByComponent);
+                }),
+            }
             replace(edit, entity, shape)?;
         }
         ValueEdit::SetMaterial(entity, material) => {
@@ -95,6 +99,39 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
         }
     }
     Ok(())
+}
+
+/// The plugin of a roof that takes the place of a roof of another form; None for other edits of shapes.
+fn other_roof(edit: &Edit, entity: Entity, after: &Shape) -> Option<&'static str> {
+    let (before, after) = (part_of(edit.world.get::<Shape>(entity)?)?, part_of(after)?);
+    let plugin = after.plugin();
+    (before.plugin() != plugin && before.roof_as(plugin).is_some()).then_some(plugin)
+}
+
+fn part_of(shape: &Shape) -> Option<&Solid> {
+    match &shape.kind {
+        ShapeKind::Solid(part) => Some(part),
+        _ => None,
+    }
+}
+
+/// Gives a roof and the other selected roofs this form. They keep their lengths, and lose the key frames of those that
+/// the form does not have.
+fn set_roof(edit: &mut Edit, plugin: &str, entity: Entity, selected: &[Entity]) {
+    let others = selected.iter().copied().filter(|other| *other != entity);
+    for roof in others.chain([entity]) {
+        let Some(mut shape) = edit.world.get::<Shape>(roof).cloned() else {
+            continue;
+        };
+        let Some(part) = part_of(&shape).and_then(|part| part.roof_as(plugin)) else {
+            continue;
+        };
+        let mut known = Vec::new();
+        part.visit(&mut |info, _| known.push(info.name));
+        forget_keys(edit, roof, |name| !known.contains(&name));
+        shape.kind = ShapeKind::Solid(part);
+        edit.set(roof, shape);
+    }
 }
 
 fn move_to(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {

@@ -119,17 +119,17 @@ pub fn follow_access(access: Res<SceneAccess>, status: Res<SceneStatus>, mut tru
     if trusted
         .question
         .as_ref()
-        .is_some_and(|question| question.is_needed != is_needed && question.import.is_none())
+        .is_some_and(|question| question.is_needed != is_needed && question.edit.is_none())
         && let Some(question) = &mut trusted.question
     {
         question.is_needed = is_needed;
     }
     let refused = access.refused();
-    let is_about_import = trusted
+    let is_about_edit = trusted
         .question
         .as_ref()
-        .is_some_and(|question| question.import.is_some());
-    if refused == trusted.asked || is_about_import {
+        .is_some_and(|question| question.edit.is_some());
+    if refused == trusted.asked || is_about_edit {
         return;
     }
     let open = trusted.question.take().map_or(Vec::new(), |question| question.files);
@@ -139,24 +139,23 @@ pub fn follow_access(access: Res<SceneAccess>, status: Res<SceneStatus>, mut tru
     trusted.asked = refused;
 }
 
-/// Asks about the files that an import needs.
-pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<PathBuf>) {
+/// Asks about the files that an edit needs.
+pub(crate) fn ask_about_edit(world: &mut World, edit: SceneEdit, files: Vec<PathBuf>) {
     if let Some(mut trusted) = world.get_resource_mut::<TrustedFolders>() {
         let question = Question::about(files);
         trusted.question = question.map(|question| Question {
-            import: Some(import.to_owned()),
+            edit: Some(edit),
             ..question
         });
     }
 }
 
-/// Allows the folders from now on, remembers them, and loads the files, or repeats the import that names them. Edits of
-/// the open scene stay.
+/// Allows the folders from now on, remembers them, and loads the files, or repeats the edit that needs them. Edits of the
+/// open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
-    if let Some(path) = &question.import {
-        allow_answered(world, question, path);
-        let again = Command::from(SceneEdit::Import(path.clone()));
-        world.resource_mut::<CommandQueue>().0.push(again);
+    if let Some(edit) = &question.edit {
+        allow_answered(world, question, question.file().unwrap_or(Path::new("")));
+        world.resource_mut::<CommandQueue>().0.push(Command::from(edit.clone()));
         return;
     }
     let status = world.resource::<SceneStatus>();

@@ -235,6 +235,7 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
             .pointer
             .follow(ui, response, screen, model, is_free, pose, commands);
     } else {
+        state.grips.let_go();
         state.pointer.let_go(ui);
         state.pointer.hovered = None;
     }
@@ -242,7 +243,8 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
         let modifiers = input.modifiers;
         // Control with a letter is a shortcut, unless the user is flying already.
         let flies = modifiers.is_none() || modifiers.shift_only() || state.pointer.is_looking() || was_flying;
-        let keys_fly = has_keyboard && !state.gizmo.is_dragging() && !modifiers.alt && flies;
+        let is_dragging = state.gizmo.is_dragging() || state.grips.is_busy();
+        let keys_fly = has_keyboard && !is_dragging && !modifiers.alt && flies;
         FlyInput {
             direction: if keys_fly {
                 keys::fly_direction(input, model.keys.bound)

@@ -6,7 +6,7 @@ use bevy_egui::egui;
 
 use super::question::{Answer, Question};
 use crate::app::editor::command::file_access::Question as AccessQuestion;
-use crate::app::editor::command::{Command, ShellCommand};
+use crate::app::editor::command::{Command, SceneEdit, ShellCommand};
 
 /// The most files, and the most folders, that are listed; of the others only the number is shown.
 const MOST_LISTED: usize = 6;
@@ -16,7 +16,8 @@ pub fn question(context: &egui::Context, question: &mut Option<AccessQuestion>, 
     let Some(asked) = question else {
         return;
     };
-    let left_out = match (&asked.import, asked.is_needed) {
+    let left_out = match (&asked.edit, asked.is_needed) {
+        (Some(SceneEdit::Replace(_)), _) => "nothing is replaced.",
         (Some(_), _) => "nothing is imported.",
         (None, true) => "the scene cannot be shown without them, and the last one stays.",
         (None, false) => "the scene is shown without these pictures and meshes.",
@@ -35,7 +36,7 @@ pub fn question(context: &egui::Context, question: &mut Option<AccessQuestion>, 
         ],
     };
     let answer = dialog.ask(context, |ui| {
-        let name = asked.import.as_deref().and_then(Path::file_name);
+        let name = asked.file().and_then(Path::file_name);
         let subject = name.map_or("The scene".into(), |name| name.to_string_lossy());
         ui.label(format!("{subject} names files that it may not read:"));
         list(ui, &asked.shown);

@@ -1,6 +1,5 @@
 //! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::input::keyboard::KeyboardInput;
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
@@ -38,7 +37,7 @@ use crate::app::editor::session::toasts::{Toasts, Tone};
 use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::tutorial::Tutorial;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::app::editor::viewport::blocking::hand::BlockTarget;
+use crate::app::editor::viewport::blocking::hand::{BlockTarget, has_openings};
 use crate::app::editor::viewport::gather::ViewportScene;
 use crate::app::editor::viewport::gizmo;
 use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
@@ -48,11 +47,11 @@ use crate::app::editor::viewport::side_scenes::SideScenes;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
 use crate::engine::{PackedScene, RenderFilm};
-use crate::scene::{ActiveSensor, SceneState, SceneStatus};
+use crate::scene::{ActiveSensor, Hidden, MemberOf, Placements, SceneState, SceneStatus, Shape, ToWorld};
 
 /// The visible parts of the scene.
 #[derive(bevy::ecs::system::SystemParam)]
-pub struct Scene<'w> {
+pub struct Scene<'w, 's> {
     seen: Res<'w, ViewportScene>,
     sides: Res<'w, SideScenes>,
     settings: Res<'w, ViewSettings>,
@@ -63,6 +62,8 @@ pub struct Scene<'w> {
     active: Res<'w, ActiveSensor>,
     paths: Res<'w, PathInspector>,
     tutorial: Res<'w, Tutorial>,
+    shapes:
+        Query<'w, 's, (&'static Shape, &'static ToWorld), (Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
 }
 
 /// Messages to the user, and commands of the user.
@@ -189,7 +190,7 @@ pub fn show_window(
     }
     let mouse = egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y);
     let step = gizmo::step_beside(&seen.targets, settings.length_step());
-    let wall = selected_wall(model, &seen.locked);
+    let wall = selected_wall(&scene);
     let has_series_form = requests.sheet == Some(Sheet::Series);
     let sides = scene.sides.models(&settings.side_views);
     let shown = ViewportModel {
@@ -303,16 +304,17 @@ pub fn show_window(
     Ok(())
 }
 
-/// The selected wall with openings, if it alone is selected and can be edited.
-fn selected_wall(model: &Model, locked: &EntityHashSet) -> Option<BlockTarget> {
-    let inspected = model.inspected.as_ref()?;
-    let wall = BlockTarget {
-        entity: inspected.entity,
-        shape: inspected.shape.clone()?,
-        pose: inspected.to_world?,
+/// The selected wall with openings, if it alone is selected, is in the picture and can be edited.
+fn selected_wall(scene: &Scene) -> Option<BlockTarget> {
+    let [entity] = *scene.selection.entities() else {
+        return None;
     };
-    let is_alone = model.selection.entities().len() == 1 && !locked.contains(&wall.entity);
-    (is_alone && wall.has_openings()).then_some(wall)
+    let (shape, to_world) = scene.shapes.get(entity).ok()?;
+    (has_openings(shape) && !scene.seen.locked.contains(&entity)).then(|| BlockTarget {
+        entity,
+        shape: shape.clone(),
+        pose: to_world.0,
+    })
 }
 
 /// What the viewport shows.

@@ -64,14 +64,20 @@ impl Roof {
         self.thickness * self.slope().hypot(1.0)
     }
 
-    /// Two opposite corners of the bounding box.
+    /// Two opposite corners of the bounding box; the origin if a number is none or too large for a roof.
     pub fn corners(&self) -> [Vec3; 2] {
+        self.finite_corners().unwrap_or_default()
+    }
+
+    /// None if they are beyond single precision.
+    fn finite_corners(&self) -> Option<[Vec3; 2]> {
         let reach = 0.5 * Vec2::new(self.width, self.depth) + self.overhang;
         let hangs = self.overhang * self.slope();
         // Only the slope of a shed roof goes on upwards.
         let rises = if self.form == RoofForm::Shed { hangs } else { 0.0 };
         let top = self.height + rises + self.slab_height();
-        [(-reach).extend(-hangs), reach.extend(top)]
+        let corners = [(-reach).extend(-hangs), reach.extend(top)];
+        corners.iter().all(|corner| corner.is_finite()).then_some(corners)
     }
 
     /// The height of the underside of the slab.
@@ -154,7 +160,7 @@ pub fn roof(roof: &Roof) -> MeshData {
     let rests = [roof.overhang, roof.gable];
     let is_sound = numbers.iter().all(|number| *number > 0.0 && number.is_finite())
         && rests.iter().all(|number| *number >= 0.0 && number.is_finite())
-        && roof.slab_height().is_finite();
+        && roof.finite_corners().is_some();
     if !is_sound {
         return MeshData::default();
     }

@@ -76,6 +76,10 @@ impl Grip {
             Self::Bottom => (1, false),
             Self::Top => (1, true),
         };
+        // Beginning a drag does not put an edge onto the grid.
+        if by[axis] == 0.0 {
+            return Some(*opening);
+        }
         let [start, end] = spans[axis];
         spans[axis] = match is_far {
             true => [

@@ -2,6 +2,7 @@
 //! opening whose handle was clicked or is under the pointer.
 
 use bevy::math::Vec3;
+use bevy::prelude::Entity;
 use bevy_egui::egui::{Color32, Key, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 
 use super::cut::caption;
@@ -47,6 +48,8 @@ pub struct GripState {
     hovered: Option<(usize, Grip)>,
     /// The opening whose handle was clicked last.
     chosen: Option<usize>,
+    /// The wall of both, and the number of its openings.
+    of: Option<(Entity, usize)>,
     held: Option<Held>,
 }
 
@@ -66,6 +69,11 @@ impl GripState {
     /// Whether a handle is held.
     pub fn is_busy(&self) -> bool {
         self.held.is_some()
+    }
+
+    /// Ends a drag where it is.
+    pub fn let_go(&mut self) {
+        self.held = None;
     }
 
     /// Follows the mouse and the keys of one frame.
@@ -88,8 +96,10 @@ impl GripState {
         };
         let is_of_wall = |held: &Held| held.target.entity == wall.entity;
         self.held = self.held.take().filter(is_of_wall);
-        let count = openings(wall).len();
-        self.chosen = self.chosen.filter(|number| *number < count);
+        let of = Some((wall.entity, openings(wall).len()));
+        if self.of != of {
+            (self.hovered, self.chosen, self.of) = (None, None, of);
+        }
         let (pointer, pressed, down, no_snap, alt) = ui.input(|input| {
             (
                 input.pointer.latest_pos(),
@@ -127,7 +137,8 @@ impl GripState {
         rest
     }
 
-    /// Takes Delete for an opening, and Esc for a drag.
+    /// Takes Delete for an opening, and Esc for a drag. Other keys wait for the end of a drag, which would undo their
+    /// effect on the wall.
     fn take_keys(&mut self, wall: &BlockTarget, presses: &mut Vec<Press>, commands: &mut Vec<Command>) {
         presses.retain(|press| {
             let is_plain = press.modifiers.is_none();
@@ -147,7 +158,7 @@ impl GripState {
                     *self = Self::default();
                     false
                 }
-                _ => true,
+                _ => self.held.is_none(),
             }
         });
     }
@@ -211,8 +222,12 @@ impl Held {
         };
         let before = openings(&self.target).get(self.number)?;
         let to = on_face(screen, &self.target, pointer)?;
-        let by = [to[0] - self.from[0], to[1] - self.from[1]];
         let units = [0, 2].map(|axis| Vec3::from(self.target.pose.matrix3.col(axis)).length());
+        // A click and the jitter of a straight drag change nothing.
+        let by = [0, 1].map(|axis| {
+            let by = to[axis] - self.from[axis];
+            if by.abs() * units[axis] < 0.5 * step { 0.0 } else { by }
+        });
         let place = place_of(screen, &self.target, to);
         let reach = ATTRACTION * screen.units_per_point(screen.depth(place));
         let snap = |place: f32, axis: usize| {

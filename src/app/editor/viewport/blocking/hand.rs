@@ -22,11 +22,9 @@ pub struct BlockTarget {
     pub pose: Affine3A,
 }
 
-impl BlockTarget {
-    /// Whether it is a wall with openings.
-    pub fn has_openings(&self) -> bool {
-        matches!(&self.shape.kind, ShapeKind::Solid(Solid::Wall { openings, .. }) if !openings.is_empty())
-    }
+/// Whether it is a wall with openings.
+pub fn has_openings(shape: &Shape) -> bool {
+    matches!(&shape.kind, ShapeKind::Solid(Solid::Wall { openings, .. }) if !openings.is_empty())
 }
 
 /// The data that the tools act on.
