@@ -312,3 +312,17 @@ fn numbers_that_are_no_lengths_make_no_wall() {
         assert!(mesh.triangles.is_empty(), "{length}");
     }
 }
+
+#[test]
+fn roofs_beyond_single_precision_have_no_surface() {
+    for form in [RoofForm::Gable, RoofForm::Hip, RoofForm::Shed] {
+        let steep = Roof {
+            overhang: 1e20,
+            height: 1e20,
+            depth: 1e-5,
+            ..large(form, 1.0)
+        };
+        assert!(roof(&steep).triangles.is_empty(), "{form:?}");
+        assert_eq!(steep.corners(), [Vec3::ZERO; 2], "{form:?}");
+    }
+}

@@ -103,6 +103,21 @@ fn a_gltf_file_comes_as_a_group_of_its_name() {
     assert_eq!(things(&mut window.world).1, "card");
 }
 
+/// The outermost group has the name of the file already, and a smaller one is inside it.
+#[test]
+fn the_outermost_group_of_a_gltf_file_is_active() {
+    let mut world = bare_world();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("lamp.gltf");
+    let nodes = r#"{"name": "lamp", "children": [1, 2], "translation": [1, 0, 0]}, {"name": "foot", "mesh": 0},
+        {"name": "shade", "children": [3, 4], "translation": [0, 1, 0]}, {"name": "paper", "mesh": 0}, {"name": "wire", "mesh": 0}"#;
+    std::fs::write(&path, CARD.replace(r#"{"mesh": 0}, LIGHT"#, nodes)).expect("a file");
+    apply(&mut world, SceneEdit::Import(path)).expect("it can be imported");
+    let (names, active) = things(&mut world);
+    assert_eq!(active, "lamp/");
+    assert!(names.iter().any(|name| name == "lamp/shade/"), "{names:?}");
+}
+
 /// Files of the same name from several glTF files lie beside a scene under different names, also if they came between
 /// two saves.
 #[test]

@@ -28,6 +28,7 @@ struct Window {
     commands: Vec<Command>,
     state: ViewportState,
     camera: Camera,
+    wall: BlockTarget,
 }
 
 /// From before the wall and a little above.
@@ -70,10 +71,10 @@ fn window(tool: Tool) -> Harness<'static, Window> {
         commands: Vec::new(),
         state: ViewportState::default(),
         camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
+        wall: wall(),
     };
-    let wall = wall();
     let content = ViewportContent {
-        selection: Selection::of([wall.entity]),
+        selection: Selection::of([wall().entity]),
         ..ViewportContent::default()
     };
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
@@ -81,7 +82,7 @@ fn window(tool: Tool) -> Harness<'static, Window> {
             let presses = presses(ui);
             let empty = content.model([800, 600], pose(), window.camera, &presses);
             let model = ViewportModel {
-                wall: Some(&wall),
+                wall: Some(&window.wall),
                 keys: ActionContext {
                     tool: window.tool,
                     ..empty.keys
@@ -206,4 +207,50 @@ fn delete_fills_the_opening_under_the_pointer() {
     let mut harness = window(Tool::Push);
     begin(&mut harness, on_wall(1.1, 1.5), on_wall(1.6, 1.1));
     assert_eq!(changes(&harness), []);
+}
+
+#[test]
+fn a_click_and_the_jitter_of_a_drag_change_nothing() {
+    let mut harness = window(Tool::Select);
+    // This edge is not on the grid.
+    let edge = on_wall(1.7, 1.5);
+    go(&mut harness, edge);
+    press(&mut harness, edge, true);
+    press(&mut harness, edge, false);
+    harness.run_steps(2);
+    assert_eq!(changes(&harness), []);
+    // The sill is not on the grid either.
+    let (from, to) = (on_wall(1.1, 1.5), on_wall(1.33, 1.53));
+    begin(&mut harness, from, to);
+    press(&mut harness, to, false);
+    harness.run_steps(2);
+    let (openings, _) = changes(&harness).pop().expect("it moved");
+    is(&openings[0], [0.8, 0.9, 1.2, 1.2]);
+}
+
+#[test]
+fn keys_wait_for_the_end_of_a_drag() {
+    let mut harness = window(Tool::Select);
+    begin(&mut harness, on_wall(1.1, 1.5), on_wall(1.33, 1.5));
+    let count = harness.state().commands.len();
+    for key in [Key::Delete, Key::G] {
+        harness.key_press(key);
+        harness.run_steps(2);
+    }
+    assert_eq!(harness.state().commands.len(), count);
+}
+
+#[test]
+fn delete_fills_no_opening_of_a_wall_that_was_selected_later() {
+    let mut harness = window(Tool::Select);
+    let middle = on_wall(1.1, 1.5);
+    go(&mut harness, middle);
+    press(&mut harness, middle, true);
+    press(&mut harness, middle, false);
+    go(&mut harness, on_wall(2.1, 0.3));
+    harness.state_mut().wall.entity = Entity::from_raw_u32(2).expect("a small index is valid");
+    harness.run_steps(2);
+    harness.key_press(Key::Delete);
+    harness.run_steps(2);
+    assert_eq!((changes(&harness), deletes(&harness)), (vec![], true));
 }

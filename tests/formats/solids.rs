@@ -123,16 +123,20 @@ fn roofs_are_saved_as_their_numbers() {
         ROOFS.replace("value=\"9\"", "value=\"7.5\"")
     );
     assert_eq!(solids(&describe(&path).0), solids(&scene));
-    // Other programs get closed meshes.
+    // Other programs get the meshes that are rendered here.
     write_anew(&scene, &new, Extensions::Keep).unwrap();
     let (portable, messages) = describe(&new);
     assert_eq!(messages, [""; 0]);
-    assert!(
-        portable
-            .shapes
-            .iter()
-            .all(|shape| matches!(shape.shape.kind, ShapeKind::Mesh(_)))
-    );
+    assert_eq!(portable.shapes.len(), solids(&scene).len());
+    for (shape, part) in portable.shapes.iter().zip(solids(&scene)) {
+        let ShapeKind::Mesh(file) = &shape.shape.kind else {
+            panic!("{:?} is no mesh", shape.shape.kind);
+        };
+        let mesh = load_mesh(&file.path, &sunroom::files::Access::everywhere()).unwrap();
+        let (read, made) = (&mesh.shapes[0].data, solid_mesh(&part));
+        assert!(!read.triangles.is_empty());
+        assert_eq!((&read.positions, &read.triangles), (&made.positions, &made.triangles));
+    }
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub enum SceneEdit {
 /// The geometry that shapes get.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Replacement {
-    /// That of a mesh file, or of a glTF file with a single shape.
+    /// That of a mesh file, or of a glTF file or a scene with a single shape.
     File(PathBuf),
     /// That of another shape.
     Shape(Entity),

@@ -39,7 +39,7 @@ pub(super) fn dimensions(ui: &mut Ui, bounds: &Aabb, to_world: Option<&mut Affin
 /// of them if edited.
 pub(super) fn sizes(ui: &mut Ui, sizes: &Sizes) -> Option<(usize, f32)> {
     let caption = Caption::from("Size").explained(
-        "A number is the size of each selected thing along that axis of the world, about its own middle. What is turned keeps its size.",
+        "A number is the size of each selected thing along that axis of the world, about its own middle. Turned shapes keep their size.",
     );
     let active = sizes.active.to_array();
     // If the things differ, the number of the active one is an edit, too, and has to differ from the one before.

@@ -257,7 +257,7 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
 }
 
 /// The extensions of files whose mesh other shapes can get.
-const MESHES: &[&str] = &["obj", "ply", "serialized", "glb", "gltf"];
+const MESHES: &[&str] = &["obj", "ply", "serialized", "glb", "gltf", "xml"];
 /// The extensions of files that can be imported: meshes, scenes, volumes, lamps and environments.
 const IMPORTS: &[&str] = &[
     "obj",

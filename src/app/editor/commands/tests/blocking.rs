@@ -4,7 +4,7 @@ use super::*;
 use crate::app::editor::command::blocking::block::Block;
 use crate::app::editor::command::blocking::{BlockKind, Reshaping};
 use crate::app::editor::command::{HistoryCommand, SceneEdit, ToolCommand};
-use crate::scene::{MemberOf, Opening, Solid};
+use crate::scene::{Declared, MemberOf, Opening, ParameterMut, Solid};
 
 #[test]
 fn a_wall_gets_no_more_openings_than_a_file_may_have() {
@@ -166,4 +166,41 @@ fn a_roof_covers_the_selected_walls() {
     }
     say(&mut world, SelectionCommand::Select(Vec::new(), Extend::Replace));
     assert!(apply_now(&mut world, SceneEdit::Cover("hiproof")).is_err());
+}
+
+#[test]
+fn another_form_of_roof_changes_roofs_alone_and_keeps_their_lengths() {
+    let mut world = bare_world();
+    let roof = |width: f32| {
+        let mut part = Solid::of_plugin("gableroof").expect("a roof");
+        part.visit_mut(&mut |info, value| {
+            if let (ParameterMut::Length(length), "width") = (value, info.name) {
+                *length = width;
+            }
+        });
+        part
+    };
+    let kinds = [
+        ShapeKind::Solid(Solid::default()),
+        ShapeKind::Cube,
+        ShapeKind::Solid(roof(4.0)),
+        ShapeKind::Solid(roof(9.0)),
+    ];
+    let shapes = kinds.clone().map(|kind| {
+        let shape = Shape {
+            kind,
+            ..Shape::default()
+        };
+        world.spawn((shape, ToWorld::default())).id()
+    });
+    say(&mut world, SelectionCommand::Select(shapes.to_vec(), Extend::Replace));
+    let hip = |width: f32| ShapeKind::Solid(roof(width).roof_as("hiproof").expect("a roof"));
+    let edited = Shape {
+        kind: hip(9.0),
+        ..Shape::default()
+    };
+    let edit = ValueEdit::SetShape(shapes[3], edited);
+    say(&mut world, EditCommand::OnSelection(Box::new(edit)));
+    let now = shapes.map(|shape| world.get::<Shape>(shape).expect("a shape").kind.clone());
+    assert_eq!(now, [kinds[0].clone(), ShapeKind::Cube, hip(4.0), hip(9.0)]);
 }

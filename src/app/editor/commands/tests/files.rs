@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::app::editor::command::file_access::Question;
+use crate::app::editor::command::scene::Replacement;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::{FileCommand, SceneEdit, ValueEdit};
 use crate::app::editor::session::options::SceneDefines;
@@ -107,10 +108,10 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
         .to_string();
     assert!(error.contains("part.xml") && error.contains("outside"), "{error}");
     let question = world.resource::<TrustedFolders>().question.clone();
-    let Some(Question { files, import, .. }) = &question else {
+    let Some(Question { files, edit, .. }) = &question else {
         panic!("nothing is asked");
     };
-    assert_eq!(import.as_ref(), Some(&scene));
+    assert_eq!(edit.as_ref(), Some(&SceneEdit::Import(scene.clone())));
     let named: Vec<_> = files
         .iter()
         .map(|path| path.canonicalize().expect("it is there"))
@@ -122,6 +123,24 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     say(&mut world, answer);
     apply_commands(&mut world);
     assert_eq!(world.query::<&Shape>().iter(&world).count(), 1);
+
+    // A replacement by the file is repeated as such.
+    let mut world = bare_world();
+    world.insert_resource(Trust::Folders(Vec::new()));
+    world.init_resource::<SceneAccess>();
+    world.init_resource::<TrustedFolders>();
+    let cube = add(&mut world, AdditionKind::Cube);
+    let replace = SceneEdit::Replace(Replacement::File(scene));
+    apply(&mut world, replace).expect_err("it may not be read");
+    let question = world.resource::<TrustedFolders>().question.clone();
+    let answer = Command::Shell(ShellCommand::AllowFiles(question.expect("there is one")));
+    say(&mut world, answer);
+    apply_commands(&mut world);
+    let shapes: Vec<(Entity, &Shape)> = world.query::<(Entity, &Shape)>().iter(&world).collect();
+    assert!(
+        matches!(shapes[..], [(entity, shape)] if entity == cube && matches!(shape.kind, ShapeKind::Sphere { .. })),
+        "{shapes:?}"
+    );
 }
 
 #[test]

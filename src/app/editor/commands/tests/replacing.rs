@@ -46,7 +46,8 @@ fn shapes_keep_everything_but_their_geometry() {
         let mut world = bare_world();
         let source = world.spawn(Shape::default()).id();
         let shapes = two(&mut world);
-        let before = shapes.map(|shape| (rest(&world, shape), world.get::<Shape>(shape).cloned()));
+        let whole = |world: &World, shape| (world.get::<Shape>(shape).cloned(), world.get::<ToWorld>(shape).copied());
+        let before = shapes.map(|shape| (rest(&world, shape), whole(&world, shape)));
         let by = match by_file {
             true => Replacement::File(path.clone()),
             false => Replacement::Shape(source),
@@ -63,7 +64,7 @@ fn shapes_keep_everything_but_their_geometry() {
         }
         say(&mut world, HistoryCommand::Undo);
         for (shape, (_, before)) in shapes.iter().zip(before) {
-            assert_eq!(world.get::<Shape>(*shape).cloned(), before);
+            assert_eq!(whole(&world, *shape), before);
         }
     }
 }
@@ -98,4 +99,22 @@ fn what_is_no_geometry_is_refused() {
     // The source alone has nothing to replace.
     say(&mut world, SelectionCommand::Select(vec![shapes[1]], Extend::Replace));
     assert!(apply_now(&mut world, SceneEdit::Replace(Replacement::Shape(shapes[1]))).is_err());
+}
+
+#[test]
+fn the_shape_of_a_scene_keeps_its_own_transform() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tall.xml");
+    let text = "<scene version='3.0.0'><shape type='cylinder'><transform name='to_world'><scale x='2' y='3' z='4'/>\
+        </transform></shape></scene>";
+    std::fs::write(&path, text).expect("a file");
+    let mut world = bare_world();
+    let [_, cube] = two(&mut world);
+    let before = pose_of(&world, cube).expect("a pose");
+    say(&mut world, SceneEdit::Replace(Replacement::File(path)));
+    let shape = world.get::<Shape>(cube).expect("a shape");
+    assert!(matches!(shape.kind, ShapeKind::Cylinder { .. }), "{shape:?}");
+    let expected = before * Affine3A::from_scale(Vec3::new(2.0, 3.0, 4.0));
+    let now = pose_of(&world, cube).expect("a pose");
+    assert!(now.abs_diff_eq(expected, 1e-5), "{now:?} {expected:?}");
 }

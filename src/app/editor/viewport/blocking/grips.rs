@@ -223,13 +223,14 @@ impl Held {
         let before = openings(&self.target).get(self.number)?;
         let to = on_face(screen, &self.target, pointer)?;
         let units = [0, 2].map(|axis| Vec3::from(self.target.pose.matrix3.col(axis)).length());
-        // A click and the jitter of a straight drag change nothing.
-        let by = [0, 1].map(|axis| {
-            let by = to[axis] - self.from[axis];
-            if by.abs() * units[axis] < 0.5 * step { 0.0 } else { by }
-        });
         let place = place_of(screen, &self.target, to);
         let reach = ATTRACTION * screen.units_per_point(screen.depth(place));
+        // A click and the jitter of a straight drag change nothing.
+        let slack = reach.min(0.5 * step);
+        let by = [0, 1].map(|axis| {
+            let by = to[axis] - self.from[axis];
+            if by.abs() * units[axis] < slack { 0.0 } else { by }
+        });
         let snap = |place: f32, axis: usize| {
             if step <= 0.0 {
                 return place;
