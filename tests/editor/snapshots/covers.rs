@@ -350,7 +350,7 @@ pub fn access_to_files() -> RgbImage {
         files,
         folders: vec!["/elsewhere".into()],
         is_needed: false,
-        import: None,
+        edit: None,
     };
     let show = |context: &Context, asked: &mut Option<AccessQuestion>| {
         trust_question::question(context, asked, &mut Vec::new());
