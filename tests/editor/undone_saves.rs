@@ -90,7 +90,7 @@ fn original() -> [String; 2] {
 }
 
 /// Lines of a script, which are done after each other.
-const EDITS: [&[&str]; 13] = [
+const EDITS: [&[&str]; 14] = [
     &["set first radius 2"],
     &["set paint reflectance 0.2"],
     &["select second", "delete"],
@@ -104,6 +104,8 @@ const EDITS: [&[&str]; 13] = [
     &["rename first other"],
     &["select second", "duplicate", "select last", "delete"],
     &["make paint conductor"],
+    // What was inside a material that nothing uses any more.
+    &["wrap diffuse mask", "material-of rectangle", "assign diffuse-2 last"],
 ];
 
 #[test]

@@ -46,7 +46,9 @@ pub(super) struct Expected {
 
 #[derive(Debug, PartialEq)]
 enum Found {
-    AsExpected,
+    AsRead,
+    /// With a text that was written here, but could not be read again.
+    AsKnown,
     Gone,
     Changed,
 }
@@ -106,9 +108,10 @@ impl Expected {
         };
         let is_as_read = self.read.as_ref().is_some_and(|source| is_text_of(source, &text));
         let is_known = self.known.iter().any(|known| known.as_ref() == Some(&text));
-        Ok(match is_as_read || is_known {
-            true => Found::AsExpected,
-            false => Found::Changed,
+        Ok(match (is_as_read, is_known) {
+            (true, _) => Found::AsRead,
+            (false, true) => Found::AsKnown,
+            (false, false) => Found::Changed,
         })
     }
 }
@@ -174,7 +177,8 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
 }
 
 /// Writes the files and those of the set unless an expected one has changed; returns the written texts, or None.
-/// Missing expected files are written again, and with `overwrites` changed ones are replaced.
+/// Missing expected files are written again, also those that an unreadable save has left otherwise than they were read,
+/// and with `overwrites` changed ones are replaced.
 pub(super) fn replace_files(
     expected: &[Expected],
     files: Vec<(PathBuf, String)>,
@@ -184,9 +188,9 @@ pub(super) fn replace_files(
     let mut all = Vec::new();
     for file in expected {
         match file.look()? {
-            Found::AsExpected => continue,
+            Found::AsRead => continue,
             Found::Changed if !overwrites => return Ok(None),
-            Found::Changed | Found::Gone => {}
+            Found::AsKnown | Found::Changed | Found::Gone => {}
         }
         let is_written = files.iter().any(|(path, _)| *path == file.path);
         if let Some(source) = file.read.as_ref().filter(|_| !is_written) {

@@ -59,8 +59,10 @@ impl<'s> Writer<'s> {
                     .map(|material| (DeclarationPlace::Shape(owner), material)),
             );
         }
+        let is_written = written_materials(scene);
         for (owner, material) in scene.materials.iter().enumerate() {
             let nested = material.first.into_iter().chain(material.second);
+            let nested = nested.filter(|_| is_written[owner]);
             uses.extend(nested.map(|inner| (DeclarationPlace::Material(owner), inner)));
         }
         let mut is_used = vec![false; count];
@@ -362,6 +364,25 @@ impl<'s> Writer<'s> {
         }
         children
     }
+}
+
+/// For each material whether it is written: used by a shape, declared at the top level, with an id, or inside such a
+/// one. A material that others use is written even if the one around it is not.
+fn written_materials(scene: &SceneDescription) -> Vec<bool> {
+    let is_kept = |index: &usize| {
+        let material = &scene.materials[*index];
+        material.declared_in == DeclarationPlace::TopLevel || material.identity.id.is_some()
+    };
+    let mut waiting: Vec<usize> = (0..scene.materials.len()).filter(is_kept).collect();
+    waiting.extend(scene.shapes.iter().filter_map(|shape| shape.material));
+    let mut is_written = vec![false; scene.materials.len()];
+    while let Some(index) = waiting.pop() {
+        if !std::mem::replace(&mut is_written[index], true) {
+            let material = &scene.materials[index];
+            waiting.extend(material.first.into_iter().chain(material.second));
+        }
+    }
+    is_written
 }
 
 /// Gives ids to referenced objects. The first use becomes the declaration, and every other use refers to it and needs

@@ -54,6 +54,9 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "wall",
         "stairs",
         "prism",
+        "gableroof",
+        "hiproof",
+        "shedroof",
         "area",
         "point",
         "spot",
@@ -61,7 +64,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(42) {
+    match random.below(44) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -179,6 +182,17 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             random.below(90),
             1 + random.below(5)
         )),
+        42 => Some(vec![
+            format!("select {} {}", shape?, random.one_of(&shapes)?),
+            format!("resize {} 0.{}", ["x", "y", "z"][random.below(3)], 1 + random.below(9)),
+        ]),
+        43 => Some(vec![
+            format!("select {} {}", shape?, random.one_of(&shapes)?),
+            match random.below(2) {
+                0 => format!("replace {}", random.one_of(&shapes)?),
+                _ => format!("cover {}", ["gableroof", "hiproof", "shedroof"][random.below(3)]),
+            },
+        ]),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
             1 + random.below(5)
