@@ -69,7 +69,12 @@ impl Grip {
                         spans[axis] = shifted(spans[axis], by[axis], most[axis], |place| snap(place, axis));
                     }
                 }
-                return Some(of(spans));
+                // The size stays to the last digit.
+                return Some(Opening {
+                    from: spans[0][0],
+                    sill: spans[1][0],
+                    ..*opening
+                });
             }
             Self::Left => (0, false),
             Self::Right => (0, true),
@@ -91,7 +96,19 @@ impl Grip {
                 end,
             ],
         };
-        Some(of(spans))
+        let [start, end] = spans[axis];
+        Some(match axis {
+            0 => Opening {
+                from: start,
+                width: end - start,
+                ..*opening
+            },
+            _ => Opening {
+                sill: start,
+                height: end - start,
+                ..*opening
+            },
+        })
     }
 }
 
@@ -108,15 +125,6 @@ fn shifted([start, end]: [f32; 2], by: f32, most: f32, snap: impl Fn(f32) -> f32
     };
     let to = to.clamp(0.0, (most - extent).max(0.0));
     [to, to + extent]
-}
-
-fn of([along, upward]: [[f32; 2]; 2]) -> Opening {
-    Opening {
-        from: along[0],
-        sill: upward[0],
-        width: along[1] - along[0],
-        height: upward[1] - upward[0],
-    }
 }
 
 #[cfg(test)]
