@@ -1,5 +1,5 @@
-//! Meshes of walls, stairs, prisms and roofs: closed, with outward normals, of the right volume, with texture
-//! coordinates in lengths.
+//! Meshes of walls, stairs, prisms and roofs: closed, with outward normals, of the right volume, with texture coordinates
+//! in lengths.
 
 use std::collections::HashMap;
 use std::f32::consts::TAU;

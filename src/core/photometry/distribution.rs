@@ -83,8 +83,7 @@ impl Distribution {
         ascending("vertical", &vertical, lowest, highest)?;
         ascending("horizontal", &horizontal, -360.0, 720.0)?;
         for candela in planes.iter_mut().flatten() {
-            // False for numbers that are none.
-            if !(*candela <= BRIGHTEST) {
+            if *candela > BRIGHTEST || candela.is_nan() {
                 return Err(format!("an intensity of {candela} candela is beyond {BRIGHTEST:e}"));
             }
             *candela = candela.max(0.0);
@@ -231,7 +230,9 @@ fn step(angles: &[f64], whole: u32) -> u32 {
 
 /// The smallest divisor of `whole` above another one.
 fn next_divisor(whole: u32, divisor: u32) -> u32 {
-    (divisor + 1..=whole).find(|next| whole % next == 0).unwrap_or(whole)
+    (divisor + 1..=whole)
+        .find(|next| whole.is_multiple_of(*next))
+        .unwrap_or(whole)
 }
 
 /// The integral of the hat function of a row over its directions, divided by 2 pi: the solid angles by which rows

@@ -41,10 +41,10 @@ impl Question {
 
     /// The file of the edit, which names the others.
     pub fn file(&self) -> Option<&Path> {
-        match self.edit.as_ref()? {
-            SceneEdit::Import(path) | SceneEdit::Replace(Replacement::File(path)) => Some(path),
-            _ => None,
-        }
+        let (SceneEdit::Import(path) | SceneEdit::Replace(Replacement::File(path))) = self.edit.as_ref()? else {
+            return None;
+        };
+        Some(path)
     }
 }
 

@@ -150,8 +150,8 @@ pub(crate) fn ask_about_edit(world: &mut World, edit: SceneEdit, files: Vec<Path
     }
 }
 
-/// Allows the folders from now on, remembers them, and loads the files, or repeats the edit that needs them. Edits of the
-/// open scene stay.
+/// Allows the folders from now on, remembers them, and loads the files, or repeats the edit that needs them. Edits of
+/// the open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
     if let Some(edit) = &question.edit {
         allow_answered(world, question, question.file().unwrap_or(Path::new("")));
