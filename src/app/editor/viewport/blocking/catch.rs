@@ -151,7 +151,7 @@ impl BlockTarget {
         match &self.shape.kind {
             ShapeKind::Solid(Solid::Prism { .. }) => None,
             ShapeKind::Solid(part) if part.roof().is_some() => None,
-            ref kind => corners(kind, &self.pose),
+            kind => corners(kind, &self.pose),
         }
     }
 }
