@@ -53,6 +53,8 @@ pub fn picture() -> Harness<'static, Picture> {
                 let name = ui.label("number").id;
                 ui.add(egui::DragValue::new(&mut picture.number)).labelled_by(name);
             });
+            // A field that may ask for a colour.
+            let _ = pipette::take(ui.ctx(), egui::Id::new("field"));
             let presses = presses(ui);
             let camera = Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None);
             let empty = content.model([200, 100], picture.pose, camera, &presses);

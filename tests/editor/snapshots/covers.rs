@@ -262,7 +262,9 @@ fn picture(icons: Vec<Icon>) -> RgbImage {
             selection: Selection::of([entity(1)]),
             ..ViewportContent::default()
         };
-        let pose = Affine3A::look_to_rh(Vec3::new(0.0, 1.5, 4.0), Vec3::new(0.0, -0.3, -1.0), Vec3::Y).inverse();
+        // Along -z and a little down.
+        let turn = Quat::from_rotation_y(std::f32::consts::PI) * Quat::from_rotation_x(0.3);
+        let pose = Affine3A::from_rotation_translation(turn, Vec3::new(0.0, 1.5, 4.0));
         let camera = Camera::new(pose, 60.0, 4.0 / 3.0, 0.01, 100.0, None);
         let model = ViewportModel {
             picture: Some((TextureId::User(0), [640, 480])),

@@ -22,10 +22,10 @@ use rasteriser::{Textures, draw};
 const STEP: u8 = 8;
 /// The pixels at which a channel differs by more than so much, of 255, are counted in tiles: those of a letter.
 const CLEAR: u8 = 3 * STEP;
-/// The edge of a tile in pixels, and the number of clear differences that a tile may have: some pixels of a letter's
-/// edge, but not a letter.
+/// The edge of a tile in pixels, and the number of clear differences that a tile may have: fewer than those of a full
+/// stop.
 const TILE: u32 = 32;
-const MOST_IN_TILE: u32 = 2;
+const MOST_IN_TILE: u32 = 1;
 /// The pixels at which a channel differs by more than so much are counted in the whole picture: those of a fill.
 const FAINT: u8 = STEP;
 /// The largest share of faint differences.

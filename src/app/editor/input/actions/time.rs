@@ -28,7 +28,7 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Time, "timeline-shown", "Timeline", &[alt(Key::T)], |context| {
         Some(TimeCommand::ShowTimeline(!context.timeline_shown).into())
     }),
-    action(Group::Time, "play", "Play or hold", &[shift(Key::Space)], |context| {
+    action(Group::Time, "play", "Play", &[shift(Key::Space)], |context| {
         Some(TimeCommand::SetPlaying(!context.playing).into())
     }),
     step!("first-frame", "First frame", &[], FirstFrame),

@@ -69,7 +69,7 @@ pub const ACTIONS: &[Action] = &[
     action(
         Group::View,
         "four-views",
-        "One view or four",
+        "Four views",
         &[plain(Key::V), command_alt(Key::Q)],
         |context| Some(ViewCommand::ShowSideViews(!context.side_views.shown).into()),
     ),
