@@ -365,7 +365,7 @@ fn a_lamp_lights_its_surroundings_by_its_intensities() {
         scene.light(LightSource::Luminaire(luminaire(name, scale)));
         let scene = scene.build();
         for (gamma, c) in [
-            (0.0, 0.0),
+            (0.5, 0.0),
             (20.0, 35.0),
             (45.0, 200.0),
             (62.0, 300.0),

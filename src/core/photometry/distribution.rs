@@ -125,7 +125,11 @@ impl Distribution {
             Geometry::TypeB => (y.atan2(z), (-x).clamp(-1.0, 1.0).asin()),
             Geometry::TypeA => (y.clamp(-1.0, 1.0).asin(), (-x).atan2(z)),
         };
-        let (vertical, horizontal) = (angles.0.to_degrees(), angles.1.to_degrees());
+        self.at(angles.0.to_degrees(), angles.1.to_degrees())
+    }
+
+    /// The intensity in candela at a vertical and a horizontal angle in degrees.
+    fn at(&self, vertical: f64, horizontal: f64) -> f64 {
         let is_half = self.vertical[0] == 0.0 && self.geometry != Geometry::TypeC;
         let vertical = if is_half { vertical.abs() } else { vertical };
         let (Some(row), Some(plane)) = (
@@ -193,11 +197,17 @@ impl Distribution {
         }
         let mut candela = Vec::with_capacity(rows as usize * columns as usize);
         for row in 0..rows {
-            let (sin_gamma, cos_gamma) = (180.0 - f64::from(row * vertical) / 100.0).to_radians().sin_cos();
+            let gamma = 180.0 - f64::from(row * vertical) / 100.0;
+            let (sin_gamma, cos_gamma) = gamma.to_radians().sin_cos();
             for column in 0..columns {
-                let (sin_c, cos_c) = (-std::f64::consts::TAU * f64::from(column) / f64::from(columns)).sin_cos();
+                let c = -360.0 * f64::from(column) / f64::from(columns);
+                let (sin_c, cos_c) = c.to_radians().sin_cos();
                 let direction = DVec3::new(sin_gamma * cos_c, -sin_gamma * sin_c, cos_gamma);
-                candela.push(self.intensity(direction) as f32);
+                // At the poles the planes of a file may differ, where a direction has no horizontal angle.
+                candela.push(match is_of_type_c {
+                    true => self.at(gamma, c) as f32,
+                    false => self.intensity(direction) as f32,
+                });
             }
         }
         IntensityPicture {
