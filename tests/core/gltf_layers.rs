@@ -12,7 +12,7 @@ fn read(material: &str, texels: [[u8; 4]; 2]) -> (Object, Vec<(String, image::Rg
     read_with(material, texels, false)
 }
 
-/// As [`read`], where the vertices may be white.
+/// The same as [`read`] gives, for a square whose vertices may be white.
 fn read_with(
     material: &str,
     texels: [[u8; 4]; 2],

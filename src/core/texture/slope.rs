@@ -35,7 +35,7 @@ impl Change {
         }
     }
 
-    /// That of coordinates after a map.
+    /// The change of the coordinates after a map.
     fn mapped(&self, map: &Affine2) -> Self {
         Self {
             by_surface: map.matrix2 * self.by_surface,
@@ -44,7 +44,7 @@ impl Change {
         }
     }
 
-    /// That of the coordinates inside a box projection.
+    /// The change of the coordinates inside a box projection.
     fn in_box(&self, projection: &BoxProjection) -> Self {
         let on_side = match &self.object {
             Some(object) => {

@@ -53,8 +53,8 @@ pub(in crate::scene) struct LyingBox {
 const BYTES_PER_TRIANGLE: u64 = 250;
 
 impl LyingBox {
-    /// That of a shape whose mesh has the transform `shape_from_mesh`, and of a member of a group in an instance placed
-    /// by `placement`. None unless all textures of the shape are box projections with the same upward axis.
+    /// The box of a shape whose mesh has the transform `shape_from_mesh`, or of a member of a group in an instance
+    /// placed by `placement`. None unless all textures of the shape are box projections with the same upward axis.
     pub fn of(
         scene: &SceneDescription,
         shape: &ShapeDescription,

@@ -128,14 +128,14 @@ struct Period {
 }
 
 impl Period {
-    /// That of a texture which does not repeat.
+    /// The period of a texture that does not repeat.
     const PLANE: Self = Self {
         to_axes: Affine2::IDENTITY,
         lengths: Vec2::splat(EXTENT),
         bricks: None,
     };
 
-    /// That of the first bricks in a texture; None without any.
+    /// The period of the first bricks in a texture; None without any.
     fn of_bricks(texture: &Texture) -> Option<Self> {
         if let Texture::Pattern(pattern) = texture
             && let Pattern::Bricks { .. } = **pattern
@@ -150,7 +150,7 @@ impl Period {
         Self::nested(texture, &Self::of_bricks)
     }
 
-    /// That of the first picture or checkerboard in a texture; None without any.
+    /// The period of the first picture or checkerboard in a texture; None without any.
     fn of_picture(texture: &Texture) -> Option<Self> {
         let (to_axes, lengths) = match texture {
             Texture::Bitmap(bitmap) => {
@@ -172,7 +172,7 @@ impl Period {
         })
     }
 
-    /// That of the first texture inside another that has one.
+    /// The period of the first texture inside another that repeats.
     fn nested(texture: &Texture, of: &dyn Fn(&Texture) -> Option<Self>) -> Option<Self> {
         let mut found = None;
         texture.for_each_nested(&mut |nested| found = found.or_else(|| of(nested)));

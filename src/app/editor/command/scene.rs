@@ -56,9 +56,9 @@ pub enum SceneEdit {
 /// The geometry that shapes get.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Replacement {
-    /// That of a mesh file, or of a glTF file or a scene with a single shape.
+    /// The geometry of a mesh file, or of a glTF file or a scene with a single shape.
     File(PathBuf),
-    /// That of another shape.
+    /// The geometry of another shape.
     Shape(Entity),
 }
 

@@ -109,10 +109,10 @@ fn other_roof(edit: &Edit, entity: Entity, after: &Shape) -> Option<&'static str
 }
 
 fn part_of(shape: &Shape) -> Option<&Solid> {
-    match &shape.kind {
-        ShapeKind::Solid(part) => Some(part),
-        _ => None,
-    }
+    let ShapeKind::Solid(part) = &shape.kind else {
+        return None;
+    };
+    Some(part)
 }
 
 /// Gives a roof and the other selected roofs this form. They keep their lengths, and lose the key frames of those that
