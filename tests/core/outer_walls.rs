@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
+use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::primitives::unit_cube;
+use sunroom::geometry::solid::{Roof, RoofForm};
 use sunroom::math::Ray;
 use sunroom::render::visibility::outer_walls::OuterWalls;
 use sunroom::render::visibility::sight::Sight;
@@ -47,14 +49,36 @@ fn house() -> Vec<Solid> {
     ]
 }
 
+fn mesh(mesh: MeshData) -> Primitive {
+    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
+}
+
 /// What a camera ray from `from` to `to` meets, in a scene that is turned by `turned` as a whole.
 fn met(solids: &[Solid], turned: Quat, from: [f32; 3], to: [f32; 3]) -> Option<&'static str> {
-    let cube = Primitive::Mesh(Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah)));
+    met_under(None, solids, turned, from, to)
+}
+
+/// The same below a roof, whose lower side is at this height.
+fn met_under(
+    roof: Option<(Roof, f32)>,
+    solids: &[Solid],
+    turned: Quat,
+    from: [f32; 3],
+    to: [f32; 3],
+) -> Option<&'static str> {
+    let cube = mesh(unit_cube());
     let place = |solid: &Solid| {
         let at = Affine3A::from_scale_rotation_translation(solid.half, turned, turned * solid.center);
         Instance::new(cube.clone(), at).expect("it can be inverted")
     };
-    let scene = Tlas::build(solids.iter().map(place).collect(), SplitMethod::Sah);
+    let mut instances: Vec<Instance> = solids.iter().map(place).collect();
+    if let Some((roof, height)) = roof {
+        let upright = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+        let at = Affine3A::from_rotation_translation(turned * upright, turned * (height * Vec3::Y));
+        let shape = mesh(sunroom::geometry::solid::roof(&roof));
+        instances.push(Instance::new(shape, at).expect("it can be inverted"));
+    }
+    let scene = Tlas::build(instances, SplitMethod::Sah);
     let sight = Sight {
         passes_backs: true,
         outer_walls: OuterWalls::find(&scene),
@@ -62,7 +86,7 @@ fn met(solids: &[Solid], turned: Quat, from: [f32; 3], to: [f32; 3]) -> Option<&
     };
     let [from, to] = [from, to].map(|point| turned * Vec3::from(point));
     let hit = scene.intersect(&sight.narrow(&scene, Ray::new(from, to - from)))?;
-    Some(solids[hit.instance as usize].name)
+    Some(solids.get(hit.instance as usize).map_or("roof", |solid| solid.name))
 }
 
 #[test]
@@ -113,4 +137,59 @@ fn an_upper_storey_hides_the_lower_one() {
     }));
     let met = |from, to| met(&storeys, Quat::IDENTITY, from, to);
     assert_eq!(met([2.0, 15.0, 1.0], [2.0, 0.0, 1.0]), Some("floor"));
+}
+
+#[test]
+fn one_sees_the_plan_below_a_roof() {
+    let without_ceiling: Vec<Solid> = house().into_iter().filter(|solid| solid.name != "ceiling").collect();
+    let turned = Quat::from_rotation_y(0.6);
+    for form in [RoofForm::Gable, RoofForm::Hip, RoofForm::Shed] {
+        let roof = |height| Roof {
+            form,
+            width: 8.4,
+            depth: 4.4,
+            height,
+            overhang: 0.3,
+            thickness: 0.2,
+            gable: 0.2,
+        };
+        for (solids, base) in [(&house(), 3.2), (&without_ceiling, 3.0)] {
+            for height in [0.8, 2.0] {
+                let met = |from, to| met_under(Some((roof(height), base)), solids, turned, from, to);
+                assert_eq!(
+                    met([-2.0, 12.0, 0.2], [-2.0, 0.0, 0.2]),
+                    Some("table top"),
+                    "{form:?} {height} {base}"
+                );
+                assert_eq!(
+                    met([2.0, 12.0, 1.0], [2.0, 0.0, 1.0]),
+                    Some("stool"),
+                    "{form:?} {height} {base}"
+                );
+                // From the side the roof is seen, and from within as well.
+                assert_eq!(
+                    met([2.0, base + 0.3, 30.0], [2.0, base + 0.3, 0.0]),
+                    Some("roof"),
+                    "{form:?} {height} {base}"
+                );
+                assert_eq!(
+                    met([9.0, 12.0, 9.0], [9.0, 0.0, 9.0]),
+                    Some("lawn"),
+                    "{form:?} {height} {base}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_thick_top_on_a_chest_is_seen() {
+    let mut furniture = house();
+    furniture.retain(|solid| ["lawn", "floor", "south", "west"].contains(&solid.name));
+    // A chest in a corner of an open room, and a block on the lawn.
+    furniture.push(solid("chest", [-3.3, 0.5, 1.5], [0.6, 0.5, 0.4]));
+    furniture.push(solid("block", [20.0, 0.8, 0.0], [2.0, 1.0, 2.0]));
+    let met = |from, to| met(&furniture, Quat::IDENTITY, from, to);
+    assert_eq!(met([-3.3, 9.0, 1.5], [-3.3, 0.0, 1.5]), Some("chest"));
+    assert_eq!(met([20.0, 9.0, 0.0], [20.0, 0.0, 0.0]), Some("block"));
 }

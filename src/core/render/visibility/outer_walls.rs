@@ -1,10 +1,11 @@
-//! The outer walls of rooms, which a camera outside sees through: ceilings, floors and walls that are solid and have a
-//! front on either side.
+//! The outer walls of rooms, which a camera outside sees through: roofs, ceilings, floors and walls that are solid and
+//! have a front on either side.
 //!
 //! Scenes do not mark walls, so they are detected by geometry. A wall is a flat shape that at least two other flat
 //! shapes touch at right angles. Its outer side is the one with next to no shapes: the room is on the other one. A wall
 //! between two rooms has no outer side, and neither has a table top or a board of a shelf under a ceiling, which covers
-//! it.
+//! it. A roof with slopes is as high as a wall or higher: it is a mesh that lies on at least two walls or on a ceiling,
+//! with next to no shapes on its other side.
 
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ use crate::math::Aabb;
 
 /// The largest thickness of a flat shape, relative to its width.
 const THICKNESS: f32 = 0.2;
+/// The same of a roof.
+const ROOF_THICKNESS: f32 = 1.0;
 /// The most walls of a scene, the largest ones.
 const MOST: usize = 64;
 /// The most shapes of a scene in which walls are detected: the detection runs between two frames of a window, even
@@ -34,6 +37,8 @@ const OUTER_FACE: f32 = 0.7;
 const SEEN_FROM_OUTSIDE: f32 = 0.3;
 /// A shape that hides this share of a wall's width and height from outside covers it.
 const COVERED: f32 = 0.9;
+/// The least area of a ceiling that carries a roof, relative to the roof's.
+const CEILING: f32 = 0.5;
 
 /// The outer walls of a scene: the items of its hierarchy, in their order, each with the unit vector that points out of
 /// the room, in world space.
@@ -59,27 +64,23 @@ impl OuterWalls {
         if scene.instances().len() > MOST_SHAPES {
             return Self::default();
         }
-        let mut slabs: Vec<Slab> = (0..).zip(scene.instances().iter()).filter_map(slab).collect();
-        if slabs.len() > MOST {
-            let larger = |a: &Slab, b: &Slab| b.area().total_cmp(&a.area()).then(a.item.cmp(&b.item));
-            slabs.select_nth_unstable_by(MOST, larger);
-            slabs.truncate(MOST);
-        }
-        let bounds: Vec<Aabb> = scene.instances().iter().map(Instance::world_bounds).collect();
-        let is_wall = |slab: &&Slab| {
-            let (own, gap) = (bounds[slab.item as usize], GAP * slab.extent[0].max(slab.extent[1]));
-            let near = Aabb {
-                min: own.min - gap,
-                max: own.max + gap,
-            };
-            let touches = |other: &&Slab| {
-                slab.normal.dot(other.normal).abs() < PERPENDICULAR
-                    && !near.intersection(bounds[other.item as usize]).is_empty()
-            };
-            slabs.iter().filter(touches).count() >= NEIGHBOURS
-        };
+        let flat_or_thick = (0..).zip(scene.instances().iter()).filter_map(slab);
+        let (mut slabs, mut thick): (Vec<Slab>, Vec<Slab>) = flat_or_thick.partition(Slab::is_flat);
+        keep_largest(&mut slabs);
+        keep_largest(&mut thick);
+        let mut bounds: Vec<Aabb> = scene.instances().iter().map(Instance::world_bounds).collect();
+        let roofs = thick.iter().filter_map(|slab| slab.roof(&slabs, &bounds));
+        let mut walls: Vec<(u32, Vec3)> = roofs.collect();
+        // A roof does not cover the ceiling below it: both are in front of the rooms.
+        walls.iter().for_each(|(item, _)| bounds[*item as usize] = Aabb::EMPTY);
         let outer = |slab: &Slab| Some((slab.item, slab.outwards(&bounds)?));
-        let mut walls: Vec<(u32, Vec3)> = slabs.iter().filter(is_wall).filter_map(outer).collect();
+        walls.extend(
+            slabs
+                .iter()
+                .filter(|slab| slab.is_wall(&slabs, &bounds))
+                .filter_map(outer),
+        );
+        walls.truncate(MOST);
         walls.sort_by_key(|(item, _)| *item);
         Self(Arc::new(walls))
     }
@@ -101,13 +102,26 @@ impl OuterWalls {
     }
 }
 
+/// Keeps the largest of the slabs.
+fn keep_largest(slabs: &mut Vec<Slab>) {
+    if slabs.len() > MOST {
+        let larger = |a: &Slab, b: &Slab| b.area().total_cmp(&a.area()).then(a.item.cmp(&b.item));
+        slabs.select_nth_unstable_by(MOST, larger);
+        slabs.truncate(MOST);
+    }
+}
+
+/// A shape as a slab; None if it can be neither a wall nor a roof.
 fn slab((item, shape): (u32, &Instance)) -> Option<Slab> {
-    let local = match &shape.primitive {
-        Primitive::Mesh(blas) => blas.bounds(),
-        Primitive::Rectangle | Primitive::Disk => Aabb {
-            min: Vec3::new(-1.0, -1.0, 0.0),
-            max: Vec3::new(1.0, 1.0, 0.0),
-        },
+    let (local, most) = match &shape.primitive {
+        Primitive::Mesh(blas) => (blas.bounds(), ROOF_THICKNESS),
+        Primitive::Rectangle | Primitive::Disk => {
+            let flat = Aabb {
+                min: Vec3::new(-1.0, -1.0, 0.0),
+                max: Vec3::new(1.0, 1.0, 0.0),
+            };
+            (flat, THICKNESS)
+        }
         Primitive::Sphere | Primitive::Cylinder | Primitive::Curves(_) => return None,
     };
     let half = 0.5 * local.extent();
@@ -120,7 +134,7 @@ fn slab((item, shape): (u32, &Instance)) -> Option<Slab> {
         return None;
     };
     let normal = across.cross(along).try_normalize()?;
-    (thickness <= THICKNESS * width).then(|| Slab {
+    (thickness <= most * width).then(|| Slab {
         item,
         center: shape.world_from_local.transform_point3(local.center()),
         normal,
@@ -133,6 +147,46 @@ fn slab((item, shape): (u32, &Instance)) -> Option<Slab> {
 impl Slab {
     fn area(&self) -> f32 {
         self.extent[0] * self.extent[1]
+    }
+
+    fn is_flat(&self) -> bool {
+        self.thickness <= THICKNESS * self.extent[0]
+    }
+
+    /// The bounds in world space of the shape and of what touches it.
+    fn near(&self, bounds: &[Aabb]) -> Aabb {
+        let (own, gap) = (bounds[self.item as usize], GAP * self.extent[0].max(self.extent[1]));
+        Aabb {
+            min: own.min - gap,
+            max: own.max + gap,
+        }
+    }
+
+    /// Whether enough flat shapes touch this one at right angles.
+    fn is_wall(&self, slabs: &[Self], bounds: &[Aabb]) -> bool {
+        let near = self.near(bounds);
+        let touches = |other: &&Self| {
+            self.normal.dot(other.normal).abs() < PERPENDICULAR
+                && !near.intersection(bounds[other.item as usize]).is_empty()
+        };
+        slabs.iter().filter(touches).count() >= NEIGHBOURS
+    }
+
+    /// The item and the outward direction if this is a roof: it has an outer side, and on the inner one it lies on at
+    /// least two walls or on a ceiling as wide as itself.
+    fn roof(&self, slabs: &[Self], bounds: &[Aabb]) -> Option<(u32, Vec3)> {
+        let outwards = self.outwards(bounds)?;
+        let near = self.near(bounds);
+        let carries = |other: &&Self| {
+            // The eaves of a roof hang below what carries it.
+            let is_below = (other.center - self.center).dot(outwards) < -0.5 * self.thickness;
+            is_below && !near.intersection(bounds[other.item as usize]).is_empty()
+        };
+        let carrying = slabs.iter().filter(carries);
+        let (ceilings, walls): (Vec<&Self>, Vec<&Self>) =
+            carrying.partition(|other| self.normal.dot(other.normal).abs() > PERPENDICULAR);
+        let is_wide = |ceiling: &&Self| ceiling.area() >= CEILING * self.area();
+        (walls.len() >= NEIGHBOURS || ceilings.iter().any(is_wide)).then_some((self.item, outwards))
     }
 
     /// The direction that points out of the room; None if there are shapes on both sides, or on neither.
