@@ -133,6 +133,7 @@ pub fn window(tool: Tool) -> Harness<'static, Window> {
         state: ViewportState::default(),
         tool,
         views: SideViews {
+            closed: [false; 3],
             shown: true,
             clay: false,
             places: places(),
@@ -184,6 +185,7 @@ pub fn window(tool: Tool) -> Harness<'static, Window> {
             for command in &commands {
                 match command {
                     Command::View(ViewCommand::ShowSideViews(shown)) => window.views.shown = *shown,
+                    Command::View(ViewCommand::CloseSideView(side, closed)) => window.views.closed[*side] = *closed,
                     Command::View(ViewCommand::PlaceSideView(side, place)) => {
                         window.views.places[*side] = Some(*place);
                     }
@@ -249,6 +251,20 @@ fn click(harness: &mut Harness<Window>, pos: Pos2) {
     press(harness, PointerButton::Primary, pos, true);
     press(harness, PointerButton::Primary, pos, false);
     harness.run_steps(2);
+}
+
+#[test]
+fn each_side_view_shows_outer_walls_or_sees_through_them() {
+    let mut harness = window(Tool::Select);
+    let front = at(&harness, 1, Vec3::ZERO);
+    go(&mut harness, front);
+    for closed in [true, false] {
+        harness.key_press_modifiers(Modifiers::ALT, Key::W);
+        harness.run_steps(2);
+        assert_eq!(harness.state().views.closed, [false, closed, false]);
+    }
+    let asked = |command: &Command| matches!(command, Command::View(ViewCommand::SetSeeing(_)));
+    assert!(!harness.state().commands.iter().any(asked), "the main view stays");
 }
 
 #[test]

@@ -28,6 +28,8 @@ pub struct SideViews {
     pub clay: bool,
     /// The place of each of [`SIDES`]; None until the scene has been framed.
     pub places: [Option<SidePlace>; 3],
+    /// Whether each of [`SIDES`] shows outer walls and roofs in place of the rooms behind them.
+    pub closed: [bool; 3],
 }
 
 /// The part of the world that a side view shows.
@@ -52,6 +54,14 @@ impl SideViews {
     pub(crate) fn with_place(mut self, side: usize, place: SidePlace) -> Self {
         if let Some(old) = self.places.get_mut(side).filter(|_| place.is_possible()) {
             *old = Some(place);
+        }
+        self
+    }
+
+    /// The settings in which the side view with this number shows outer walls, or else the rooms behind them.
+    pub(crate) fn with_closed(mut self, side: usize, closed: bool) -> Self {
+        if let Some(old) = self.closed.get_mut(side) {
+            *old = closed;
         }
         self
     }

@@ -63,6 +63,8 @@ pub enum ViewCommand {
     ShowSideViews(bool),
     /// Shows the surfaces in side views in one grey, or in their own colours.
     ShowSidesInClay(bool),
+    /// Shows the outer walls and roofs in the side view with this number, or the rooms behind them.
+    CloseSideView(usize, bool),
     /// Sets the place of the side view with this number.
     PlaceSideView(usize, SidePlace),
 }
@@ -81,7 +83,9 @@ impl ViewCommand {
             | Self::CutOpen
             | Self::Isolate(_) => Traits::VIEW,
             Self::TurnAbout(_) | Self::StoreView(_) | Self::SetSpeed(_) => Traits::NONE,
-            Self::ShowSideViews(_) | Self::ShowSidesInClay(_) | Self::PlaceSideView(..) => Traits::NONE,
+            Self::ShowSideViews(_) | Self::ShowSidesInClay(_) | Self::CloseSideView(..) | Self::PlaceSideView(..) => {
+                Traits::NONE
+            }
         }
     }
 }

@@ -37,6 +37,10 @@ pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError
         ViewCommand::Isolate(entities) => seeing::isolate(world, entities)?,
         ViewCommand::ShowSideViews(shown) => world.resource_mut::<ViewSettings>().side_views.shown = shown,
         ViewCommand::ShowSidesInClay(clay) => world.resource_mut::<ViewSettings>().side_views.clay = clay,
+        ViewCommand::CloseSideView(side, closed) => {
+            let views = &mut world.resource_mut::<ViewSettings>().side_views;
+            *views = views.with_closed(side, closed);
+        }
         ViewCommand::PlaceSideView(side, place) => {
             let views = &mut world.resource_mut::<ViewSettings>().side_views;
             *views = views.with_place(side, place);

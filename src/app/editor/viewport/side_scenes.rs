@@ -104,9 +104,13 @@ pub(crate) fn follow_side_views(
         return;
     };
     let bounds = picking::scene_bounds(&packed).unwrap_or(Aabb::EMPTY);
-    let sight = Sight {
+    let open = Sight {
         passes_backs: true,
         outer_walls: sides.outer_walls(&packed, &scene.geometry),
+        ..main.sight.clone()
+    };
+    let closed = Sight {
+        passes_backs: false,
         ..main.sight.clone()
     };
     // While a scene is being read its bounds are not those of all of it.
@@ -126,6 +130,7 @@ pub(crate) fn follow_side_views(
         let own = &mut sides.scenes[side];
         own.pose = place.pose(view, aspect, &navigation, &bounds);
         let camera = SidePlace::camera(&own.pose, place.center.into(), aspect);
+        let sight = if views.closed[side] { &closed } else { &open };
         own.packed = PackedScene {
             view: Some(side_view(camera, size.size, views.clay, sight.clone())),
             scene: Some(scene.clone()),
@@ -261,6 +266,13 @@ mod tests {
             let view = model.packed.view.as_ref().expect("a view");
             assert!(view.sight.passes_backs && view.sight.cut == Some(cut));
         }
+        let mut settings = world.resource_mut::<ViewSettings>();
+        settings.side_views = settings.side_views.with_closed(1, true);
+        world.run_system_cached(follow_side_views).expect("runs");
+        let settings = world.resource::<ViewSettings>();
+        let models = world.resource::<SideScenes>().models(&settings.side_views);
+        let seen = models.iter().filter_map(|model| model.packed.view.as_ref());
+        assert!(seen.map(|view| view.sight.passes_backs).eq([true, false, true]));
         // Without them nothing is kept.
         world.resource_mut::<ViewportState>().sides = None;
         world.run_system_cached(follow_side_views).expect("runs");

@@ -154,6 +154,10 @@ pub(super) fn in_side(command: Command, side: usize, model: &ViewportModel) -> O
             let bounds = picking::scene_bounds(model.packed).unwrap_or(Aabb::EMPTY);
             Some(ViewCommand::PlaceSideView(side, framing(&bounds, side, model)?).into())
         }
+        Command::View(ViewCommand::SetSeeing(seeing)) if seeing.walls != model.keys.seeing.walls => {
+            let is_closed = model.keys.side_views.closed.get(side).copied()?;
+            Some(ViewCommand::CloseSideView(side, !is_closed).into())
+        }
         Command::Edit(EditCommand::Arrange(ArrangeEdit::Nudge(direction))) => {
             let along = across(direction, model).map_or(ArrangeEdit::Nudge(direction), ArrangeEdit::NudgeAlong);
             Some(along.into())
@@ -241,7 +245,11 @@ pub(super) fn paint(
         paint_scene(ui, &painter, screen, model, state, is_active);
     }
     let corner = place.left_bottom() + egui::vec2(8.0, -8.0);
-    tag(&painter, corner, Align2::LEFT_BOTTOM, SIDES[side].1);
+    let name = match pane.model.keys.side_views.closed[side] {
+        true => format!("{}, closed", SIDES[side].1),
+        false => SIDES[side].1.to_owned(),
+    };
+    tag(&painter, corner, Align2::LEFT_BOTTOM, &name);
     if is_active {
         painter.rect_stroke(place, 0.0, Stroke::new(1.0, FRAME), StrokeKind::Inside);
     }
