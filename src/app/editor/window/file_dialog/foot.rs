@@ -36,9 +36,10 @@ impl FileDialog {
             ui.checkbox(&mut self.filter.shows_hidden, "Hidden")
                 .on_hover_text("Also what begins with a dot");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let has_path = self.path.is_some();
                 let (can, does) = match self.purpose {
-                    Purpose::Save(..) => (!self.name.trim().is_empty(), "Save"),
-                    Purpose::Open(_) => (self.chosen.is_some(), "Open"),
+                    Purpose::Save(..) => (has_path || !self.name.trim().is_empty(), "Save"),
+                    Purpose::Open(_) => (has_path || self.chosen.is_some(), "Open"),
                     Purpose::Folder => (true, "Use this folder"),
                 };
                 let button = look::primary_if(ui, can, does).min_size(egui::vec2(70.0, 0.0));
@@ -55,7 +56,9 @@ impl FileDialog {
                 }
             });
         });
-        if accepts && self.purpose == Purpose::Folder {
+        if accepts && let Some(path) = self.typed_path() {
+            outcome = self.go_or_accept(&path, ui.ctx()).or(outcome);
+        } else if accepts && self.purpose == Purpose::Folder {
             outcome = Some(Outcome::Picked(self.chosen_folder()));
         } else if accepts {
             let name = if self.saves() {

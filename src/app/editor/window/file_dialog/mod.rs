@@ -261,6 +261,12 @@ impl FileDialog {
         }
     }
 
+    /// The path that was typed, absolute; its field shows the folder again.
+    fn typed_path(&mut self) -> Option<PathBuf> {
+        let typed = self.path.take()?;
+        Some(self.folder.join(home_for_tilde(&typed)))
+    }
+
     /// Shows the button up, the path, and the search; returns the folder to go to, or the file.
     fn path_row(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut went = None;
@@ -280,11 +286,9 @@ impl FileDialog {
             if field.changed() {
                 self.path = Some(path);
             }
-            if field.lost_focus()
-                && let Some(typed) = self.path.take()
-                && is_entered(ui)
-            {
-                went = Some(self.folder.join(home_for_tilde(&typed)));
+            // A path that was not entered stays in its field for the button.
+            if field.lost_focus() && is_entered(ui) {
+                went = self.typed_path();
             }
             let search = TextEdit::singleline(&mut self.filter.part)
                 .id(Id::new(SEARCH))
@@ -339,7 +343,7 @@ impl FileDialog {
             self.name.clone_from(&name);
         }
         self.chosen = Some(name);
-        self.replaces = None;
+        (self.path, self.replaces) = (None, None);
         self.shows_chosen = true;
     }
 

@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::Modifiers;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::*;
 use crate::app::editor::command::{Command, FileCommand};
@@ -206,6 +206,30 @@ fn a_path_in_the_search_is_a_path() {
     assert_eq!(harness.state().0.name, new.display().to_string());
     press(&mut harness, Key::Enter);
     assert_eq!(harness.state().1, Some(Outcome::Picked(new)));
+}
+
+#[test]
+fn the_button_opens_a_path_that_was_typed() {
+    let folder = folder();
+    std::fs::write(folder.path().join("inner/deep.xml"), "<scene/>").expect("a file");
+    let mut harness = shown(Purpose::Open(SCENES), folder.path());
+    assert!(harness.get_by_label("Open").accesskit_node().is_disabled());
+    harness.event(egui::Event::Text("inner/deep.xml".to_owned()));
+    harness.run_steps(3);
+    harness.get_by_label("Open").click();
+    harness.run_steps(3);
+    let deep = folder.path().join("inner/deep.xml");
+    assert_eq!(harness.state().1, Some(Outcome::Picked(deep)));
+    // A click in the list chooses another file.
+    let mut harness = shown(Purpose::Open(SCENES), folder.path());
+    harness.event(egui::Event::Text("inner/deep.xml".to_owned()));
+    harness.run_steps(3);
+    harness.get_by_label("room.xml").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().0.path, None);
+    harness.get_by_label("Open").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().1, Some(Outcome::Picked(folder.path().join("room.xml"))));
 }
 
 #[test]
