@@ -48,7 +48,7 @@ pub(super) fn paint_scene(
     rulers::paint(painter, screen, model, begun, pointer, &mut tags);
     let tool = state.tool(model.keys.tool);
     tool.paint(painter, screen, model, pointer);
-    state.grips.paint_grips(painter, screen, &model.grips());
+    state.grips.paint_grips(painter, screen, &model.grips(), has_pointer);
     state.pointer.paint(painter, pointer);
     if let Some(note) = state.gizmo.note(screen, &model.gizmo).filter(|_| has_pointer) {
         tag(

@@ -163,12 +163,13 @@ impl GripState {
         });
     }
 
-    /// Paints the handles, and the measures of the opening that is held, chosen or under the pointer.
-    pub fn paint_grips(&self, painter: &Painter, screen: &Screen, model: &GripModel) {
+    /// Paints the handles, the edges of the opening that is held, chosen or under the pointer, and in the view with
+    /// the pointer the measures of an opening that is held or under it.
+    pub fn paint_grips(&self, painter: &Painter, screen: &Screen, model: &GripModel, has_pointer: bool) {
         let Some(wall) = model.wall else { return };
-        let lit = (self.held.as_ref().map(|held| held.number))
-            .or(self.hovered.map(|(number, _)| number))
-            .or(self.chosen);
+        let held = self.held.as_ref().map(|held| (held.number, held.grip));
+        let pointed = held.or(self.hovered).map(|(number, _)| number);
+        let lit = pointed.or(self.chosen);
         if let Some(opening) = lit.and_then(|number| openings(wall).get(number)) {
             let cut = Cut {
                 wall: match &wall.shape.kind {
@@ -182,17 +183,17 @@ impl GripState {
             let corners = cut.corners();
             marks::ring(painter, screen, &corners[..4]);
             marks::ring(painter, screen, &corners[4..]);
-            let kind = if opening.sill == 0.0 {
-                OpeningKind::Door
-            } else {
-                OpeningKind::Window
-            };
-            let place = place_of(screen, wall, Grip::Top.place(opening));
-            let text = caption(&cut, kind, "", model.unit);
-            let keys = if self.held.is_some() { "" } else { "   (Del: fill it)" };
-            marks::text(painter, screen, place, &format!("{text}{keys}"));
+            if has_pointer && pointed.is_some() {
+                let kind = match opening.sill {
+                    0.0 => OpeningKind::Door,
+                    _ => OpeningKind::Window,
+                };
+                let place = place_of(screen, wall, Grip::Top.place(opening));
+                let text = caption(&cut, kind, "", model.unit);
+                let keys = if held.is_some() { "" } else { "   (Del: fill it)" };
+                marks::text(painter, screen, place, &format!("{text}{keys}"));
+            }
         }
-        let held = self.held.as_ref().map(|held| (held.number, held.grip));
         for (number, grip, place) in shown(screen, wall) {
             let is_lit = held.or(self.hovered) == Some((number, grip));
             let fill = if is_lit { marks::COLOR } else { Color32::WHITE };
