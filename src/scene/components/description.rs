@@ -89,7 +89,7 @@ impl SceneDescription {
         of_shapes.chain(of_emitters).chain(of_sensors)
     }
 
-    /// The description of a new scene: a camera that looks at the origin from some units away, and a grey sky.
+    /// The description of a new scene: a camera that sees a floor as large as that of a house around the origin, and a grey sky.
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {
             id: Some(name.to_owned()),
@@ -97,7 +97,7 @@ impl SceneDescription {
             order,
             ..Identity::default()
         };
-        let place = Vec3::new(3.0, 2.0, 6.0);
+        let place = Vec3::new(5.0, 4.0, 10.0);
         let film = Film {
             sample_count: 256,
             ..Film::default()

@@ -54,7 +54,7 @@ impl Level {
 }
 
 /// The opacity of the line of a hidden part, as a share of that of a visible one.
-const HIDDEN: f32 = 0.4;
+const HIDDEN: f32 = 0.6;
 
 /// An image of lines that covers a part of the picture.
 #[derive(Clone, Debug, PartialEq)]
