@@ -40,10 +40,20 @@ const COVERED: f32 = 0.9;
 /// The least area of a ceiling that carries a roof, relative to the roof's.
 const CEILING: f32 = 0.5;
 
-/// The outer walls of a scene: the items of its hierarchy, in their order, each with the unit vector that points out of
-/// the room, in world space.
+/// The outer walls of a scene, in the order of their items.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct OuterWalls(Arc<Vec<(u32, Vec3)>>);
+pub struct OuterWalls(Arc<Vec<Wall>>);
+
+/// An outer wall, or a roof.
+#[derive(Clone, Debug, PartialEq)]
+struct Wall {
+    /// The item of the hierarchy.
+    item: u32,
+    /// The unit vector that points out of the room, in world space.
+    outwards: Vec3,
+    /// Whether it is a roof, whose slopes are seen from the sides.
+    is_roof: bool,
+}
 
 /// A flat shape.
 struct Slab {
@@ -69,36 +79,31 @@ impl OuterWalls {
         keep_largest(&mut slabs);
         keep_largest(&mut thick);
         let mut bounds: Vec<Aabb> = scene.instances().iter().map(Instance::world_bounds).collect();
-        let roofs = thick.iter().filter_map(|slab| slab.roof(&slabs, &bounds));
-        let mut walls: Vec<(u32, Vec3)> = roofs.collect();
+        let mut walls: Vec<Wall> = thick.iter().filter_map(|slab| slab.roof(&slabs, &bounds)).collect();
         // A roof does not cover the ceiling below it: both are in front of the rooms.
-        walls.iter().for_each(|(item, _)| bounds[*item as usize] = Aabb::EMPTY);
-        let outer = |slab: &Slab| Some((slab.item, slab.outwards(&bounds)?));
-        walls.extend(
-            slabs
-                .iter()
-                .filter(|slab| slab.is_wall(&slabs, &bounds))
-                .filter_map(outer),
-        );
+        walls.iter().for_each(|roof| bounds[roof.item as usize] = Aabb::EMPTY);
+        walls.extend(slabs.iter().filter_map(|slab| slab.wall(&slabs, &bounds)));
         walls.truncate(MOST);
-        walls.sort_by_key(|(item, _)| *item);
+        walls.sort_by_key(|wall| wall.item);
         Self(Arc::new(walls))
     }
 
     /// The index of an item among the walls, below 64; None if it is not one.
     pub(super) fn place_of(&self, item: u32) -> Option<usize> {
-        self.0.binary_search_by_key(&item, |(item, _)| *item).ok()
+        self.0.binary_search_by_key(&item, |wall| wall.item).ok()
     }
 
     /// Whether a ray in direction `dir` comes from outside where it meets a front of the wall at `place` that has this
-    /// normal: the outer face itself, or the top or an end of the wall if the ray clearly comes from outside.
+    /// normal: the outer face itself, or the top or an end of the wall, or a roof, if the ray clearly comes from
+    /// outside.
     pub(super) fn is_entered(&self, place: usize, normal: Vec3, dir: Vec3) -> bool {
-        self.0[place].1.dot(normal) > OUTER_FACE || self.is_seen_from_outside(place, dir)
+        let wall = &self.0[place];
+        (!wall.is_roof && wall.outwards.dot(normal) > OUTER_FACE) || self.is_seen_from_outside(place, dir)
     }
 
     /// Whether a ray in direction `dir` clearly comes from the outer side of the wall at `place`.
     pub(super) fn is_seen_from_outside(&self, place: usize, dir: Vec3) -> bool {
-        self.0[place].1.dot(dir) < -SEEN_FROM_OUTSIDE * dir.length()
+        self.0[place].outwards.dot(dir) < -SEEN_FROM_OUTSIDE * dir.length()
     }
 }
 
@@ -162,19 +167,24 @@ impl Slab {
         }
     }
 
-    /// Whether enough flat shapes touch this one at right angles.
-    fn is_wall(&self, slabs: &[Self], bounds: &[Aabb]) -> bool {
+    /// The wall that this is: it has an outer side, and enough flat shapes touch it at right angles.
+    fn wall(&self, slabs: &[Self], bounds: &[Aabb]) -> Option<Wall> {
         let near = self.near(bounds);
         let touches = |other: &&Self| {
             self.normal.dot(other.normal).abs() < PERPENDICULAR
                 && !near.intersection(bounds[other.item as usize]).is_empty()
         };
-        slabs.iter().filter(touches).count() >= NEIGHBOURS
+        let is_touched = slabs.iter().filter(touches).count() >= NEIGHBOURS;
+        Some(Wall {
+            item: self.item,
+            outwards: is_touched.then(|| self.outwards(bounds))??,
+            is_roof: false,
+        })
     }
 
-    /// The item and the outward direction if this is a roof: it has an outer side, and on the inner one it lies on at
-    /// least two walls or on a ceiling as wide as itself.
-    fn roof(&self, slabs: &[Self], bounds: &[Aabb]) -> Option<(u32, Vec3)> {
+    /// The roof that this is: it has an outer side, and on the inner one it lies on at least two walls or on a ceiling
+    /// that is wide enough.
+    fn roof(&self, slabs: &[Self], bounds: &[Aabb]) -> Option<Wall> {
         let outwards = self.outwards(bounds)?;
         let near = self.near(bounds);
         let carries = |other: &&Self| {
@@ -186,7 +196,11 @@ impl Slab {
         let (ceilings, walls): (Vec<&Self>, Vec<&Self>) =
             carrying.partition(|other| self.normal.dot(other.normal).abs() > PERPENDICULAR);
         let is_wide = |ceiling: &&Self| ceiling.area() >= CEILING * self.area();
-        (walls.len() >= NEIGHBOURS || ceilings.iter().any(is_wide)).then_some((self.item, outwards))
+        (walls.len() >= NEIGHBOURS || ceilings.iter().any(is_wide)).then_some(Wall {
+            item: self.item,
+            outwards,
+            is_roof: true,
+        })
     }
 
     /// The direction that points out of the room; None if there are shapes on both sides, or on neither.
