@@ -299,7 +299,7 @@ fn size_of_scene(packed: &PackedScene, camera: Option<(&Sensor, &ToWorld)>) -> f
 }
 
 /// The size of a scene without anything in it, in world units.
-const NEW_SCENE: f32 = 10.0;
+const NEW_SCENE: f32 = 5.0;
 
 /// The factor by which edits have to change the size before it is updated.
 const LEAST_CHANGE: f32 = 2.0;

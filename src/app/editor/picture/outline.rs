@@ -251,7 +251,7 @@ mod tests {
         let dim = drawn(&[hidden]);
         let bright = drawn(std::slice::from_ref(&seen));
         assert_eq!(bright, Level::Active.color());
-        assert!(dim.a() > 60 && dim.a() < 140, "{dim:?}");
+        assert!(dim.a() > 120 && dim.a() < 180, "{dim:?}");
         assert_eq!(drawn(&[line(20.5, Level::Selected, true), seen]), bright);
         assert_eq!(drawn(&[]), Color32::TRANSPARENT);
     }

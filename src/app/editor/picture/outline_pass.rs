@@ -339,7 +339,7 @@ mod tests {
         settle(&mut pass, &request(&geometry, &entities, &marked));
         // The selected ball reaches from 180 to 220, the nearer one from 170 to 210.
         let dim = opacity(&pass, 180, 100);
-        assert!(dim > 60 && dim < 150, "{dim}");
+        assert!(dim > 120 && dim < 180, "{dim}");
         assert!(opacity(&pass, 219, 100) > 200 && opacity(&pass, 170, 100) > 100);
     }
 
