@@ -13,6 +13,7 @@ use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison
 use crate::app::editor::picture::denoised::Denoised;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::painter::{Painter, Scales};
+use crate::app::editor::picture::reframing::of_film;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::{
@@ -202,18 +203,6 @@ fn film_corners(world: &World) -> [Vec2; 2] {
     view.map_or(View::WHOLE_FILM, View::film_corners)
 }
 
-/// The pixels of the film alone, whose surroundings have fewer samples, with their number along both sides.
-fn of_film(radiance: &[Rgb], size: [u32; 2], film_corners: [Vec2; 2]) -> ([u32; 2], Vec<Rgb>) {
-    let all = UVec2::from(size);
-    let [min, max] = film_corners.map(|corner| (corner * all.as_vec2()).round().as_uvec2().min(all));
-    let rows = radiance.chunks_exact(size[0].max(1) as usize);
-    let rows = rows.take(max.y as usize).skip(min.y as usize);
-    let pixels = rows
-        .flat_map(|row| &row[min.x as usize..max.x.max(min.x) as usize])
-        .copied();
-    ((max - min.min(max)).to_array(), pixels.collect())
-}
-
 pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let picture = picture(world);
     let film = world.resource::<RenderFilm>();
@@ -221,8 +210,10 @@ pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let film_corners = film_corners(world);
     let mut comparison = world.resource_mut::<Comparison>();
     let snapshot = comparison.snapshot.as_ref().ok_or("There is no snapshot.")?;
-    let (size, now) = of_film(&picture.pixels, [picture.width, picture.height], film_corners);
-    let (snapshot_size, then) = of_film(&snapshot.radiance, snapshot.size, snapshot.film_corners);
+    let frame = (UVec2::new(picture.width, picture.height), film_corners);
+    let (size, now) = of_film(&picture.pixels, frame);
+    let frame = (UVec2::from(snapshot.size), snapshot.film_corners);
+    let (snapshot_size, then) = of_film(&snapshot.radiance, frame);
     let has_its_size = snapshot_size == size;
     let found = errors(&now, &then).filter(|_| has_its_size);
     comparison.figures = found.map(|figures| Measured { figures, job, samples });
@@ -230,7 +221,7 @@ pub fn measure(world: &mut World) -> Result<(), CommandError> {
         Some(_) => Ok(()),
         None if has_its_size => Err("The picture or the snapshot has values that are no numbers.".into()),
         None => {
-            let [snapshot, picture] = [snapshot_size, size].map(|[width, height]| format!("{width} × {height}"));
+            let [snapshot, picture] = [snapshot_size, size].map(|size| format!("{} × {}", size.x, size.y));
             let help = "take the snapshot again, or render the full film for both";
             Err(format!("The snapshot has {snapshot} pixels and the picture {picture}: {help}.").into())
         }

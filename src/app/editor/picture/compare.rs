@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::{UVec2, Vec2};
 use bevy::prelude::Resource;
 
+use super::reframing::reframed;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::color::Rgb;
 use crate::metrics::Errors;
@@ -39,24 +40,9 @@ impl Snapshot {
         if !is_alike || size.contains(&0) {
             return None;
         }
-        let to = UVec2::from(size).as_vec2();
-        let pixels = (0..size[1]).flat_map(|y| {
-            (0..size[0]).map(move |x| {
-                let place = (Vec2::new(x as f32, y as f32) + 0.5) / to;
-                let film = (place - film_corners[0]) / (film_corners[1] - film_corners[0]);
-                self.at(self.film_corners[0] + film * (self.film_corners[1] - self.film_corners[0]))
-            })
-        });
-        Some(pixels.collect())
-    }
-
-    /// The colour at a place of the picture, (0, 0) top left, (1, 1) bottom right; black outside.
-    fn at(&self, place: Vec2) -> Rgb {
-        let pixel = (place * UVec2::from(self.size).as_vec2()).floor();
-        let is_inside = pixel.cmpge(Vec2::ZERO).all() && pixel.cmplt(UVec2::from(self.size).as_vec2()).all();
-        let place = || pixel.y as usize * self.size[0] as usize + pixel.x as usize;
-        let found = is_inside.then(|| self.radiance.get(place()).copied());
-        found.flatten().unwrap_or(Rgb::ZERO)
+        let frame = |size: [u32; 2], corners| (UVec2::from(size), corners);
+        let (own, other) = (frame(self.size, self.film_corners), frame(size, film_corners));
+        Some(reframed(&self.radiance, own, other, Rgb::ZERO).into())
     }
 }
 

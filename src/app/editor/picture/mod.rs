@@ -24,6 +24,7 @@ pub(crate) mod pacing;
 pub mod painter;
 pub mod paths;
 pub(crate) mod plugin;
+pub(crate) mod reframing;
 pub(crate) mod resolution;
 pub mod side_pictures;
 pub(crate) mod texture;

@@ -1,6 +1,5 @@
 //! Paints the film as bytes of the screen, in every display mode. It uses neither the renderer nor Bevy.
 
-use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use super::compare::PixelComparison;
@@ -311,40 +310,6 @@ fn quantized(encoded: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
-/// The pixels of a picture, four bytes each, as a picture of another size and frame: by the size in pixels and the
-/// corners of the film in the picture's coordinates. A pixel has the colour of the one that was at its place of the
-/// film, and is black where there was none.
-pub(crate) fn reframed(rgba: &[u8], from: (UVec2, [Vec2; 2]), to: (UVec2, [Vec2; 2])) -> Vec<u8> {
-    let ((old, [old_min, old_max]), (new, [new_min, new_max])) = (from, to);
-    let scale = (old_max - old_min) / (new_max - new_min);
-    // The old column of each new one, and the old row.
-    let sources = |axis: usize| -> Vec<Option<usize>> {
-        let source = |pixel: u32| {
-            let place = (pixel as f32 + 0.5) / new[axis] as f32;
-            let old_place = old_min[axis] + (place - new_min[axis]) * scale[axis];
-            let source = (old_place * old[axis] as f32).floor();
-            (source >= 0.0 && source < old[axis] as f32).then_some(source as usize)
-        };
-        (0..new[axis]).map(source).collect()
-    };
-    let (columns, rows) = (sources(0), sources(1));
-    let mut reframed = vec![0; 4 * columns.len() * rows.len()];
-    let places = rows.iter().flat_map(|y| columns.iter().map(move |x| (*x, *y)));
-    for (target, place) in reframed.chunks_exact_mut(4).zip(places) {
-        let source = match place {
-            (Some(x), Some(y)) => rgba
-                .get(4 * (y * old.x as usize + x)..)
-                .and_then(|rest| rest.first_chunk::<4>()),
-            _ => None,
-        };
-        match source {
-            Some(color) => target.copy_from_slice(color),
-            None => target[3] = u8::MAX,
-        }
-    }
-    reframed
-}
-
 #[cfg(test)]
 mod tests {
     use glam::Vec2;
@@ -353,7 +318,6 @@ mod tests {
     use crate::material::MaterialId;
     use crate::render::scene::FirstHit;
     use crate::render::tile::{TilePreview, tiles};
-    use crate::render::view::View;
 
     #[test]
     fn only_pixels_with_something_to_show_are_painted() {
@@ -374,26 +338,6 @@ mod tests {
         Painter::new(&film, &DisplaySettings::default(), &Scales::default()).paint(&tiles, &mut rgba);
         assert_eq!(rgba[..4], [7; 4]);
         assert_eq!(rgba[4 * 32..4 * 32 + 4], [255; 4]);
-    }
-
-    #[test]
-    fn resizing_keeps_corners_and_is_opaque() {
-        let quarters = [[1, 0, 0, 255], [2, 0, 0, 255], [3, 0, 0, 255], [4, 0, 0, 255]].concat();
-        let whole = View::WHOLE_FILM;
-        let (two, four) = (UVec2::splat(2), UVec2::splat(4));
-        let large = reframed(&quarters, (two, whole), (four, whole));
-        assert_eq!((large[0], large[4 * 3], large[4 * 12], large[4 * 15]), (1, 2, 3, 4));
-        assert!(
-            reframed(&[], (UVec2::ZERO, whole), (UVec2::new(2, 1), whole))
-                .chunks(4)
-                .all(|pixel| pixel == [0, 0, 0, 255])
-        );
-        // The new picture is twice as wide as the film, whose pixels stay.
-        let middle = [Vec2::new(0.25, 0.0), Vec2::new(0.75, 1.0)];
-        let wide = reframed(&quarters, (two, whole), (UVec2::new(4, 2), middle));
-        let reds: Vec<u8> = wide.chunks(4).map(|pixel| pixel[0]).collect();
-        assert_eq!(reds, [0, 1, 2, 0, 0, 3, 4, 0]);
-        assert_eq!(reframed(&wide, (UVec2::new(4, 2), middle), (two, whole)), quarters);
     }
 
     /// One tile of 32 x 32 pixels: a preview of 4 x 4 blocks, given by `block` for each number.

@@ -11,7 +11,8 @@ use super::carrying::Carrying;
 use super::compare::{Comparison, PixelComparison};
 use super::denoised::Denoised;
 use super::denoiser::Denoiser;
-use super::painter::{self, Painter, Scales};
+use super::painter::{Painter, Scales};
+use super::reframing::reframed_rgba;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
@@ -205,7 +206,7 @@ pub fn update_picture(
     };
     if is_reframed {
         let (old, new) = ((old_size, picture.film_corners), (size, film_corners));
-        pixels = painter::reframed(&pixels, old, new);
+        pixels = reframed_rgba(&pixels, old, new);
     }
     let compared =
         snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array(), film_corners));
@@ -232,7 +233,7 @@ pub fn update_picture(
         pixels
     } else {
         let whole = View::WHOLE_FILM;
-        let smaller = painter::reframed(&pixels, (size, whole), (shown_size, whole));
+        let smaller = reframed_rgba(&pixels, (size, whole), (shown_size, whole));
         picture.too_large = pixels;
         smaller
     });

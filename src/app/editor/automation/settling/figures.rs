@@ -7,7 +7,7 @@ use bevy::math::{UVec2, Vec2};
 use image::{ExtendedColorType, ImageFormat, ImageResult};
 use serde::Serialize;
 
-use crate::app::editor::picture::painter::reframed;
+use crate::app::editor::picture::reframing::{of_film, reframed_rgba};
 use crate::color::{Rgb, linear_from_srgb8};
 use crate::metrics::errors;
 use crate::metrics::flip::{PIXELS_PER_DEGREE, ldr_flip};
@@ -23,13 +23,10 @@ pub(super) struct Shot {
 impl Shot {
     /// The film in a picture of this size: its surroundings have fewer samples.
     pub fn of_film(size: UVec2, rgba: &[u8], film_corners: [Vec2; 2]) -> Self {
-        let [min, max] = film_corners.map(|corner| (corner * size.as_vec2()).round().as_uvec2().min(size));
-        let rows = rgba.chunks_exact(4 * size.x.max(1) as usize);
-        let rows = rows.take(max.y as usize).skip(min.y as usize);
-        let rgba = rows.flat_map(|row| &row[4 * min.x as usize..4 * max.x.max(min.x) as usize]);
+        let (size, pixels) = of_film(rgba.as_chunks::<4>().0, (size, film_corners));
         Self {
-            size: max - min.min(max),
-            rgba: rgba.copied().collect(),
+            size,
+            rgba: pixels.into_flattened(),
         }
     }
 
@@ -38,7 +35,7 @@ impl Shot {
     fn linear(&self, size: UVec2) -> Vec<Rgb> {
         let rgba = match self.size == size {
             true => Cow::Borrowed(&self.rgba),
-            false => Cow::Owned(reframed(
+            false => Cow::Owned(reframed_rgba(
                 &self.rgba,
                 (self.size, View::WHOLE_FILM),
                 (size, View::WHOLE_FILM),
