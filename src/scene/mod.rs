@@ -29,6 +29,7 @@ pub use components::group::Placements;
 pub(crate) use components::group::{InstanceOf, Instances, MemberOf, ShapeGroup};
 pub use components::identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
 pub use components::keys::{IntegratorKeys, KeyEdit, KeyPath, Keys};
+pub use components::light_units::LightUnits;
 pub use components::material::{
     FirstNested, FirstNestedIn, Material, MaterialUsers, Principled, PrincipledThin, SecondNested, SecondNestedIn,
     UsesMaterial,

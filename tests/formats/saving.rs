@@ -12,8 +12,8 @@ use sunroom::scene::read::read;
 use sunroom::scene::spawn;
 use sunroom::scene::write::{Extensions, files, save, save_description, write_anew};
 use sunroom::scene::{
-    DocumentOrder, EmitterKind, LengthUnit, Material, Roughness, SceneDescription, SceneId, Shape, ShapeKind,
-    UsesMaterial,
+    DocumentOrder, EmitterKind, LengthUnit, LightUnits, Material, Roughness, SceneDescription, SceneId, Shape,
+    ShapeKind, UsesMaterial,
 };
 use tempfile::TempDir;
 
@@ -870,6 +870,34 @@ fn the_unit_of_length_is_a_default_that_comes_back() {
         );
         assert_eq!(folder.read("anew.xml").unit, LengthUnit::Centimetre);
     }
+}
+
+#[test]
+fn the_units_of_light_are_a_default_beside_that_of_length() {
+    let units = |units| move |scene: &mut SceneDescription| scene.light_units = units;
+    let length = "  <default name=\"length_unit\" value=\"m\"/>";
+    let line = "  <default name=\"light_units\" value=\"photometric\"/>";
+    assert_eq!(
+        changes(length, units(LightUnits::Photometric)),
+        (vec![], lines(&[line]))
+    );
+    let both = format!("{length}\n{line}");
+    assert_eq!(changes(&both, units(LightUnits::Radiometric)), (lines(&[line]), vec![]));
+    assert_eq!(changes(&both, |_| {}), (vec![], vec![]));
+
+    let text = format!("<scene version='3.0.0'>\n{both}\n<sensor type='perspective'/>\n</scene>\n");
+    let folder = Folder::with(&[("main.xml", &text)]);
+    let scene = folder.read("main.xml");
+    let found = (scene.unit, scene.light_units);
+    assert_eq!(found, (LengthUnit::Metre, LightUnits::Photometric));
+    // Mitsuba takes it for a name that nothing uses.
+    write_anew(&scene, &folder.path("anew.xml"), Extensions::Approximate).unwrap();
+    assert_eq!(folder.read("anew.xml").light_units, LightUnits::Photometric);
+
+    let other = text.replace("photometric", "warm");
+    let folder = Folder::with(&[("main.xml", &other)]);
+    assert_eq!(folder.read("main.xml").light_units, LightUnits::Radiometric);
+    assert_eq!(folder.edited(units(LightUnits::Photometric)), other);
 }
 
 #[test]

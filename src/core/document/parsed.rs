@@ -39,9 +39,9 @@ pub struct Document {
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
-    /// Whether the text uses `$length_unit`, or has a `<default>` of that name that is no unit. Then the unit of the
-    /// scene must be neither added nor removed.
-    pub uses_unit_name: bool,
+    /// The names among [`UNIT`] and [`LIGHT_UNITS`] that the text uses as `$name`, or for a `<default>` that is no
+    /// unit. These units of the scene must be neither added nor removed.
+    pub taken_unit_names: Vec<&'static str>,
     /// Whether the document was imported from another format. Spans then point into the original file, whose text is
     /// not this format.
     pub imported: bool,
@@ -64,7 +64,7 @@ impl Document {
             time: 0.0,
             search_folders: Vec::new(),
             includes: Vec::new(),
-            uses_unit_name: false,
+            taken_unit_names: Vec::new(),
             imported: false,
             stand_in_light: None,
             access: Access::everywhere(),
@@ -87,19 +87,20 @@ impl Document {
     }
 }
 
-/// The name of the `default` and of the property.
+/// The name of the `default`, and of the property, with the unit of length.
 pub const UNIT: &str = "length_unit";
-/// The values that are units. With another value it is a `default` like any other.
-const NAMES: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
+/// The name of the `default`, and of the property, with the units in which lights are shown.
+pub const LIGHT_UNITS: &str = "light_units";
+/// The units in which a scene is shown and typed, with their values. With another value one is a `default` like any
+/// other.
+pub(super) const SCENE_UNITS: [(&str, &[&str]); 2] =
+    [(UNIT, &["m", "cm", "mm", "in", "ft"]), (LIGHT_UNITS, &["photometric"])];
 
-/// Whether a `default` directly inside `object` declares the unit of the scene.
-pub(super) fn is_unit(object: &Object, name: &str, value: &str) -> bool {
-    object.category == Category::Scene && name == UNIT && is_unit_name(value)
-}
-
-/// Whether a value of the `default` is a unit.
-pub(super) fn is_unit_name(value: &str) -> bool {
-    NAMES.contains(&value)
+/// The unit of the scene that a `default` directly inside `object` declares, by its name; None for another `default`.
+pub(super) fn scene_unit(object: &Object, name: &str, value: &str) -> Option<&'static str> {
+    let is_it = |(unit, values): &(&str, &[&str])| *unit == name && values.contains(&value);
+    let (unit, _) = SCENE_UNITS.into_iter().find(is_it)?;
+    (object.category == Category::Scene).then_some(unit)
 }
 
 /// The objects with ids. In a parsed document ids are unique and references form no cycle; references without target

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::parsed::is_unit;
+use super::parsed::scene_unit;
 use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
 use super::value::format_float;
@@ -207,7 +207,7 @@ impl<'l> Writer<'l> {
             Value::Vector(xyz) => ("vector", numbers(&xyz.to_array())?),
             Value::Integer(number) => ("integer", number.to_string()),
             Value::Boolean(truth) => ("boolean", truth.to_string()),
-            Value::String(text) if is_unit(owner, name, text) => ("default", text.clone()),
+            Value::String(text) if scene_unit(owner, name, text).is_some() => ("default", text.clone()),
             Value::String(text) => ("string", text.clone()),
             Value::Transform(ops) => {
                 self.tag("transform", &[(key, key_value)], ops.is_empty())?;

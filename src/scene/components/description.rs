@@ -14,7 +14,7 @@ use crate::color::Rgb;
 use crate::document::Span;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, EulerAngles, Film, IntegratorSettings, Keys, LengthUnit,
-    Material, Medium, MissingFiles, Placements, Sensor, Shape, ShapeKind,
+    LightUnits, Material, Medium, MissingFiles, Placements, Sensor, Shape, ShapeKind,
 };
 
 /// The place where the scene file first names each picture or volume, by absolute path.
@@ -31,6 +31,8 @@ pub struct SceneDescription {
     pub integrator_keys: Keys,
     /// The unit of length.
     pub unit: LengthUnit,
+    /// The units in which lights are shown.
+    pub light_units: LightUnits,
     /// The time, in seconds, at which animated values are evaluated.
     pub time: f64,
     /// The cameras; empty if the file has none.

@@ -17,6 +17,7 @@ pub(crate) mod free_name;
 pub mod group;
 pub mod identity;
 pub(super) mod keys;
+pub(super) mod light_units;
 pub(crate) mod listed;
 pub mod material;
 pub mod medium;

@@ -80,6 +80,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<IntegratorSettings>()
             .init_resource::<IntegratorKeys>()
             .init_resource::<LengthUnit>()
+            .init_resource::<LightUnits>()
             .init_resource::<SamplerSettings>()
             .init_resource::<AccelMethod>();
         app.register_type::<Shape>()
@@ -97,6 +98,7 @@ impl Plugin for ScenePlugin {
             .register_type::<Sensor>()
             .register_type::<Film>()
             .register_type::<LengthUnit>()
+            .register_type::<LightUnits>()
             .register_type::<ToWorld>()
             .register_type::<EulerAngles>()
             .register_type::<SceneId>()

@@ -101,6 +101,7 @@ impl Spawning {
         });
         take_over_remains(world, &self.scene);
         world.insert_resource(self.scene.unit);
+        world.insert_resource(self.scene.light_units);
     }
 }
 
@@ -208,6 +209,9 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     take_over_remains(world, scene);
     if base.scene.unit != scene.unit {
         world.insert_resource(scene.unit);
+    }
+    if base.scene.light_units != scene.light_units {
+        world.insert_resource(scene.light_units);
     }
     summary
 }

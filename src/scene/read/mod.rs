@@ -32,12 +32,12 @@ use smol_str::SmolStr;
 pub(super) use self::field_of_view::millimetres;
 use self::scene_reader::{Place, SceneReader};
 pub use crate::document::paths::settle;
-use crate::document::{Category, Child, Diagnostics, Document, Object, Reader, Severity, UNIT};
+use crate::document::{Category, Child, Diagnostics, Document, LIGHT_UNITS, Object, Reader, Severity, UNIT};
 use crate::scene::components::description::{DeclarationPlace, SceneDescription};
 use crate::scene::components::keys::{MOST_TRACKS, is_part, track_count};
 use crate::scene::components::missing;
 use crate::scene::encode::objects::FRAME;
-use crate::scene::{AuthoredScene, LengthUnit};
+use crate::scene::{AuthoredScene, LengthUnit, LightUnits};
 
 /// Reads the whole document; problems are added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -145,6 +145,8 @@ impl SceneReader<'_> {
             reader.children(category);
         }
         self.description.unit = reader.string(UNIT).and_then(LengthUnit::of_name).unwrap_or_default();
+        let light_units = reader.string(LIGHT_UNITS).and_then(LightUnits::of_name);
+        self.description.light_units = light_units.unwrap_or_default();
         reader.finish();
         // After an error the scene is not shown, and the unreadable part may be its sensor.
         if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {

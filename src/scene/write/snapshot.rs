@@ -317,6 +317,7 @@ impl Snapshot {
         }
         scene.integrator_keys = world.get_resource::<IntegratorKeys>().cloned().unwrap_or_default().0;
         scene.unit = world.get_resource().copied().unwrap_or_default();
+        scene.light_units = world.get_resource().copied().unwrap_or_default();
         scene.time = shown_time(world);
         if let Some(remains) = world.get_resource::<AuthoredScene>() {
             scene.remains = remains.clone();

@@ -9,11 +9,11 @@ use smol_str::SmolStr;
 use super::defaults::Defaults;
 use super::patch::Draft;
 use crate::document::animation::is_animated;
-use crate::document::{Category, Child, Crowd, Object, Property, Span, UNIT, Value};
+use crate::document::{Category, Child, Crowd, LIGHT_UNITS, Object, Property, Span, UNIT, Value};
 use crate::scene::components::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::{lights, objects};
-use crate::scene::{Authored, IntegratorSettings, Keys, LengthUnit};
+use crate::scene::{Authored, IntegratorSettings, Keys};
 
 /// The deepest nesting of materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
@@ -213,12 +213,11 @@ impl<'s> Writer<'s> {
         parts.sort_by_key(|(order, _)| *order);
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);
-        let uses_name = scene
-            .remains
-            .origin
-            .as_ref()
-            .is_some_and(|origin| origin.uses_unit_name);
-        write_unit(scene.unit, uses_name, &mut root.properties);
+        let origin = scene.remains.origin.as_ref();
+        for (name, value) in [(UNIT, scene.unit.name()), (LIGHT_UNITS, scene.light_units.name())] {
+            let is_taken = origin.is_some_and(|origin| origin.taken_unit_names.contains(&name));
+            write_unit((name, value), is_taken, &mut root.properties);
+        }
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
     }
@@ -410,20 +409,20 @@ fn name_what_is_referred_to(
     }
 }
 
-/// Writes the unit to the scene's properties. An existing one keeps its place in the file. If the file uses the name
-/// for something else (`uses_name`), the unit cannot be added or removed.
-fn write_unit(unit: LengthUnit, uses_name: bool, properties: &mut Vec<Property>) {
-    let known = properties.iter().position(|property| property.name == UNIT);
-    let value = Value::String(unit.name().to_owned());
+/// Writes a unit of the scene to its properties; an empty value stands for none. An existing one keeps its place in the
+/// file. If the file uses the name for something else (`is_taken`), the unit cannot be added or removed.
+fn write_unit((name, unit): (&str, &str), is_taken: bool, properties: &mut Vec<Property>) {
+    let known = properties.iter().position(|property| property.name == name);
+    let value = Value::String(unit.to_owned());
     match (known, unit) {
-        (Some(_), LengthUnit::None) if uses_name => {}
-        (Some(known), LengthUnit::None) => {
+        (Some(_), "") if is_taken => {}
+        (Some(known), "") => {
             properties.remove(known);
         }
         (Some(known), _) => properties[known].value = value,
-        (None, LengthUnit::None) => {}
-        (None, _) if uses_name => {}
-        (None, _) => properties.push(Property::new(UNIT, value, Span::default())),
+        (None, "") => {}
+        (None, _) if is_taken => {}
+        (None, _) => properties.push(Property::new(name, value, Span::default())),
     }
 }
 

@@ -9,8 +9,9 @@ use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::color::Rgb;
+use crate::document::{LIGHT_UNITS, UNIT};
 use crate::engine::RenderFilm;
-use crate::scene::{AreaLight, AuthoredScene, Emitter, LengthUnit};
+use crate::scene::{AreaLight, AuthoredScene, Emitter};
 
 /// Makes the edit.
 pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> {
@@ -18,7 +19,14 @@ pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> 
         SettingsEdit::SetIntegrator(settings) => set_resource(edit.world, settings),
         SettingsEdit::SetSampler(settings) => set_resource(edit.world, settings),
         SettingsEdit::SetAccel(method) => set_resource(edit.world, method),
-        SettingsEdit::SetUnit(unit) => set_unit(edit.world, unit),
+        SettingsEdit::SetUnit(unit) => {
+            set_resource(edit.world, unit);
+            warn_of_taken_name(edit.world, UNIT);
+        }
+        SettingsEdit::SetLightUnits(units) => {
+            set_resource(edit.world, units);
+            warn_of_taken_name(edit.world, LIGHT_UNITS);
+        }
         SettingsEdit::BakeLights => bake(edit)?,
     }
     Ok(())
@@ -70,15 +78,16 @@ fn bake_one(edit: &mut Edit, light: Entity, gain: Rgb) -> Result<(), &'static st
     Ok(())
 }
 
-/// Sets the unit of length, with a message if the file format cannot store it.
-fn set_unit(world: &mut World, unit: LengthUnit) {
-    set_resource(world, unit);
+/// Says that the file cannot store a unit of the scene, if it uses the name for something else.
+fn warn_of_taken_name(world: &mut World, name: &'static str) {
     let origin = world
         .get_resource::<AuthoredScene>()
         .and_then(|scene| scene.origin.as_ref());
-    if origin.is_some_and(|origin| origin.uses_unit_name)
+    if origin.is_some_and(|origin| origin.taken_unit_names.contains(&name))
         && let Some(mut toasts) = world.get_resource_mut::<Toasts>()
     {
-        toasts.warn("The file will not keep the unit: it uses the name `length_unit` for something else.");
+        toasts.warn(format!(
+            "The file will not keep the unit: it uses the name `{name}` for something else."
+        ));
     }
 }

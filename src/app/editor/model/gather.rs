@@ -30,7 +30,8 @@ use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings, LengthUnit,
-    Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind, UsesMaterial,
+    LightUnits, Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind,
+    UsesMaterial,
 };
 
 /// The components that give a thing its name.
@@ -119,6 +120,7 @@ pub struct Settings<'w, 's> {
     sampler: Res<'w, SamplerSettings>,
     accel: Res<'w, AccelMethod>,
     unit: Res<'w, LengthUnit>,
+    light_units: Res<'w, LightUnits>,
     active: Res<'w, ActiveSensor>,
     films: Query<'w, 's, &'static Film>,
 }
@@ -183,6 +185,7 @@ pub fn gather_status(
     model.render.sampler = *settings.sampler;
     model.render.accel = *settings.accel;
     model.unit = *settings.unit;
+    model.light_units = *settings.light_units;
     model.up = picture.view.navigation.up;
     model.render.time_limit = settings.control.time_limit;
     let noise_target = settings

@@ -44,8 +44,8 @@ use crate::engine::{AutoStatus, RenderStatus};
 use crate::math::Aabb;
 use crate::render::clamp::BrightnessLimit;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, EulerAngles, FileKind, Film, IntegratorSettings, LengthUnit, Material, Medium,
-    SamplerSettings, Sensor, Shape,
+    AccelMethod, AreaLight, Emitter, EulerAngles, FileKind, Film, IntegratorSettings, LengthUnit, LightUnits, Material,
+    Medium, SamplerSettings, Sensor, Shape,
 };
 use item_list::ItemList;
 use mixed::Mixed;
@@ -469,6 +469,8 @@ pub struct Model {
     pub missing: Arc<Vec<MissingItem>>,
     /// The unit of length of the scene.
     pub unit: LengthUnit,
+    /// The units in which lights are shown.
+    pub light_units: LightUnits,
     /// The upward direction of the scene.
     pub up: Vec3,
     /// The timeline.

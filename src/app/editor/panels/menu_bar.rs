@@ -18,7 +18,7 @@ use crate::app::editor::model::Model;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::words::files::folders_apart;
-use crate::scene::LengthUnit;
+use crate::scene::{LengthUnit, LightUnits};
 
 /// The settings besides the model that menus show as check marks.
 #[derive(Clone, Copy)]
@@ -230,7 +230,12 @@ fn render_menu(ui: &mut Ui, context: &ActionContext, commands: &mut Vec<Command>
 
 fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
-    let in_group = |action: &&Action| action.group == Group::Edit && !action.name.starts_with("unit-");
+    let in_group = |action: &&Action| {
+        action.group == Group::Edit
+            && !["unit-", "light-units-"]
+                .iter()
+                .any(|start| action.name.starts_with(start))
+    };
     for action in ACTIONS.iter().filter(in_group) {
         if ["duplicate", "group", "select-all", "hide", "gizmo-move"].contains(&action.name) {
             ui.separator();
@@ -242,6 +247,14 @@ fn edit_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
         for (unit, name) in LengthUnit::LABELED {
             if menu_marks::choice(ui, model.unit == unit, name).clicked() {
                 commands.push(SettingsEdit::SetUnit(unit).into());
+                ui.close();
+            }
+        }
+    });
+    ui.menu_button(menu_marks::inset("Units of light"), |ui| {
+        for (units, name) in LightUnits::LABELED {
+            if menu_marks::choice(ui, model.light_units == units, name).clicked() {
+                commands.push(SettingsEdit::SetLightUnits(units).into());
                 ui.close();
             }
         }

@@ -17,7 +17,7 @@ pub(super) use self::parser::parse_children;
 use super::define::Defines;
 use super::dialect;
 use super::links::link;
-use super::parsed::{UNIT, is_unit_name};
+use super::parsed::SCENE_UNITS;
 use super::paths::canonical;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
 use super::unpack::{keep_known, pack_rest};
@@ -89,7 +89,10 @@ impl Parser {
             let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");
             self.diagnostics.push(Severity::Warning, None, message, help);
         }
-        let uses_unit_name = self.defines.has_other_use(UNIT, is_unit_name);
+        let is_taken =
+            |(name, values): &(&str, &[&str])| self.defines.has_other_use(name, |value| values.contains(&value));
+        let taken = SCENE_UNITS.into_iter().filter(is_taken);
+        let taken_unit_names = taken.map(|(name, _)| name).collect();
         Document {
             path: path.to_owned(),
             root: Arc::new(root),
@@ -97,7 +100,7 @@ impl Parser {
             time: 0.0,
             search_folders: self.search_folders,
             includes: self.includes,
-            uses_unit_name,
+            taken_unit_names,
             imported: false,
             stand_in_light: None,
             access: self.access,

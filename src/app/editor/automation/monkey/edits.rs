@@ -18,6 +18,16 @@ pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-pla
 /// each kind.
 const MOST_THINGS: usize = 60;
 
+/// Verbs that set the units in which the scene is shown.
+const UNITS: [&str; 6] = [
+    "unit-none",
+    "unit-m",
+    "unit-cm",
+    "unit-ft",
+    "light-units-radiometric",
+    "light-units-photometric",
+];
+
 /// The sorted names of all things that pass the filter.
 pub fn names<F: QueryFilter>(world: &mut World) -> Vec<String> {
     let mut names: Vec<String> = world
@@ -107,7 +117,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             format!("mix {} 0.{}", random.one_of(&lights)?, 1 + random.below(9)),
             "bake-lights".to_owned(),
         ]),
-        20 => one(["unit-none", "unit-m", "unit-cm", "unit-ft"][random.below(4)].to_owned()),
+        20 => one(UNITS[random.below(UNITS.len())].to_owned()),
         21 => one(format!("use-file {} {},0.5", part.display(), random.fraction())),
         22 => Some(vec![
             format!("select {} {}", shape?, random.one_of(&shapes)?),

@@ -16,7 +16,7 @@ use crate::app::editor::command::{
     CameraEdit, Command, DisplayCommand, FileCommand, FileDialogKind, HistoryCommand, MediumEdit, OutlineEdit,
     RenderCommand, SceneEdit, SelectionCommand, SettingsEdit, TimeEdit, ToolCommand,
 };
-use crate::scene::LengthUnit;
+use crate::scene::{LengthUnit, LightUnits};
 
 macro_rules! gizmo_mode {
     ($name:literal, $label:literal, $key:expr, $mode:ident) => {
@@ -46,6 +46,14 @@ macro_rules! unit {
     ($name:literal, $label:literal, $unit:ident) => {
         action(Group::Edit, $name, $label, &[], |_| {
             Some(SettingsEdit::SetUnit(LengthUnit::$unit).into())
+        })
+    };
+}
+
+macro_rules! light_units {
+    ($name:literal, $label:literal, $units:ident) => {
+        action(Group::Edit, $name, $label, &[], |_| {
+            Some(SettingsEdit::SetLightUnits(LightUnits::$units).into())
         })
     };
 }
@@ -235,6 +243,12 @@ pub const EDIT: &[Action] = &[
     unit!("unit-mm", "Unit: millimetres", Millimetre),
     unit!("unit-in", "Unit: inches", Inch),
     unit!("unit-ft", "Unit: feet", Foot),
+    light_units!("light-units-radiometric", "Light: watts and radiance", Radiometric),
+    light_units!(
+        "light-units-photometric",
+        "Light: lumens, candela, lux and nits",
+        Photometric
+    ),
 ];
 
 /// The menu *Add*.

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::{
-    AccelMethod, ActiveSensor, FreeView, IntegratorKeys, IntegratorSettings, LengthUnit, ObjectChange, SamplerSettings,
+    AccelMethod, ActiveSensor, FreeView, IntegratorKeys, IntegratorSettings, LengthUnit, LightUnits, ObjectChange,
+    SamplerSettings,
 };
 
 /// The settings of a scene as a whole.
@@ -18,6 +19,7 @@ pub(crate) struct SettingsState {
     pub sampler: SamplerSettings,
     pub accel: AccelMethod,
     pub unit: LengthUnit,
+    pub light_units: LightUnits,
 }
 
 impl SettingsState {
@@ -28,6 +30,7 @@ impl SettingsState {
             sampler: world.get_resource().copied().unwrap_or_default(),
             accel: world.get_resource().copied().unwrap_or_default(),
             unit: world.get_resource().copied().unwrap_or_default(),
+            light_units: world.get_resource().copied().unwrap_or_default(),
         }
     }
 
@@ -52,6 +55,9 @@ impl SettingsState {
         }
         if from.unit != self.unit {
             world.insert_resource(self.unit);
+        }
+        if from.light_units != self.light_units {
+            world.insert_resource(self.light_units);
         }
     }
 }
