@@ -1,5 +1,7 @@
 //! Colour: linear Rec. 709 RGB, its luminance, and the sRGB transfer function (IEC 61966-2-1).
 
+pub mod temperature;
+
 use std::sync::LazyLock;
 
 use glam::{Mat3, Vec3};

@@ -69,6 +69,7 @@ mod lanes;
 mod layers;
 mod light_transport;
 mod lights;
+mod lumens;
 mod many_lights;
 mod materials;
 mod media;

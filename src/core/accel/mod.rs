@@ -5,6 +5,7 @@
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 
 mod affine_mesh;
+mod area;
 mod binning;
 mod blas;
 mod build;

@@ -27,7 +27,7 @@ pub struct EnvironmentMap {
 }
 
 /// The least number of rows. A picture with fewer gets more by repeating the last one, as in Mitsuba 3.
-const LEAST_ROWS: u32 = 3;
+pub(super) const LEAST_ROWS: u32 = 3;
 
 /// The share of the density that is kept where compensation would leave zero, so that the estimator stays unbiased
 /// where no other technique samples.
@@ -205,7 +205,7 @@ fn uv_density<R: Real>(sin_theta: R) -> R {
     R::ONE / (R::splat(TAU * PI) * sin_theta.abs().max(R::splat(LEAST_SINE)))
 }
 
-fn usable(radiance: Rgb) -> Rgb {
+pub(super) fn usable(radiance: Rgb) -> Rgb {
     let channel = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
     Rgb::new(channel(radiance.x), channel(radiance.y), channel(radiance.z))
 }

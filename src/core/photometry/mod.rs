@@ -7,11 +7,16 @@
 mod cursor;
 mod distribution;
 mod eulumdat;
+pub mod exposure;
 mod ies;
+pub mod lamps;
+mod light_unit;
 mod polar;
+pub mod units;
 
 pub use cursor::ProfileError;
 pub use distribution::{Distribution, Geometry, IntensityPicture, solid_angle_of_row};
+pub use light_unit::{LightUnit, Measure};
 pub use polar::PolarCurve;
 
 /// Lumens per watt of Rec. 709 luminance.

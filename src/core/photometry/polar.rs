@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2};
 
-use super::Distribution;
+use super::{Distribution, IntensityPicture};
 
 /// The number of steps of a half of the curve, of three degrees.
 const STEPS: usize = 60;
@@ -14,6 +14,8 @@ pub struct PolarCurve {
     pub lumens: f32,
     /// The greatest intensity in any direction, in candela.
     pub peak: f32,
+    /// The greatest intensity of the curve, in candela.
+    pub farthest: f32,
     /// The points of the closed curve in units of the greatest distance: +y is down, where the beam goes.
     pub points: Vec<Vec2>,
 }
@@ -21,12 +23,30 @@ pub struct PolarCurve {
 impl PolarCurve {
     /// The curve in the plane of the horizontal angles `c` and `c` + 180 degrees.
     pub fn new(distribution: &Distribution, c: f64) -> Self {
-        let picture = distribution.picture();
         let (sin_c, cos_c) = c.to_radians().sin_cos();
+        let at = |sin: f64, cos: f64| distribution.intensity(DVec3::new(sin * cos_c, -sin * sin_c, cos)) as f32;
+        Self::of(&distribution.picture(), at)
+    }
+
+    /// [`Self::new`] of the picture of a distribution: of its row and column next to each direction.
+    pub fn of_picture(picture: &IntensityPicture, c: f64) -> Self {
+        let (width, last) = (f64::from(picture.width), f64::from(picture.height.saturating_sub(1)));
+        let at = |sin: f64, cos: f64| {
+            let gamma = sin.abs().atan2(cos).to_degrees();
+            let c = if sin < 0.0 { c + 180.0 } else { c };
+            let row = ((1.0 - gamma / 180.0) * last).round() as usize;
+            let column = (-c / 360.0 * width).round().rem_euclid(width) as usize;
+            let pixel = picture.candela.get(row * picture.width as usize + column);
+            pixel.copied().unwrap_or_default()
+        };
+        Self::of(picture, at)
+    }
+
+    /// The curve of an intensity in candela by the sine and cosine of the angle from the axis of the beam.
+    fn of(picture: &IntensityPicture, candela: impl Fn(f64, f64) -> f32) -> Self {
         let at = |step: usize| {
             let (sin, cos) = (std::f64::consts::PI * step as f64 / STEPS as f64).sin_cos();
-            let candela = distribution.intensity(DVec3::new(sin * cos_c, -sin * sin_c, cos));
-            Vec2::new(sin as f32, cos as f32) * candela as f32
+            Vec2::new(sin as f32, cos as f32) * candela(sin, cos)
         };
         let mut points: Vec<Vec2> = (0..2 * STEPS).map(at).collect();
         let farthest = points.iter().map(|point| point.length()).fold(0.0, f32::max);
@@ -36,6 +56,7 @@ impl PolarCurve {
         Self {
             lumens: picture.lumens() as f32,
             peak: picture.candela.iter().copied().fold(0.0, f32::max),
+            farthest,
             points,
         }
     }

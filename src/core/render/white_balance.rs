@@ -7,6 +7,8 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
+use crate::color::temperature::{self, black_body, green};
+
 /// The colour of the light that is shown as white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteBalance {
@@ -34,7 +36,7 @@ const D65: Vec2 = Vec2::new(0.3127, 0.3290);
 
 impl WhiteBalance {
     /// The temperatures for which the formula for black bodies holds.
-    pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=15_000.0;
+    pub const TEMPERATURES: std::ops::RangeInclusive<f32> = temperature::TEMPERATURES;
     /// The range of tints in the panel.
     pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
 
@@ -63,22 +65,9 @@ impl WhiteBalance {
         let (low, high) = (*Self::TEMPERATURES.start(), *Self::TEMPERATURES.end());
         let kelvin = self.temperature.max(low).min(high);
         let tint = self.tint.max(*Self::TINTS.start()).min(*Self::TINTS.end());
-        let along = (black_body(kelvin + 1.0) - black_body(kelvin - 1.0)).normalize();
-        // Higher temperatures are to the left in the diagram: green is to the right of that direction.
-        let green = Vec2::new(along.y, -along.x);
-        let uv = black_body(kelvin) + tint / 3000.0 * green + (uv(D65) - black_body(D65_TEMPERATURE));
+        let uv = black_body(kelvin) + tint / 3000.0 * green(kelvin) + (uv(D65) - black_body(D65_TEMPERATURE));
         Vec2::new(3.0 * uv.x, 2.0 * uv.y) / (2.0 * uv.x - 8.0 * uv.y + 4.0)
     }
-}
-
-/// The CIE 1960 u, v of a black body.
-fn black_body(kelvin: f32) -> Vec2 {
-    let t = f64::from(kelvin);
-    let u = (0.860_117_757 + 1.541_182_54e-4 * t + 1.286_412_12e-7 * t * t)
-        / (1.0 + 8.424_202_35e-4 * t + 7.081_451_63e-7 * t * t);
-    let v = (0.317_398_726 + 4.228_062_45e-5 * t + 4.204_816_91e-8 * t * t)
-        / (1.0 - 2.897_418_16e-5 * t + 1.614_560_53e-7 * t * t);
-    Vec2::new(u as f32, v as f32)
 }
 
 /// The CIE 1960 u, v of a chromaticity x, y.

@@ -1,0 +1,143 @@
+//! Real lamps and skies, with their light in photometric units and the sources of the figures.
+//!
+//! Of a standard or a regulation the figure is that of the document. Where a source gives a range, the table has a round
+//! number within it.
+
+use super::LightUnit;
+
+/// The form in which a lamp is added to a scene; lengths are in metres, angles in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LampForm {
+    /// A point that shines in all directions.
+    Point,
+    /// A cone downwards, by its half angles.
+    Spot {
+        /// The half angle beyond which there is no light.
+        cutoff: f32,
+        /// The half angle up to which the intensity is full.
+        beam: f32,
+    },
+    /// A rectangle that shines on one side.
+    Rectangle {
+        /// Width and height.
+        size: [f32; 2],
+    },
+    /// A cylinder that shines outwards.
+    Tube {
+        /// The radius.
+        radius: f32,
+        /// The length.
+        length: f32,
+    },
+    /// Parallel light.
+    Parallel,
+    /// Even light from all directions.
+    Sky,
+}
+
+/// A lamp or a sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// The word for it in scripts and names.
+    pub name: &'static str,
+    /// The label in menus.
+    pub label: &'static str,
+    /// How much light it gives, in `unit`.
+    pub amount: f32,
+    /// The unit of the amount.
+    pub unit: LightUnit,
+    /// The correlated colour temperature in kelvin.
+    pub kelvin: f32,
+    /// The distance of the colour from a black body, see [`crate::color::temperature`].
+    pub duv: f32,
+    /// The form of a new one.
+    pub form: LampForm,
+    /// Where the figures are from.
+    pub source: &'static str,
+}
+
+impl Lamp {
+    /// The lamp of this name.
+    pub fn of_name(name: &str) -> Option<&'static Self> {
+        LAMPS.iter().find(|lamp| lamp.name == name)
+    }
+}
+
+macro_rules! lamps {
+    ($($name:literal $label:literal: $amount:literal $unit:ident, $kelvin:literal K $(duv $duv:literal)?, $form:expr,
+       $source:expr;)*) => {
+        /// All lamps, from the dimmest to those of outdoors.
+        pub const LAMPS: &[Lamp] = &[$(Lamp {
+            name: $name,
+            label: $label,
+            amount: $amount,
+            unit: LightUnit::$unit,
+            kelvin: $kelvin,
+            duv: 0.0 $(+ $duv)?,
+            form: $form,
+            source: $source,
+        }),*];
+    };
+}
+
+const BULBS: &str = "Regulation (EC) 244/2009, annex II, table 6: light of lamps that replace a filament bulb of these watts; 2700 K is warm white by ANSI C78.377";
+const TUBES: &str = "Regulation (EC) 245/2009, annex III: least efficacy of tubes of these watts; sizes by IEC 60081; 4000 K is neutral white by ANSI C78.377";
+const SODIUM: &str =
+    "Regulation (EC) 245/2009, annex III: least efficacy of high-pressure sodium lamps, 90 lm/W at 70 W; about 2000 K";
+const REFLECTOR: &str = "Regulation (EU) 1194/2012, annex III: light within 90 degrees of a reflector lamp PAR16 of 50 W; beams of 36 degrees are usual";
+
+const DOWNLIGHT: LampForm = LampForm::Spot {
+    cutoff: 36.0,
+    beam: 18.0,
+};
+
+lamps! {
+    "candle" "Candle": 12.57 Lumen, 1850.0 K, LampForm::Point,
+        "One candela in all directions, after which the unit is named; flames have 1800 to 1900 K";
+    "bulb-40w" "Bulb, 40 W": 470.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
+    "bulb-60w" "Bulb, 60 W": 806.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
+    "bulb-100w" "Bulb, 100 W": 1521.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
+    "filament-60w" "Filament bulb, 60 W": 702.0 Lumen, 2700.0 K, LampForm::Point,
+        "Regulation (EC) 244/2009, annex II, table 6, column of halogen lamps, which are filament bulbs";
+    "spotlight" "Spotlight, 50 W halogen": 300.0 Lumen, 3000.0 K, DOWNLIGHT, REFLECTOR;
+    "tube-36w" "Tube T8, 36 W": 3350.0 Lumen, 4000.0 K, LampForm::Tube { radius: 0.013, length: 1.2 }, TUBES;
+    "tube-58w" "Tube T8, 58 W": 5220.0 Lumen, 4000.0 K, LampForm::Tube { radius: 0.013, length: 1.5 }, TUBES;
+    "street-lamp" "Street lamp, 70 W sodium": 6300.0 Lumen, 2000.0 K,
+        LampForm::Spot { cutoff: 80.0, beam: 60.0 }, SODIUM;
+    "screen" "Screen": 80.0 Nit, 6504.0 K duv 0.0032, LampForm::Rectangle { size: [0.6, 0.34] },
+        "IEC 61966-2-1:1999, reference display of sRGB: 80 cd/m² and D65";
+    "hdr-screen" "Screen, HDR white": 203.0 Nit, 6504.0 K duv 0.0032, LampForm::Rectangle { size: [1.2, 0.68] },
+        "ITU-R BT.2408: reference white of HDR production, 203 cd/m² and D65";
+    "full-moon" "Full moon": 0.25 Lux, 4100.0 K, LampForm::Parallel,
+        "Kyba, Mohar and Posch, How bright is moonlight?, Astronomy & Geophysics 58, 2017: 0.05 to 0.3 lx";
+    "overcast-sky" "Overcast sky": 10000.0 Lux, 6504.0 K duv 0.0032, LampForm::Sky,
+        "10,000 lx outdoors, to which daylight factors are referred; D65 is the colour of an overcast day (CIE 15:2018)";
+    "noon-sun" "Noon sun": 100000.0 Lux, 5500.0 K, LampForm::Parallel,
+        "Three quarters of the luminous solar constant of 133,100 lx (Darula, Kittler and Gueymard, Solar Energy 79, 2005) pass a clear sky";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::temperature::{DUVS, TEMPERATURES};
+
+    #[test]
+    fn lamps_have_names_of_their_own_and_colours() {
+        for (index, lamp) in LAMPS.iter().enumerate() {
+            let first = LAMPS.iter().position(|other| other.name == lamp.name);
+            assert_eq!(first, Some(index), "{}", lamp.name);
+            assert!(
+                TEMPERATURES.contains(&lamp.kelvin) && DUVS.contains(&lamp.duv),
+                "{}",
+                lamp.name
+            );
+            assert!(lamp.amount > 0.0 && !lamp.source.is_empty(), "{}", lamp.name);
+            let fits = match lamp.form {
+                LampForm::Parallel | LampForm::Sky => lamp.unit == LightUnit::Lux,
+                LampForm::Rectangle { .. } => matches!(lamp.unit, LightUnit::Nit | LightUnit::Lumen),
+                LampForm::Point | LampForm::Spot { .. } | LampForm::Tube { .. } => lamp.unit == LightUnit::Lumen,
+            };
+            assert!(fits, "{}", lamp.name);
+        }
+    }
+}
