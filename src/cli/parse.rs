@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use sunroom::document::value::parse_noise;
 use sunroom::layer::Layers;
+use sunroom::photometry::exposure;
 use sunroom::render::part::Crop;
 use sunroom::render::tonemap::Display;
 use sunroom::render::white_balance::WhiteBalance;
@@ -128,12 +129,14 @@ pub fn within<T: FromStr + PartialOrd>(text: &str, range: RangeInclusive<T>, exp
         .ok_or_else(|| format!("expected {expected}"))
 }
 
-/// An exposure in stops.
+/// An exposure in stops, of any form that [`exposure::parse`] takes.
 pub fn exposure(text: &str) -> Result<f32, String> {
     let range = Display::EXPOSURES;
-    let (start, end) = (range.start(), range.end());
-    let expected = format!("a number of stops from {start} to {end}, such as 1.5");
-    within(text, range, &expected)
+    let stops = exposure::parse(text).filter(|stops| range.contains(stops));
+    stops.ok_or_else(|| {
+        let (start, end) = (range.start(), range.end());
+        format!("expected a number of stops from {start} to {end}, such as 1.5, or such as ev100:12 or f/8,1/60,400")
+    })
 }
 
 /// The name of a layer or a channel.

@@ -13,7 +13,8 @@ use super::parse;
 
 #[derive(Args)]
 pub struct DisplayArgs {
-    /// Exposure of PNG and JPEG files in stops, -100 to 100 [default: 0]
+    /// Exposure of PNG and JPEG files: stops, -100 to 100; an exposure value as `ev100:12`; or aperture, shutter time
+    /// and ISO of a camera as `f/8,1/60,400` [default: 0]
     #[arg(long, value_name = "EV", value_parser = parse::exposure)]
     exposure: Option<f32>,
     /// Tone map of PNG and JPEG files [default: clip]

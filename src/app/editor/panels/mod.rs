@@ -16,6 +16,7 @@ pub mod dimensions;
 pub(crate) mod drag_start;
 pub mod emission;
 pub mod excerpt;
+mod exposure;
 pub mod fields;
 pub mod history;
 pub mod inspector;

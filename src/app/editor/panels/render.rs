@@ -6,6 +6,7 @@ use bevy::math::Rect;
 use bevy_egui::egui::Ui;
 
 use super::caption::Caption;
+use super::exposure::exposure_rows;
 use super::section::{section, section_with};
 use super::status::{auto_words, percent};
 use super::{comparison, fields, layers, light_mixing, look};
@@ -142,9 +143,7 @@ fn limit_rows(
 fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Command>) {
     let mut edited = display;
     let mut changed = fields::choice(ui, "Show", &mut edited.mode, &DisplayMode::ALL);
-    changed |= fields::slider_with(ui, "Exposure", &mut edited.exposure, -10.0..=10.0, |slider| {
-        slider.suffix(" EV")
-    });
+    changed |= exposure_rows(ui, &mut edited.exposure);
     if fields::buttons(ui, |ui| ui.button("Expose automatically")).clicked() {
         commands.push(DisplayCommand::ExposeAutomatically.into());
     }

@@ -21,6 +21,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_noise, parse_rgb, parse_vec3};
 use crate::layer::Layers;
+use crate::photometry::exposure;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::IntegratorSettings;
@@ -29,9 +30,10 @@ verbs! {
     VERBS(world):
     "samples" "N" [number] => RenderCommand::SetTargetSamples(sample_count(number)?);
     "show" "MODE" [mode] => show(world, mode)?;
-    "exposure" "STOPS"
-        [stops] => {
-            let stops = within(parse_float(stops)?, &DisplaySettings::EXPOSURES)?;
+    "exposure" "STOPS|ev100:EV|f/APERTURE,SECONDS,ISO"
+        [text] => {
+            let stops = exposure::parse(text).map_or_else(|| parse_float(text), Ok)?;
+            let stops = within(stops, &DisplaySettings::EXPOSURES)?;
             display(world, |display| display.exposure = stops)
         };
     "tone-map" "NAME" [name] => tone_map(world, name)?;
