@@ -217,6 +217,15 @@ fn a_volume_absorbs_light() {
     }
 }
 
+/// The intensity of a light in the units of the file.
+fn assert_candela(light: &Object, expected: Vec3) {
+    let Value::Rgb(intensity) = value(light, "intensity") else {
+        panic!("{light:?}")
+    };
+    let candela = 683.0 * *intensity;
+    assert!(candela.abs_diff_eq(expected, 1e-5), "{candela}, expected {expected}");
+}
+
 #[test]
 fn nodes_place_meshes_cameras_and_lights() {
     let mut parts = Parts::default();
@@ -265,7 +274,7 @@ fn nodes_place_meshes_cameras_and_lights() {
     let [point, sun, spot] = lights[..] else {
         panic!("{lights:?}")
     };
-    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::new(4.0, 2.0, 0.0)));
+    assert_candela(point, Vec3::new(4.0, 2.0, 0.0));
     let Value::Point(place) = value(point, "position") else {
         panic!()
     };
@@ -715,7 +724,7 @@ fn light_is_neither_negative_nor_infinite() {
     let area = inside(of(&imported.root, Category::Shape)[0], "area");
     assert_eq!(value(area, "radiance"), &Value::Rgb(Vec3::X));
     let point = of(&imported.root, Category::Emitter)[0];
-    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::new(2.0, 1.0, 0.0)));
+    assert_candela(point, Vec3::new(2.0, 1.0, 0.0));
     let [lamp, bulb] = &imported.warnings[..] else {
         panic!("{:?}", imported.warnings)
     };

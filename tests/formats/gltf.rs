@@ -20,7 +20,7 @@ const REST: &str = r#"
   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6, "material": 0}]},
     {"primitives": [{"attributes": {"POSITION": 1}, "mode": 6, "material": 1}]}],
   "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "aspectRatio": 1, "znear": 0.1}}],
-  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 3}]}},
+  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 2049}]}},
   "nodes": [{"name": "wall", "mesh": 0, "translation": [-1, 0, 0]}, {"name": "plate", "mesh": 1},
     {"camera": 0, "translation": [0, 0.5, 3]}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}]"#;
 
@@ -382,7 +382,7 @@ const BOARD: &str = r#"
     {"attributes": {"POSITION": 0, "NORMAL": 2, "TEXCOORD_0": 3TANGENT}, "mode": 6, "material": 0},
     {"attributes": {"POSITION": 1, "NORMAL": 2, "TEXCOORD_0": 4TANGENT}, "mode": 6, "material": 0}]}],
   "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 10}}],
-  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 3.14159}]}},
+  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 2145.71}]}},
   "nodes": [{"mesh": 0SCALE}, {"camera": 0, "translation": [0, 0, 4]},
     {"rotation": [-0.3826834, 0, 0, 0.9238795], "extensions": {"KHR_lights_punctual": {"light": 0}}}]"#;
 

@@ -82,6 +82,9 @@ impl SunroomLevel {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelReady;
 
+/// The level's punctual lights are in candela and lux, of which 683 are one W/sr or W/m², the units of its lightmaps.
+const LUMENS_PER_WATT: f32 = 683.0;
+
 /// The exposure with which Bevy's picture is as bright as Sunroom's at an exposure of so many stops.
 pub fn exposure(stops: f32) -> Exposure {
     // Bevy's factor is 2^-ev100 / 1.2.
@@ -255,14 +258,17 @@ impl Parts<'_, '_> {
         let casts = !is_baked || has_volume;
         if let Ok(mut light) = self.points.get_mut(light) {
             light.color = linear(light.color);
+            light.intensity /= LUMENS_PER_WATT;
             light.range = range;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.spots.get_mut(light) {
             light.color = linear(light.color);
+            light.intensity /= LUMENS_PER_WATT;
             light.range = range;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.suns.get_mut(light) {
             light.color = linear(light.color);
+            light.illuminance /= LUMENS_PER_WATT;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         }
     }

@@ -1,6 +1,7 @@
 //! The lights of a file as emitters, and the stand-in light for a scene without any.
 //!
-//! Intensities keep their numbers: candela and lux become W/sr and W/m^2.
+//! Intensities are photometric, in candela and lux (the specification of KHR_lights_punctual): 683 of them are one W/sr
+//! or W/m^2.
 
 use std::f32::consts::PI;
 
@@ -12,11 +13,12 @@ use super::objects::*;
 use super::scene::Builder;
 use super::schema::Light;
 use crate::document::{Category, Object, Value};
+use crate::photometry::LUMENS_PER_WATT;
 
 impl Builder<'_> {
     pub(super) fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
         let title = format!("light `{}`", name.unwrap_or("unnamed"));
-        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &title);
+        let power = self.possible_light(Vec3::from(light.color) * (light.intensity / LUMENS_PER_WATT), &title);
         let emitter = |plugin: &str| object(Category::Emitter, plugin);
         // Lights of the file shine along -z.
         let turn = Mat4::from_rotation_y(PI);

@@ -11,6 +11,7 @@ use crate::color::Rgb;
 use crate::files::Access;
 use crate::gltf::write::GltfWriter;
 use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
+use crate::photometry::LUMENS_PER_WATT;
 use crate::scene::assets::lamp_file::standard_light;
 use crate::scene::components::description::{EmitterDescription, Identity, SensorDescription};
 use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
@@ -25,7 +26,8 @@ pub(super) struct Stage<'s> {
     pub is_baked: bool,
 }
 
-/// A light without a name. `power` is its intensity or irradiance.
+/// A light without a name. `power` is its intensity in W/sr or irradiance in W/m^2, which the file has in candela and
+/// lux.
 fn light_of(kind: &'static str, power: Rgb, spot: Option<Spot>) -> Light {
     let power = power.max(Rgb::ZERO);
     let most = power.max_element();
@@ -34,7 +36,7 @@ fn light_of(kind: &'static str, power: Rgb, spot: Option<Spot>) -> Light {
         name: String::new(),
         kind,
         color: color.to_array(),
-        intensity: most,
+        intensity: (most * LUMENS_PER_WATT).min(f32::MAX),
         spot,
     }
 }
