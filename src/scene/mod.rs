@@ -19,6 +19,7 @@ pub use components::authored::{Authored, AuthoredScene};
 pub(crate) use components::authored::{DeclaredIn, Declares};
 pub(crate) use components::declare::PluginInfo;
 pub use components::description::SceneDescription;
+pub(crate) use components::emitter::FLUX;
 pub use components::emitter::{AreaLight, Emitter, EmitterKind};
 pub use components::euler::EulerAngles;
 pub(crate) use components::euler::Turned;

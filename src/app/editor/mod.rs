@@ -124,7 +124,11 @@ fn order_frame(app: &mut App) {
                 model::outline::gather_outline,
                 model::leaks::find_leaks,
                 picture::paths::follow_paths,
-                model::inspection::gather_selection,
+                (
+                    model::inspection::gather_selection,
+                    model::light_figures::gather_light_figures,
+                )
+                    .chain(),
                 model::thumbnails::update_thumbnails,
                 picture::noise_trend::follow_noise,
                 model::gather::gather_status,

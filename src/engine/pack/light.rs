@@ -148,7 +148,7 @@ pub(in crate::engine) fn pack_emitter(
 }
 
 /// Half the size of a projector's picture on the plane z = 1; `aspect` is width over height.
-fn half_size(fov: f32, axis: FovAxis, aspect: f32) -> glam::Vec2 {
+pub(in crate::engine) fn half_size(fov: f32, axis: FovAxis, aspect: f32) -> glam::Vec2 {
     let half_width = (0.5 * axis.horizontal(fov, aspect)).to_radians().tan();
     glam::Vec2::new(half_width, half_width / aspect)
 }

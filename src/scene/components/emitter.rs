@@ -134,13 +134,7 @@ declare_plugins! {
                 "0 or more",
             )),
             /// The luminous flux in lumens that replaces the file's; 0 for the file's.
-            flux: f32 = 0.0 => Number(ParameterInfo::new(
-                "flux",
-                "Lumens",
-                "The light of the lamp in all directions, in lumens, at a strength of 1. With 0 it is the file's.",
-                "lm, 0 or more",
-            )
-            .within(0.0..=BRIGHTEST)),
+            flux: f32 = 0.0 => Number(FLUX),
         },
 
         /// Projects a picture along +z, as a camera would see it.
@@ -192,6 +186,15 @@ declare_plugins! {
 
 /// The allowed distances between the points of a volume.
 const SPACING: std::ops::RangeInclusive<f32> = 1e-4..=f32::MAX;
+
+/// The luminous flux of a lamp with measured intensities.
+pub(crate) const FLUX: ParameterInfo = ParameterInfo::new(
+    "flux",
+    "Lumens",
+    "The light of the lamp in all directions, in lumens, at a strength of 1. With 0 it is the file's.",
+    "lm, 0 or more",
+)
+.within(0.0..=BRIGHTEST);
 
 const RADIANCE: ParameterInfo = ParameterInfo::new(
     "radiance",

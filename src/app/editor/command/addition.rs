@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3;
 
+use crate::photometry::lamps::{LAMPS, Lamp};
 use crate::scene::{Emitter, Solid};
 
 /// A new thing in the scene.
@@ -18,7 +19,7 @@ pub struct Addition {
 }
 
 /// The kinds of things that the menu *Add* and scripts offer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AdditionKind {
     /// A sphere.
     Sphere,
@@ -40,6 +41,8 @@ pub enum AdditionKind {
     AreaLight,
     /// One of [`Emitter::PLUGINS`].
     Emitter(&'static str),
+    /// One of [`LAMPS`] with its light.
+    Lamp(&'static Lamp),
     /// A camera with the pose of the view.
     Camera,
 }
@@ -82,6 +85,7 @@ impl AdditionKind {
             Self::FogBox => "fog-box",
             Self::AreaLight => "area",
             Self::Emitter(plugin) | Self::Solid(plugin) => plugin,
+            Self::Lamp(lamp) => lamp.name,
             Self::Camera => "camera",
         }
     }
@@ -94,11 +98,12 @@ impl AdditionKind {
         }
     }
 
-    /// Shapes, fog, the area light, the camera, then all kinds of emitters.
+    /// Shapes, fog, the area light, the camera, all kinds of emitters, then real lamps.
     pub fn all() -> impl Iterator<Item = Self> {
         let plain = [Self::Fog, Self::FogBox, Self::AreaLight, Self::Camera];
         let emitters = Emitter::PLUGINS.map(Self::Emitter);
-        Self::SHAPES.into_iter().chain(plain).chain(emitters)
+        let lamps = LAMPS.iter().map(Self::Lamp);
+        Self::SHAPES.into_iter().chain(plain).chain(emitters).chain(lamps)
     }
 
     pub(crate) fn of_name(name: &str) -> Option<Self> {

@@ -22,6 +22,7 @@ pub mod history;
 pub mod inspected_paths;
 pub mod kept_picture;
 pub mod key_bindings;
+pub mod lamps;
 pub(crate) mod lenient;
 pub mod light_mix;
 pub mod material;

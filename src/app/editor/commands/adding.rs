@@ -9,14 +9,17 @@ use super::{media, media_boxes, media_upkeep, view};
 use crate::app::editor::camera::{pose, rounding};
 use crate::app::editor::command::addition::{Addition, AdditionKind};
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::lamps::PhotometricValue;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
+use crate::engine::{measures_of_area_light, measures_of_emitter};
+use crate::photometry::lamps::{Lamp, LampForm};
 use crate::scene::insert::next_order;
 use crate::scene::names::free_name_for;
 use crate::scene::{
-    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, InMedium, SceneId, Sensor, Shape, ShapeKind,
-    Solid, ToWorld,
+    ActiveSensor, AreaLight, Cone, DocumentOrder, Emitter, EmitterKind, Film, InMedium, LengthUnit, SceneId, Sensor,
+    Shape, ShapeKind, Solid, ToWorld,
 };
 
 /// The height of a light above the surface it shines on, and of a flat entity above the surface it lies on, in half
@@ -29,7 +32,10 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
     let up = edit.world.resource::<ViewSettings>().navigation.up;
-    let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
+    let is_light = matches!(
+        addition.kind,
+        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_)
+    );
     let spot = match (addition.at, addition.size) {
         _ if !has_spot(addition.kind) => Spot::default(),
         (Some(foot), Some(size)) => Spot { foot, size, on: None },
@@ -139,6 +145,27 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             }
             camera
         }
+        AdditionKind::Lamp(lamp) => {
+            let metres = edit
+                .world
+                .get_resource::<LengthUnit>()
+                .map_or(1.0, |unit| unit.metres());
+            match new_lamp(lamp, metres)? {
+                NewLamp::Shape(kind, light, scale) => {
+                    let pose = ToWorld(at(above) * facing(-up) * Affine3A::from_scale(scale));
+                    edit.spawn((called, shape(kind), pose, light))
+                }
+                NewLamp::Sky(emitter) => {
+                    let name = addition.name.as_deref().unwrap_or(lamp.name);
+                    set_sky(edit, emitter, Affine3A::IDENTITY, name)
+                }
+                NewLamp::Parallel(emitter) => {
+                    let pose = facing(free_direction(&sun_directions(edit.world), up));
+                    edit.spawn((called, emitter, ToWorld(pose)))
+                }
+                NewLamp::Placed(emitter) => edit.spawn((called, emitter, ToWorld(at(above) * facing(-up)))),
+            }
+        }
         AdditionKind::Emitter(plugin) => {
             let emitter = emitter(plugin, above.distance(foot).max(size))?;
             let pose = match emitter.kind {
@@ -159,6 +186,64 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     };
     select_new(edit, vec![entity]);
     Ok(())
+}
+
+/// The parts of a new lamp.
+enum NewLamp {
+    /// A shape with its light, and its scale.
+    Shape(ShapeKind, AreaLight, Vec3),
+    /// Light from all directions.
+    Sky(Emitter),
+    /// Light from one direction.
+    Parallel(Emitter),
+    /// A light with a place.
+    Placed(Emitter),
+}
+
+/// A lamp of the table in a scene whose unit of length has so many metres.
+fn new_lamp(lamp: &'static Lamp, metres: f64) -> Result<NewLamp, CommandError> {
+    let value = PhotometricValue::from(lamp);
+    let units = |length: f32| (f64::from(length) / metres) as f32;
+    let emitter = |kind: EmitterKind| -> Result<Emitter, String> {
+        let mut emitter = Emitter::from(kind);
+        let measures = measures_of_emitter(&emitter, Affine3A::IDENTITY, None, metres);
+        value.apply(&mut emitter, &measures, None)?;
+        Ok(emitter)
+    };
+    let shape = |kind: ShapeKind, scale: Vec3, area: f32| -> Result<NewLamp, String> {
+        let mut light = AreaLight::default();
+        let measures = measures_of_area_light(&light, Some(f64::from(area)), metres);
+        value.apply(&mut light, &measures, None)?;
+        Ok(NewLamp::Shape(kind, light, scale))
+    };
+    Ok(match lamp.form {
+        LampForm::Point => NewLamp::Placed(emitter(EmitterKind::Point { intensity: Rgb::ONE })?),
+        LampForm::Spot { cutoff, beam } => NewLamp::Placed(emitter(EmitterKind::Spot {
+            intensity: Rgb::ONE,
+            cone: Cone {
+                cutoff_angle: cutoff,
+                beam_width: beam,
+            },
+            texture: None,
+        })?),
+        LampForm::Rectangle { size } => {
+            let [width, height] = size.map(units);
+            let scale = 0.5 * Vec3::new(width, height, width.min(height));
+            shape(ShapeKind::Rectangle, scale, width * height)?
+        }
+        LampForm::Tube { radius, length } => {
+            let [radius, length] = [radius, length].map(units);
+            let half = 0.5 * length * Vec3::X;
+            let kind = ShapeKind::Cylinder {
+                p0: -half,
+                p1: half,
+                radius,
+            };
+            shape(kind, Vec3::ONE, std::f32::consts::TAU * radius * length)?
+        }
+        LampForm::Parallel => NewLamp::Parallel(emitter(EmitterKind::Directional { irradiance: Rgb::ONE })?),
+        LampForm::Sky => NewLamp::Sky(emitter(EmitterKind::Constant { radiance: Rgb::ONE })?),
+    })
 }
 
 /// A light that illuminates things at `distance` world units about as much as a white sky would.
@@ -199,7 +284,7 @@ fn lift(kind: AdditionKind) -> f32 {
         | AdditionKind::Solid(_)
         | AdditionKind::Fog
         | AdditionKind::Camera => 0.0,
-        AdditionKind::AreaLight | AdditionKind::Emitter(_) => ABOVE,
+        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) => ABOVE,
     }
 }
 
@@ -207,6 +292,7 @@ fn lift(kind: AdditionKind) -> f32 {
 fn has_spot(kind: AdditionKind) -> bool {
     match kind {
         AdditionKind::Camera | AdditionKind::Fog => false,
+        AdditionKind::Lamp(lamp) => !matches!(lamp.form, LampForm::Parallel | LampForm::Sky),
         AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| emitter.has_place()),
         _ => true,
     }

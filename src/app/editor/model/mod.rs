@@ -11,6 +11,7 @@ pub(crate) mod inspected_media;
 pub(crate) mod inspection;
 pub mod item_list;
 pub(crate) mod leaks;
+pub mod light_figures;
 pub mod mixed;
 pub(crate) mod outline;
 pub mod panel_textures;
@@ -48,6 +49,7 @@ use crate::scene::{
     Medium, SamplerSettings, Sensor, Shape,
 };
 use item_list::ItemList;
+use light_figures::LightFigures;
 use mixed::Mixed;
 use panel_textures::PanelTextures;
 pub use sizes::Sizes;
@@ -237,6 +239,8 @@ pub struct Inspected {
     pub area_light: Option<AreaLight>,
     /// The light, if it is one that is no shape.
     pub emitter: Option<Emitter>,
+    /// The figures of its light.
+    pub light_figures: LightFigures,
     /// The camera, if it is one.
     pub sensor: Option<Sensor>,
     /// The film, if it is a camera.
@@ -284,6 +288,7 @@ impl Inspected {
             mesh: None,
             area_light: None,
             emitter: None,
+            light_figures: LightFigures::default(),
             sensor: None,
             film: None,
             uses_material: None,

@@ -5,10 +5,11 @@ use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
 use super::color_picker::color_button;
-use super::fields::{self, NumberStyle, name_cell, number_cells, write_back};
+use super::fields::{NumberStyle, name_cell, number_cells, write_back};
 use super::key_marks::owner;
+use super::light_strength::{StrengthUnits, light_strength};
 use crate::app::editor::input::number_field;
-use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
+use crate::color::{Rgb, linear_from_srgb8, luminance, srgb_from_linear};
 
 /// The form in which colours are shown, the same in all rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,15 +48,28 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
     write_back(changed, value, copy)
 }
 
-/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`. `beyond`: the points at
-/// the right that the row of the colour leaves to a menu, and that the row of the strength uses.
-pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
+/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in one of `units`. `beyond`: the
+/// points at the right that the row of the colour leaves to a menu, and that the row of the strength uses.
+pub fn emission<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    units: StrengthUnits,
+    beyond: f32,
+    value: &mut Rgb,
+) -> bool {
     let caption = caption.into();
-    colored(ui, caption, caption.part("Colour"), unit, beyond, value)
+    colored(ui, caption, caption.part("Colour"), units, beyond, value)
 }
 
 /// [`emission`] with another name of the row of the colour.
-pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyond: f32, value: &mut Rgb) -> bool {
+pub fn colored(
+    ui: &mut Ui,
+    caption: Caption,
+    colour: Caption,
+    units: StrengthUnits,
+    beyond: f32,
+    value: &mut Rgb,
+) -> bool {
     let mut strength = value.max_element();
     // A strength of zero has no colour: the colour that was edited here is kept, so that it returns with the strength.
     let id = ui.make_persistent_id((colour.text, "of nothing"));
@@ -71,7 +85,7 @@ pub fn colored(ui: &mut Ui, caption: Caption, colour: Caption, unit: &str, beyon
     let (_, place) = ui.allocate_space(size);
     let place = place.with_max_x(place.right() + beyond);
     let mut row = ui.new_child(egui::UiBuilder::new().max_rect(place));
-    let scaled = fields::strength(&mut row, caption, &mut strength, unit);
+    let scaled = light_strength(&mut row, caption, units, luminance(hue), &mut strength);
     if recolored || scaled {
         ui.data_mut(|data| data.insert_temp(id, hue));
     }

@@ -9,8 +9,8 @@ use bevy_egui::egui::{
 
 use super::key_marks::owner;
 use crate::app::editor::input::pipette;
+use crate::color::temperature::Temperature;
 use crate::color::{Rgb, linear_from_srgb, srgb_from_linear};
-use crate::document::spectrum::{BlackBody, Role};
 
 /// The edge of the square and the height of the bar of hues, in points.
 const EDGE: f32 = 176.0;
@@ -24,6 +24,8 @@ const REMEMBERED: usize = 8;
 /// The temperatures of black bodies in kelvin: a candle has 1900, an overcast sky 6500.
 const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=12_000.0;
 const DAYLIGHT: f32 = 6500.0;
+/// The distances from black bodies that lamps have.
+const DUVS: std::ops::RangeInclusive<f32> = -0.02..=0.02;
 
 /// Hue, saturation and value in [0, 1].
 type Hsv = [f32; 3];
@@ -171,35 +173,45 @@ fn ring(ui: &Ui, at: Pos2, color: Color32) {
     }
 }
 
-/// The light of a black body as the colour.
+/// The temperature of the light that has the colour, and its distance from a black body.
 fn temperature(ui: &mut Ui, color: &mut Rgb) -> bool {
     let id = ui.id().with("temperature");
-    let mut kelvin = ui.data(|data| data.get_temp(id)).unwrap_or(DAYLIGHT);
+    // Colours outside of Rec. 709 are clipped, so that what was chosen cannot always be told from the colour.
+    let kept: Option<Temperature> = ui.data(|data| data.get_temp(id));
+    let brightness = color.max_element();
+    let is_it = |kept: &Temperature| (kept.color() * brightness).abs_diff_eq(*color, 1e-4);
+    let found = kept.filter(is_it).or_else(|| Temperature::of_color(*color));
+    let mut light = found.unwrap_or(Temperature {
+        kelvin: DAYLIGHT,
+        duv: 0.0,
+    });
     ui.spacing_mut().slider_width = EDGE - 72.0;
-    let slider = egui::Slider::new(&mut kelvin, TEMPERATURES)
+    let slider = egui::Slider::new(&mut light.kelvin, TEMPERATURES)
+        .clamping(egui::SliderClamping::Edits)
         .logarithmic(true)
         .suffix(" K")
         .max_decimals(0);
     let response = ui.add(slider).on_hover_text(
         "The colour of light of this temperature: candle 1900, bulb 2700, noon sun 5500, overcast sky 6500",
     );
-    response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(kelvin), "Temperature in kelvin"));
-    if response.changed() {
-        ui.data_mut(|data| data.insert_temp(id, kelvin));
-        *color = of_black_body(kelvin);
+    let kelvin = f64::from(light.kelvin);
+    response.widget_info(|| egui::WidgetInfo::slider(true, kelvin, "Temperature in kelvin"));
+    let slider = egui::Slider::new(&mut light.duv, DUVS)
+        .clamping(egui::SliderClamping::Edits)
+        .prefix("Duv ")
+        .fixed_decimals(3);
+    let aside = ui.add(slider).on_hover_text(
+        "The distance from the black body in the CIE 1960 diagram: above 0 the light is greener, below pinker. White lamps stay within 0.006.",
+    );
+    let duv = f64::from(light.duv);
+    aside.widget_info(|| egui::WidgetInfo::slider(true, duv, "Duv"));
+    let changed = response.changed() || aside.changed();
+    if changed {
+        ui.data_mut(|data| data.insert_temp(id, light));
+        // Black becomes light.
+        *color = light.color() * if brightness > 0.0 { brightness } else { 1.0 };
     }
-    response.changed()
-}
-
-/// The colour of a black body, with 1 as its largest channel.
-fn of_black_body(kelvin: f32) -> Rgb {
-    let body = BlackBody {
-        kelvin,
-        first_nm: 360.0,
-        last_nm: 830.0,
-    };
-    let (radiance, _) = body.to_rgb(Role::Emission);
-    (radiance / radiance.max_element()).max(Rgb::ZERO)
+    changed
 }
 
 fn remembered_id() -> Id {
@@ -269,17 +281,5 @@ mod tests {
             is(hue, 1.0 / 3.0) && is(saturation, 1.0) && is(value, 1.0),
             "{hue} {saturation} {value}"
         );
-    }
-
-    #[test]
-    fn black_bodies_go_from_red_to_blue() {
-        let [warm, cold] = [2000.0, 12_000.0].map(of_black_body);
-        assert!(
-            warm.x == 1.0 && warm.z < 0.1 && cold.z == 1.0 && cold.x < 0.8,
-            "{warm:?} {cold:?}"
-        );
-        // The white point of Rec. 709 is near the light of 6500 kelvin.
-        let white = of_black_body(DAYLIGHT);
-        assert!(white.to_array().iter().all(|channel| *channel > 0.85), "{white:?}");
     }
 }

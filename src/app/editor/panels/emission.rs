@@ -6,20 +6,28 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{Label, RichText, Ui};
 
 use super::caption::Caption;
+use super::light_strength::StrengthUnits;
 use super::material::{Edit, Rows, TYPE};
 use super::texture_slot::{BESIDE, picture_row};
 use super::{color_field, fields};
 use crate::app::editor::command::conversion::emitter_turned_into;
+use crate::app::editor::model::light_figures::LightFigures;
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
 use crate::scene::parameters::{BEAM_WIDTH, CUTOFF_ANGLE};
 use crate::scene::{
-    AreaLight, Cone, Declared, Emitter, EmitterKind, Parameter, ParameterInfo, PlaceAndTime, SquarePath, SunPosition,
-    Texture,
+    AreaLight, Cone, Declared, Emitter, EmitterKind, FLUX, Parameter, ParameterInfo, PlaceAndTime, SquarePath,
+    SunPosition, Texture,
 };
 
 /// Shows the check box that makes a shape emit, and its rows. `is_flat`: the shape has two visible sides.
-pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, textures: &PanelTextures) -> Edit {
+pub fn area_light(
+    ui: &mut Ui,
+    light: &mut Option<AreaLight>,
+    is_flat: bool,
+    figures: &LightFigures,
+    textures: &PanelTextures,
+) -> Edit {
     let mut emits = light.is_some();
     let toggled = fields::checkbox(ui, ("Emits light", "area_light"), &mut emits);
     if toggled {
@@ -30,7 +38,10 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, tex
             "It shines on the side of its normals only, and is black from the other. Flip normals turns it round.";
         ui.add(Label::new(RichText::new(text).weak()).wrap());
     }
-    let mut rows = Rows::new(ui, textures);
+    let mut rows = Rows {
+        figures,
+        ..Rows::new(ui, textures)
+    };
     if let Some(light) = light {
         light.visit_mut(&mut |info, value| rows.parameter(info, value));
     }
@@ -41,7 +52,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, is_flat: bool, tex
 }
 
 /// Shows the rows of a light that is no shape. The first row chooses its kind.
-pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> Edit {
+pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, figures: &LightFigures, textures: &PanelTextures) -> Edit {
     let plugin = emitter.plugin();
     let mut wanted = plugin;
     let options: Vec<_> = EmitterKind::DECLARED
@@ -57,16 +68,41 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> 
             wants_picture,
         };
     }
-    let mut rows = Rows::new(ui, textures);
+    let mut rows = Rows {
+        figures,
+        ..Rows::new(ui, textures)
+    };
     emitter.visit_mut(&mut |info, value| rows.parameter(info, value));
     rows.edit
 }
 
 impl Rows<'_> {
     pub(super) fn textured_emission(&mut self, info: &'static ParameterInfo, value: &mut Parameter<Rgb>) {
+        let units = self.units(info);
         self.texturable(info, "colour", value, Rgb::ONE, |ui, caption, color| {
-            color_field::emission(ui, caption, info.unit, BESIDE, color)
+            color_field::emission(ui, caption, units, BESIDE, color)
         });
+    }
+
+    /// Shows the flux of a lamp with measured intensities. Where it is left to the file, that of the file is shown.
+    /// The row is left out where the strength is shown in photometric units already.
+    pub(super) fn flux(&mut self, flux: &mut f32) {
+        let of_scale = StrengthUnits {
+            radiometric: "",
+            parameter: "scale",
+            measures: &self.figures.measures,
+        };
+        if of_scale.chosen(self.ui).is_some() {
+            return;
+        }
+        let own = self.figures.own_flux.filter(|_| *flux == 0.0);
+        let mut shown = own.unwrap_or(*flux);
+        let unit = if own.is_some() { " lm of the file" } else { " lm" };
+        let speed = 0.01 * shown.max(1.0);
+        if fields::quantity(self.ui, &FLUX, &mut shown, speed, FLUX.range.clone(), unit) {
+            *flux = shown;
+            self.edit.changed = true;
+        }
     }
 
     pub(super) fn picture(&mut self, info: &'static ParameterInfo, value: &Path) {

@@ -205,18 +205,57 @@ pub(crate) fn integer_slider<'a>(
 
 /// Shows the strength of an emitted quantity: a slider over many decades, and the number with its unit.
 pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
+    let scale = StrengthScale {
+        unit,
+        ..StrengthScale::default()
+    };
+    strength_beside(ui, caption, value, scale, |_| {})
+}
+
+/// The scale of a slider for strengths, from 0 on.
+#[derive(Clone, Copy)]
+pub(crate) struct StrengthScale<'a> {
+    /// The unit, behind the number.
+    pub unit: &'a str,
+    /// The smallest and the largest strength above 0.
+    pub ends: [f32; 2],
+    /// The width of the control beside it in points.
+    pub beside: f32,
+}
+
+impl Default for StrengthScale<'_> {
+    fn default() -> Self {
+        Self {
+            unit: "",
+            ends: [0.01, 1000.0],
+            beside: 0.0,
+        }
+    }
+}
+
+/// [`strength`] on another scale, with a control at the end of the row.
+pub(crate) fn strength_beside<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    StrengthScale { unit, ends, beside }: StrengthScale,
+    control: impl FnOnce(&mut Ui),
+) -> bool {
     let (caption, mut copy) = (caption.into(), *value);
-    const STRENGTHS: RangeInclusive<f32> = 0.0..=1000.0;
-    let slider = egui::Slider::new(&mut copy, STRENGTHS)
+    let range = 0.0..=ends[1];
+    let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
         .max_decimals(3)
         .logarithmic(true)
-        .smallest_positive(0.01)
+        .smallest_positive(ends[0].into())
         .suffix(unit);
-    let slider = typed::slider(ui, slider, caption.text, unit, STRENGTHS);
+    let slider = typed::slider(ui, slider, caption.text, unit, range);
     let changed = row(ui, caption, |ui| {
-        fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32);
-        ui.add(slider)
+        fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32 + beside);
+        ui.spacing_mut().interact_size.x -= beside;
+        let response = ui.add(slider);
+        control(ui);
+        response
     })
     .changed();
     write_back(changed, value, copy)

@@ -8,6 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::key_marks::{moving, take_asked};
+use super::lamps::lamps_menu;
 use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
@@ -16,13 +17,16 @@ use super::section::section;
 use super::{
     camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
 };
+use crate::app::editor::command::lamps::PhotometricValue;
 use crate::app::editor::command::{
     ArrangeEdit, Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, SceneEdit, ValueEdit, ViewCommand,
 };
 use crate::app::editor::model::freedom::Freedom;
+use crate::app::editor::model::light_figures::LightFigures;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
 use crate::math::Aabb;
-use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
+use crate::photometry::lamps::{LAMPS, Lamp};
+use crate::scene::{Declared, EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
 use transform::PoseEdit;
 
 /// The state that the panel keeps between frames.
@@ -144,12 +148,17 @@ fn sections(
             let is_flat = inspected.shape.as_ref().is_some_and(|shape| shape.kind.is_flat());
             let edit = moving(ui, &model.timeline, (inspected.entity, "emitter."), |ui| {
                 ui.push_id(inspected.entity, |ui| {
-                    emission::area_light(ui, &mut edited, is_flat, &model.textures)
+                    emission::area_light(ui, &mut edited, is_flat, &inspected.light_figures, &model.textures)
                 })
                 .inner
             });
             if edit.changed {
-                commands.push(ValueEdit::SetAreaLight(inspected.entity, edited).into());
+                commands.push(ValueEdit::SetAreaLight(inspected.entity, edited.clone()).into());
+            }
+            if let Some(mut light) = edited
+                && real_lamp(ui, &mut light, &inspected.light_figures)
+            {
+                commands.push(ValueEdit::SetAreaLight(inspected.entity, Some(light)).into());
             }
             choose_picture(inspected.entity, edit, commands);
         });
@@ -159,10 +168,13 @@ fn sections(
             let mut edited = emitter.clone();
             let edit = ui
                 .push_id(inspected.entity, |ui| {
-                    emission::emitter(ui, &mut edited, &model.textures)
+                    emission::emitter(ui, &mut edited, &inspected.light_figures, &model.textures)
                 })
                 .inner;
             if edit.changed {
+                commands.push(ValueEdit::SetEmitter(inspected.entity, edited.clone()).into());
+            }
+            if real_lamp(ui, &mut edited, &inspected.light_figures) {
                 commands.push(ValueEdit::SetEmitter(inspected.entity, edited).into());
             }
             choose_picture(inspected.entity, edit, commands);
@@ -194,6 +206,21 @@ fn sections(
             }
         });
     }
+}
+
+/// Shows the menu of the real lamps that fit a light in photometric units, and gives it the chosen one's strength and
+/// colour. Returns true if edited.
+fn real_lamp(ui: &mut Ui, light: &mut impl Declared, figures: &LightFigures) -> bool {
+    let fits = |lamp: &Lamp| figures.measures.iter().any(|(_, measure)| measure.unit == lamp.unit);
+    if !LAMPS.iter().any(&fits) {
+        return false;
+    }
+    let chosen = fields::buttons(ui, |ui| lamps_menu(ui, "As a real lamp", fits));
+    chosen.is_some_and(|lamp| {
+        PhotometricValue::from(lamp)
+            .apply(light, &figures.measures, None)
+            .is_ok()
+    })
 }
 
 /// Shows buttons for the environments that are shipped with the program.

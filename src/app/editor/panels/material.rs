@@ -6,18 +6,20 @@ use bevy_egui::egui::Ui;
 use super::caption::Caption;
 use super::color_field;
 use super::fields;
+use super::light_strength::{StrengthUnits, light_strength};
 use super::plain_value::PlainValue;
 use super::sensor::field_of_view;
 use super::texture_slot::Slot;
 use crate::app::editor::command::conversion::turned_into;
 use crate::app::editor::model::MaterialPlace;
+use crate::app::editor::model::light_figures::LightFigures;
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
 use crate::scene::parameters::{
     ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, ETA, EUMELANIN, K, PHEOMELANIN, PRINCIPLED_ETA, SIGMA_A, SPECULAR,
 };
 use crate::scene::{
-    Absorption, ConductorIor, Declared, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut,
+    Absorption, ConductorIor, Declared, Distribution, FLUX, Ior, Material, Parameter, ParameterInfo, ParameterMut,
     PrincipledIndex, Roughness, SquarePath,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
@@ -81,6 +83,8 @@ pub(crate) struct Rows<'u> {
     pub edit: Edit,
     /// The pictures that are shown in rows of textures.
     pub textures: &'u PanelTextures,
+    /// The figures of the light that the rows show.
+    pub figures: &'u LightFigures,
 }
 
 impl<'u> Rows<'u> {
@@ -90,9 +94,26 @@ impl<'u> Rows<'u> {
             ui,
             edit: Edit::default(),
             textures,
+            figures: &NO_LIGHT,
+        }
+    }
+
+    /// The units of the strength of a parameter.
+    pub(super) fn units(&self, info: &'static ParameterInfo) -> StrengthUnits<'u> {
+        StrengthUnits {
+            radiometric: info.unit,
+            parameter: info.name,
+            measures: &self.figures.measures,
         }
     }
 }
+
+/// The figures of what is no light.
+static NO_LIGHT: LightFigures = LightFigures {
+    measures: Vec::new(),
+    own_flux: None,
+    curves: None,
+};
 
 impl Rows<'_> {
     pub(crate) fn parameter(&mut self, info: &'static ParameterInfo, value: ParameterMut) {
@@ -112,6 +133,7 @@ impl Rows<'_> {
             ParameterMut::Height(value) => {
                 self.texturable(info, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
             }
+            ParameterMut::Number(value) if info.name == FLUX.name => self.flux(value),
             ParameterMut::Number(value) if info.offered.is_some() => {
                 self.edit.changed |= fields::slider(self.ui, info, value, info.slider_range());
             }
@@ -131,12 +153,14 @@ impl Rows<'_> {
             ParameterMut::PrincipledIndex(value) => self.principled_index(value),
             ParameterMut::Absorption(value) => self.absorption(info, value),
             ParameterMut::Emission(value) => {
-                self.edit.changed |= color_field::emission(self.ui, info, info.unit, 0.0, value);
+                let units = self.units(info);
+                self.edit.changed |= color_field::emission(self.ui, info, units, 0.0, value);
             }
             ParameterMut::TexturedEmission(value) => self.textured_emission(info, value),
             ParameterMut::UniformReflectance(value) => self.edit.changed |= color_field::color(self.ui, info, value),
             ParameterMut::Factor(value) | ParameterMut::ExtensionFactor(value) => {
-                self.edit.changed |= fields::strength(self.ui, info, value, info.unit);
+                let units = self.units(info);
+                self.edit.changed |= light_strength(self.ui, info, units, 1.0, value);
             }
             ParameterMut::Angle(value) => {
                 self.edit.changed |= fields::quantity(self.ui, info, value, 0.1, info.range.clone(), info.unit);

@@ -7,6 +7,7 @@ use super::caption::Caption;
 use super::color_field;
 use super::fields::{self, NumberStyle};
 use super::lengths;
+use super::light_strength::StrengthUnits;
 use super::material::Rows;
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::app::editor::model::{InspectedGrid, InspectedMedium};
@@ -242,7 +243,7 @@ fn tinted(ui: &mut Ui, info: &'static ParameterInfo, unit: &str, value: &mut Rgb
         ui,
         caption,
         caption.part(&format!("{} tint", info.label)),
-        unit,
+        StrengthUnits::radiometric(unit),
         0.0,
         value,
     )

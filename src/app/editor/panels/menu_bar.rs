@@ -6,12 +6,14 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::containers::menu::MenuButton;
 use bevy_egui::egui::{self, Button, Id, Key, Popup, RichText, Ui};
 
+use super::lamps::lamps_menu;
 use super::medium_section::fill_menu;
 use super::menu_marks::{self, Mark};
+use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::{
-    Command, DisplayCommand, FileCommand, RenderCommand, SettingsEdit, ShellCommand, ViewCommand,
+    Command, DisplayCommand, FileCommand, RenderCommand, SceneEdit, SettingsEdit, ShellCommand, ViewCommand,
 };
 use crate::app::editor::input::actions::{self, ACTIONS, Action, ActionContext, Group};
 use crate::app::editor::model::Model;
@@ -209,6 +211,10 @@ fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut 
             before = part;
         }
         drawn_entry(ui, action.name, Some(drawing), context, commands);
+        if action.name == "add-area" {
+            let lamp = lamps_menu(ui, "Real lamps and skies", |_| true);
+            commands.extend(lamp.map(|lamp| SceneEdit::Add(AdditionKind::Lamp(lamp).into()).into()));
+        }
         if action.name != "fill-smoke" || model.outline.media.is_empty() {
             continue;
         }

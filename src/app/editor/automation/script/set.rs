@@ -7,10 +7,13 @@ use super::error::ScriptError;
 use super::names::{material_of, medium_of, named};
 use super::verb::verbs;
 use crate::app::editor::command::ValueEdit;
+use crate::app::editor::command::lamps::PhotometricValue;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::commands::things::pose_of;
+use crate::app::editor::model::light_figures::measures_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
+use crate::photometry::lamps::{LAMPS, Lamp};
 use crate::scene::{AreaLight, Emitter, EulerAngles, Film, LengthUnit, Material, Medium, Sensor, Shape};
 
 verbs! {
@@ -20,6 +23,36 @@ verbs! {
             let entity = named(world, name)?;
             set(world, entity, parameter, &value.join(" "))?
         };
+    "lamp" "NAME LAMP"
+        [name, lamp] => {
+            let entity = named(world, name)?;
+            let lamp = Lamp::of_name(lamp).ok_or_else(|| unknown_lamp(lamp))?;
+            shine(world, entity, &lamp.into(), None)?.ok_or("it is no light")?
+        };
+}
+
+fn unknown_lamp(name: &str) -> String {
+    let names: Vec<&str> = LAMPS.iter().map(|lamp| lamp.name).collect();
+    format!("there is no lamp `{name}`, only {}", names.join(", "))
+}
+
+/// The command that gives a light a value in photometric units; None for a thing that is no light.
+fn shine(
+    world: &World,
+    entity: Entity,
+    value: &PhotometricValue,
+    parameter: Option<&str>,
+) -> Result<Option<ValueEdit>, String> {
+    let measures = measures_of(world, entity);
+    if let Some(mut emitter) = world.get::<Emitter>(entity).cloned() {
+        value.apply(&mut emitter, &measures, parameter)?;
+        return Ok(Some(ValueEdit::SetEmitter(entity, emitter)));
+    }
+    let Some(mut light) = world.get::<AreaLight>(entity).cloned() else {
+        return Ok(None);
+    };
+    value.apply(&mut light, &measures, parameter)?;
+    Ok(Some(ValueEdit::SetAreaLight(entity, Some(light))))
 }
 
 /// Returns the command that sets a parameter of any component of the thing. The error for an unknown parameter names
@@ -42,6 +75,12 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
                 (pose, Some(angles)) => ValueEdit::Turn(entity, pose, angles),
             });
         }
+    }
+    let is_strength = ["intensity", "radiance", "irradiance", "scale", "sun_scale", "sky_scale"].contains(&parameter);
+    if let Some(photometric) = PhotometricValue::parse(value).filter(|_| is_strength)
+        && let Some(edit) = shine(world, entity, &photometric, Some(parameter))?
+    {
+        return Ok(edit);
     }
     // This error is more informative than that of a component without the parameter.
     let mut wrong_value = None;

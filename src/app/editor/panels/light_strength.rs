@@ -1,0 +1,134 @@
+//! The strength of a light: in the radiometric unit of the file, or in a photometric unit that the user chooses in the
+//! row.
+
+use bevy_egui::egui::{self, Id, Ui};
+
+use super::caption::Caption;
+use super::fields::{StrengthScale, strength_beside};
+use super::menu_marks;
+use crate::engine::MeasureOf;
+use crate::photometry::{LightUnit, Measure};
+
+/// The width of the button with the unit, in points.
+const BUTTON: f32 = 34.0;
+
+/// The units of a row.
+#[derive(Clone, Copy)]
+pub struct StrengthUnits<'a> {
+    /// The radiometric unit with a blank before it; empty for a factor.
+    pub radiometric: &'a str,
+    /// The name of the parameter in the file.
+    pub parameter: &'a str,
+    /// The measures of all parameters of the light; none if the scene shows it in radiometric units.
+    pub measures: &'a [MeasureOf],
+}
+
+impl<'a> StrengthUnits<'a> {
+    /// A row that has its radiometric unit alone.
+    pub fn radiometric(radiometric: &'a str) -> Self {
+        Self {
+            radiometric,
+            parameter: "",
+            measures: &[],
+        }
+    }
+
+    fn measures(&self) -> impl Iterator<Item = Measure> {
+        let own = self
+            .measures
+            .iter()
+            .filter(|(parameter, _)| *parameter == self.parameter);
+        own.map(|(_, measure)| *measure)
+    }
+
+    /// The measure of the unit that the user has chosen, or of the usual one; None for the radiometric unit.
+    pub fn chosen(&self, ui: &Ui) -> Option<Measure> {
+        let usual = self.measures().next()?;
+        match ui.data(|data| data.get_temp::<Option<LightUnit>>(self.id()?)) {
+            Some(unit) => self.measures().find(|measure| Some(measure.unit) == unit),
+            None => Some(usual),
+        }
+    }
+
+    /// The place of the choice, which all lights with the same parameter and the same usual unit share.
+    fn id(&self) -> Option<Id> {
+        let usual = self.measures().next()?;
+        Some(Id::new(("unit of light", self.parameter, usual.unit)))
+    }
+
+    /// Shows the button that chooses the unit.
+    fn choose(&self, ui: &mut Ui) {
+        let (Some(id), chosen) = (self.id(), self.chosen(ui)) else {
+            return;
+        };
+        let shown = chosen.map_or(self.radiometric.trim(), |measure| measure.unit.name());
+        let shown = if shown.is_empty() { "×" } else { shown };
+        ui.spacing_mut().button_padding.x = 2.0;
+        let mut wanted = None;
+        let button = egui::Button::new(egui::RichText::new(shown).small())
+            .truncate()
+            .min_size(egui::vec2(BUTTON, 0.0));
+        let menu = egui::containers::menu::MenuButton::from_button(button);
+        let (response, _) = menu.ui(ui, |ui| {
+            for measure in self.measures() {
+                let is_chosen = chosen.is_some_and(|chosen| chosen.unit == measure.unit);
+                let text = format!("{} ({})", measure.unit.label(), measure.unit.name());
+                if menu_marks::choice(ui, is_chosen, &text).clicked() {
+                    wanted = Some(Some(measure.unit));
+                }
+            }
+            let text = match self.radiometric.trim() {
+                "" => "factor".to_owned(),
+                unit => unit.to_owned(),
+            };
+            if menu_marks::choice(ui, chosen.is_none(), &format!("{text}, as in the file")).clicked() {
+                wanted = Some(None);
+            }
+        });
+        response.on_hover_text("The unit of this row");
+        if let Some(unit) = wanted {
+            ui.data_mut(|data| data.insert_temp::<Option<LightUnit>>(id, unit));
+            ui.close();
+        }
+    }
+}
+
+/// Shows the strength of a light whose colour has this luminance at a strength of 1; returns true if edited.
+pub(crate) fn light_strength<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    units: StrengthUnits,
+    luminance: f32,
+    strength: &mut f32,
+) -> bool {
+    let caption = caption.into();
+    let has_choice = units.id().is_some();
+    let beside = if has_choice {
+        BUTTON + ui.spacing().item_spacing.x
+    } else {
+        0.0
+    };
+    let Some(measure) = units.chosen(ui) else {
+        let scale = StrengthScale {
+            unit: if has_choice { "" } else { units.radiometric },
+            beside,
+            ..StrengthScale::default()
+        };
+        return strength_beside(ui, caption, strength, scale, |ui| units.choose(ui));
+    };
+    let factor = measure.per_strength * luminance;
+    let mut shown = *strength * factor;
+    let scale = StrengthScale {
+        ends: match measure.unit {
+            LightUnit::Lumen | LightUnit::Lux => [0.1, 1e6],
+            LightUnit::Candela | LightUnit::Nit => [0.1, 1e7],
+        },
+        beside,
+        ..StrengthScale::default()
+    };
+    let changed = strength_beside(ui, caption, &mut shown, scale, |ui| units.choose(ui)) && factor > 0.0;
+    if changed {
+        *strength = shown / factor;
+    }
+    changed
+}
