@@ -77,6 +77,7 @@ impl ViewportContent {
             outline: &self.outline,
             wireframe: &self.wireframe,
             volume_boxes: &[],
+            lamp_solid: None,
             icons: &[],
             stand_ins: &[],
             gizmo: GizmoModel {

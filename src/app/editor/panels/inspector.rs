@@ -13,6 +13,7 @@ use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
 use super::medium_section::{EditedMedia, medium_rows};
+use super::polar_curve::polar_curve;
 use super::section::section;
 use super::{
     camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
@@ -173,6 +174,9 @@ fn sections(
                 .inner;
             if edit.changed {
                 commands.push(ValueEdit::SetEmitter(inspected.entity, edited.clone()).into());
+            }
+            if let Some([c0, _, c90, _]) = inspected.light_figures.curves.as_deref() {
+                polar_curve(ui, [c0, c90]);
             }
             if real_lamp(ui, &mut edited, &inspected.light_figures) {
                 commands.push(ValueEdit::SetEmitter(inspected.entity, edited).into());

@@ -43,6 +43,7 @@ pub mod outliner;
 pub mod paths;
 pub(super) mod pattern_rows;
 pub mod plain_value;
+mod polar_curve;
 pub mod preferences;
 pub mod projection;
 pub mod render;

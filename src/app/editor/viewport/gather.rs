@@ -13,6 +13,7 @@ use super::blocking::hand::BlockTarget;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
 use super::icons::{Icon, IconKind};
+use super::lamp_solid::LampSolid;
 use super::stand_ins::StandIn;
 use super::state::ViewportState;
 use super::texturing::TextureTarget;
@@ -64,6 +65,8 @@ pub(crate) struct ViewportScene {
     pub wireframe: Wireframe,
     /// The boxes of the volumes of the selection's media, as world from the unit cube.
     pub volume_boxes: Vec<Affine3A>,
+    /// The intensities of the selected lamp.
+    pub lamp_solid: Option<LampSolid>,
     pub locked: EntityHashSet,
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
@@ -337,6 +340,12 @@ pub(crate) fn gather_viewport(
         .and_then(texture_target);
     let media = inspected.map_or(&[][..], |inspected| &inspected.media);
     seen.volume_boxes = media.iter().flat_map(|entry| entry.boxes.iter().copied()).collect();
+    seen.lamp_solid = inspected.and_then(|inspected| {
+        Some(LampSolid {
+            pose: inspected.to_world?,
+            curves: inspected.light_figures.curves.clone()?,
+        })
+    });
     seen.placeholder = placeholder(&sources.status, model.0.status.paused, &sources.preferences.keys);
     seen.legend = legend(settings.display.mode, sources.picture.scales());
     let is_denoised = matches!(model.0.status.denoiser, DenoiserState::Shown { .. });

@@ -12,6 +12,7 @@ pub mod gather;
 pub mod gizmo;
 pub mod grid;
 pub mod icons;
+pub mod lamp_solid;
 pub(crate) mod legend;
 pub mod marks;
 pub mod material_drop;

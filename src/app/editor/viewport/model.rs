@@ -9,6 +9,7 @@ use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::Icon;
+use super::lamp_solid::LampSolid;
 use super::side_model::SideModel;
 use super::stand_ins::StandIn;
 use super::texturing::{TextureTarget, TexturingModel};
@@ -63,6 +64,8 @@ pub struct ViewportModel<'a> {
     pub wireframe: &'a Wireframe,
     /// The boxes of the volumes of the selection's media, as world from the unit cube.
     pub volume_boxes: &'a [Affine3A],
+    /// The intensities of the selected lamp.
+    pub lamp_solid: Option<&'a LampSolid>,
     /// The icons of lights and cameras, and the boxes of missing meshes.
     pub icons: &'a [Icon],
     /// The boxes of missing meshes with their names.

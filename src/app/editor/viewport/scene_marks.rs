@@ -6,7 +6,7 @@ use super::icons::IconKind;
 use super::marks::{Tags, tag};
 use super::model::ViewportModel;
 use super::state::ViewportState;
-use super::{extent, icons, path_lines, rulers, series, stand_ins, volume_boxes};
+use super::{extent, icons, lamp_solid, path_lines, rulers, series, stand_ins, volume_boxes};
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::edges;
@@ -74,4 +74,7 @@ fn paint_lines(painter: &egui::Painter, screen: &Screen, model: &ViewportModel) 
     let lines = (model.wireframe.lines.iter()).filter_map(|[from, to]| screen.segment(*from, *to));
     painter.extend(lines.map(|ends| Shape::line_segment(ends, Stroke::new(1.0, WIRE))));
     volume_boxes::paint(painter, screen, model.volume_boxes);
+    if let Some(solid) = model.lamp_solid {
+        lamp_solid::paint(painter, screen, solid);
+    }
 }

@@ -343,6 +343,7 @@ fn viewport_model<'a>(
         outline: &seen.outline,
         wireframe: &seen.wireframe,
         volume_boxes: &seen.volume_boxes,
+        lamp_solid: seen.lamp_solid.as_ref(),
         icons: &seen.icons,
         stand_ins: &seen.stand_ins,
         gizmo: GizmoModel {
