@@ -16,6 +16,7 @@ pub mod document;
 pub mod files;
 pub mod geometry;
 pub mod gltf;
+pub mod inverse_lighting;
 pub mod layer;
 pub mod light;
 pub mod material;

@@ -65,6 +65,7 @@ mod gltf_meshes;
 mod gltf_poses;
 mod guide;
 mod inspect;
+mod inverse_lighting;
 mod lanes;
 mod layers;
 mod light_transport;

@@ -29,6 +29,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("geometry", &["math", "color", "memory", "sampling"], false),
     ("accel", &["math", "color", "sampling", "geometry"], false),
     ("photometry", &[], false),
+    ("inverse_lighting", &["color", "photometry"], false),
     (
         "texture",
         &["math", "color", "memory", "sampling", "geometry", "photometry"],
@@ -137,6 +138,7 @@ const KERNEL: &[&str] = &[
     "medium",
     "layer",
     "metrics",
+    "inverse_lighting",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

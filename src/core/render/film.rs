@@ -2,6 +2,7 @@
 
 mod chunks;
 mod errors;
+mod lamp_light;
 mod relight;
 mod state;
 #[cfg(test)]
