@@ -11,7 +11,8 @@ use super::wish::Wish;
 pub struct Stroke {
     /// The light that it wants.
     pub wish: Wish,
-    /// The corners of the path of its centre, from (0, 0) in the upper left of the picture to (1, 1) in the lower right.
+    /// The corners of the path of its centre, from (0, 0) in the upper left of the picture to (1, 1) in the lower
+    /// right.
     pub path: Vec<Vec2>,
     /// The radius in heights of the picture.
     pub radius: f32,

@@ -14,8 +14,8 @@ use super::observations::{NormalEquations, Observations};
 use crate::color::Rgb;
 
 /// The weight of the squared change of each gain, beside the mean squared relative error: a change by one counts as
-/// much as an error of 0.01 %. It decides where the observations do not: lamps that cannot be told apart change as little
-/// as possible.
+/// much as an error of 0.01 %. It decides where the observations do not: lamps that cannot be told apart change as
+/// little as possible.
 pub const PULL: f64 = 1e-8;
 
 /// A gain counts as being at its limit within this share of the larger of both, and of one.
