@@ -96,6 +96,7 @@ impl ViewportContent {
             blocks: &[],
             textures: None,
             locked: &self.locked,
+            painting: None,
             things: &self.things,
             packed: &self.packed,
             paths: &self.paths,

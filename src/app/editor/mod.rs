@@ -145,6 +145,7 @@ fn order_frame(app: &mut App) {
                 commands::exporting::go_on.run_if(resource_exists::<commands::exporting::ExportUnderWay>),
                 commands::timeline::play_on,
                 commands::apply_commands,
+                commands::light_paint::follow,
                 commands::kept_picture::follow,
                 commands::flight::fly_on,
                 commands::full_film::follow_awaited_image,

@@ -5,6 +5,7 @@ use super::bvh_overlay::BvhOverlay;
 use super::compare_view::CompareView;
 use super::grid_settings::GridSettings;
 use super::light_mix::LightMix;
+use super::light_paint::LightPaintCommand;
 use super::resolution::Enlarging;
 use super::traits::Traits;
 
@@ -220,6 +221,8 @@ pub enum DisplayCommand {
     ExposeAutomatically,
     /// Sets strength, colour, solo and mute of each light.
     SetLightMix(LightMix),
+    /// Says which light is wanted, and by which lamps.
+    PaintLight(LightPaintCommand),
     /// Keeps the picture for comparison.
     TakeSnapshot,
     /// Sets the comparison in the viewport.
@@ -243,6 +246,7 @@ pub enum DisplayCommand {
 impl DisplayCommand {
     pub(super) fn traits(&self) -> Traits {
         match self {
+            Self::PaintLight(command) => command.traits(),
             Self::TakeSnapshot | Self::Measure => Traits::NONE.of_pixels(),
             Self::SetDisplay(_)
             | Self::SetEnlarging(_)

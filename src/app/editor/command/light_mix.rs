@@ -126,6 +126,12 @@ impl LightMix {
         factors
     }
 
+    /// What layers of a film of these groups, begun with `lights`, are multiplied by to have the light of the scene as
+    /// it is.
+    pub(crate) fn scales(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
+        groups.iter().map(|group| self.baked_since(group, lights)).collect()
+    }
+
     fn baked_since(&self, group: &LightGroup, lights: &FilmLights) -> Rgb {
         let of = |gains: &Gains| {
             let found = gains.iter().find(|(light, _)| group.entities.first() == Some(light));

@@ -30,12 +30,14 @@ pub enum Tool {
     Cut(OpeningKind),
     /// Places the textures of the selected shape by handles on its surface.
     PlaceTexture,
+    /// Paints the light you want over the picture.
+    PaintLight,
 }
 
 impl Tool {
     /// Whether the handles of the selection are hidden, because they would take clicks from the tool.
     pub fn hides_handles(self) -> bool {
-        matches!(self, Self::Ruler | Self::PlaceTexture)
+        matches!(self, Self::Ruler | Self::PlaceTexture | Self::PaintLight)
     }
 
     /// The instruction that is shown over the picture.
@@ -48,6 +50,7 @@ impl Tool {
             Self::PlaceTexture => {
                 Some("Drag the tile: its inside, its squares, its arm. Click another surface to go there (Esc: done)")
             }
+            Self::PaintLight => Some("Paint where light is wanted; the panel Render says which (Esc: done)"),
             Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
             Self::Draw(BlockKind::Box) => Some(
                 "Drag the foot of a box, or click a corner: on the ground or on a surface (Ctrl: off the grid, Esc: done)",

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::world::{control, set_resource};
-use super::{baking, finished};
+use super::{baking, finished, light_paint};
 use crate::app::editor::command::DisplayCommand;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::error::CommandError;
@@ -21,6 +21,7 @@ pub fn apply(world: &mut World, command: DisplayCommand) -> Result<(), CommandEr
             let mix = world.get_resource_or_init::<LightMix>().with_channels(mix);
             set_resource(world, mix);
         }
+        DisplayCommand::PaintLight(command) => light_paint::apply(world, command)?,
         DisplayCommand::ExposeAutomatically => finished::expose(world)?,
         DisplayCommand::TakeSnapshot => finished::take_snapshot(world)?,
         DisplayCommand::SetCompareView(view) => {

@@ -23,6 +23,7 @@ mod grouping;
 mod history;
 mod importing;
 pub(crate) mod kept_picture;
+pub(crate) mod light_paint;
 mod material_names;
 mod materials;
 mod media;

@@ -6,6 +6,7 @@ use super::flight::Flights;
 use super::{baking, scene_watch};
 use crate::app::editor::command::baking::BakePlan;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::command::light_paint::LightPainting;
 use crate::app::editor::command::selection::Selection;
 use crate::engine::EngineSystems;
 use crate::scene::SceneSystems;
@@ -20,6 +21,7 @@ impl Plugin for CommandsPlugin {
         app.init_resource::<BakePlan>()
             .init_resource::<FilmLights>()
             .init_resource::<LightMix>()
+            .init_resource::<LightPainting>()
             .init_resource::<Selection>()
             .insert_resource(Flights::new(self.flies))
             .add_systems(PreUpdate, scene_watch::hold_reloads.before(SceneSystems::Apply))

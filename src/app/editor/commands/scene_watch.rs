@@ -9,6 +9,7 @@ use crate::app::editor::camera::navigation::up_axis;
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::command::light_paint::LightPainting;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::selection::Selection;
@@ -50,7 +51,12 @@ pub fn follow_scene(
     mut selection: ResMut<Selection>,
     mut history: ResMut<History>,
     mut free_view: ResMut<FreeView>,
-    (mut mix, mut film_lights, mut comparison): (ResMut<LightMix>, ResMut<FilmLights>, Option<ResMut<Comparison>>),
+    (mut mix, mut film_lights, mut painting, mut comparison): (
+        ResMut<LightMix>,
+        ResMut<FilmLights>,
+        Option<ResMut<LightPainting>>,
+        Option<ResMut<Comparison>>,
+    ),
     mut paths: ResMut<PathInspector>,
     mut control: ResMut<RenderControl>,
     recovery: Res<Recovery>,
@@ -92,6 +98,9 @@ pub fn follow_scene(
                 control.sight = SightControl::default();
             }
             (*mix, *film_lights) = Default::default();
+            if let Some(painting) = &mut painting {
+                **painting = LightPainting::default();
+            }
             if let Some(comparison) = &mut comparison {
                 comparison.leave_scene();
             }

@@ -6,6 +6,7 @@ use super::world::set_resource;
 use crate::app::editor::command::SettingsEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
+use crate::app::editor::command::light_paint::LightPainting;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::color::Rgb;
@@ -59,6 +60,9 @@ fn bake(edit: &mut Edit) -> Result<(), CommandError> {
         edit.world.resource_mut::<Toasts>().info(refusals.join(" "));
     }
     edit.world.insert_resource(left);
+    if let Some(mut painting) = edit.world.get_resource_mut::<LightPainting>() {
+        painting.clear();
+    }
     Ok(())
 }
 

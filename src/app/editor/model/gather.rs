@@ -12,8 +12,10 @@ use bevy::prelude::*;
 use super::leaks::Leaks;
 use super::{ComparisonModel, EditorModel, HistoryModel, Item, MissingItem, Notice, Outline, StatusModel};
 use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::light_paint::LightPainting;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
+use crate::app::editor::command::tool::Tool;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::baking::Baking;
 use crate::app::editor::picture::carrying::Carrying;
@@ -128,6 +130,7 @@ pub struct Settings<'w, 's> {
 #[derive(SystemParam)]
 pub struct PictureState<'w> {
     mix: Res<'w, LightMix>,
+    painting: Option<Res<'w, LightPainting>>,
     /// The texture; None without a window.
     texture: Option<Res<'w, Picture>>,
     film: Res<'w, RenderFilm>,
@@ -140,6 +143,21 @@ pub struct PictureState<'w> {
 }
 
 impl PictureState<'_> {
+    fn painting(&self) -> super::PaintingModel {
+        let Some(painting) = &self.painting else {
+            return super::PaintingModel::default();
+        };
+        super::PaintingModel {
+            tool_is_on: self.view.tool == Tool::PaintLight,
+            brush: painting.brush,
+            strokes: painting.strokes.clone(),
+            has_picture: painting.picture.is_some(),
+            is_elsewhere: painting.is_elsewhere(&self.film),
+            lamps: painting.lamps().to_vec(),
+            answer: painting.answer.clone(),
+        }
+    }
+
     fn lights(&self, outline: &Outline) -> Vec<(Entity, String)> {
         let names: HashMap<Entity, &str> = outline
             .lights
@@ -214,6 +232,7 @@ pub fn gather_status(
         mixing.lights = picture.lights(outline);
         *named = Some((groups.clone(), Arc::downgrade(outline)));
     }
+    model.render.painting = picture.painting();
     model.render.comparison = ComparisonModel {
         snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
         is_of_other_scene: picture.comparison.is_of_other_scene,

@@ -14,6 +14,7 @@ pub(crate) mod leaks;
 pub mod light_figures;
 pub mod mixed;
 pub(crate) mod outline;
+pub mod painting;
 pub mod panel_textures;
 pub(crate) mod plugin;
 pub mod sizes;
@@ -51,6 +52,7 @@ use crate::scene::{
 use item_list::ItemList;
 use light_figures::LightFigures;
 use mixed::Mixed;
+pub use painting::PaintingModel;
 use panel_textures::PanelTextures;
 pub use sizes::Sizes;
 use timeline::TimelineModel;
@@ -358,6 +360,8 @@ pub struct RenderModel {
     pub clamped: Option<BrightnessLimit>,
     /// The section for light mixing.
     pub mixing: MixingModel,
+    /// The light you want.
+    pub painting: PaintingModel,
     /// The section for comparison with a snapshot.
     pub comparison: ComparisonModel,
 }

@@ -396,7 +396,15 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
         entry(ui, name, &state.context, commands);
     }
     ui.separator();
-    for name in ["grid", "safe-frame", "dimensions", "ruler", "clear-rulers", "boxes"] {
+    for name in [
+        "grid",
+        "safe-frame",
+        "dimensions",
+        "ruler",
+        "clear-rulers",
+        "light-brush",
+        "boxes",
+    ] {
         entry(ui, name, &state.context, commands);
     }
 }

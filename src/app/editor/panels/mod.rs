@@ -29,6 +29,7 @@ pub mod layers;
 pub mod lengths;
 pub mod library;
 pub mod light_mixing;
+pub mod light_painting;
 pub mod light_strength;
 pub mod look;
 pub mod material;

@@ -9,7 +9,7 @@ use super::caption::Caption;
 use super::exposure::exposure_rows;
 use super::section::{section, section_with};
 use super::status::{auto_words, percent};
-use super::{comparison, fields, layers, light_mixing, look};
+use super::{comparison, fields, layers, light_mixing, light_painting, look};
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
@@ -35,6 +35,9 @@ pub fn render(
     });
     section(ui, "Light mixing", |ui| {
         light_mixing::light_mixing(ui, &model.mixing, display, commands);
+        if model.mixing.is_on {
+            light_painting::light_painting(ui, &model.painting, &model.mixing.lights, commands);
+        }
     });
     section(ui, "Comparison", |ui| {
         comparison::comparison(ui, &model.comparison, commands)

@@ -22,7 +22,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::tool::Tool;
 use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::input::press::Press;
-use crate::app::editor::model::{Model, Outline};
+use crate::app::editor::model::{Model, Outline, PaintingModel};
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::legend::Legend;
@@ -80,6 +80,8 @@ pub struct ViewportModel<'a> {
     pub textures: Option<&'a TextureTarget>,
     /// The entities that cannot be selected.
     pub locked: &'a EntityHashSet,
+    /// The light you want; None where it is not painted.
+    pub painting: Option<&'a PaintingModel>,
     /// The names of things.
     pub things: &'a Outline,
     /// The packed scene, for picking.

@@ -231,7 +231,7 @@ impl PointerState {
                 }
                 return;
             }
-            Tool::Region | Tool::Draw(_) | Tool::Push | Tool::Cut(_) | Tool::PlaceTexture => return,
+            Tool::Region | Tool::Draw(_) | Tool::Push | Tool::Cut(_) | Tool::PlaceTexture | Tool::PaintLight => return,
         }
         match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
             Some(entity) => commands.push(SelectionCommand::Select(vec![entity], how).into()),

@@ -100,7 +100,7 @@ pub(super) fn panes<'a>(
 fn of_side<'a>(model: &ViewportModel<'a>, seen: &SideModel<'a>, side: usize) -> ViewportModel<'a> {
     let tool = match model.keys.tool {
         // These are about the picture of the main view.
-        Tool::Focus | Tool::Region | Tool::Paths => Tool::Select,
+        Tool::Focus | Tool::Region | Tool::Paths | Tool::PaintLight => Tool::Select,
         tool => tool,
     };
     ViewportModel {

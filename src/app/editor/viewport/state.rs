@@ -10,6 +10,7 @@ use super::axes_widget::AxesState;
 use super::blocking::BlockingState;
 use super::blocking::grips::GripState;
 use super::gizmo::interaction::GizmoState;
+use super::light_brush::LightBrushState;
 use super::pointer::PointerState;
 use super::side_model::{COUNT, PaneState};
 use super::texturing::TexturingState;
@@ -27,6 +28,8 @@ pub struct ViewportState {
     pub grips: GripState,
     /// The state of the tool that places textures.
     pub texturing: TexturingState,
+    /// The state of the brush for light.
+    pub light_brush: LightBrushState,
     /// The state of the mouse.
     pub pointer: PointerState,
     /// The size of the picture's panel in pixels when it was last shown.

@@ -111,6 +111,7 @@ impl ViewportState {
         match tool {
             Tool::Draw(_) | Tool::Push | Tool::Cut(_) => &self.blocking,
             Tool::PlaceTexture => &self.texturing,
+            Tool::PaintLight => &self.light_brush,
             Tool::Select | Tool::Focus | Tool::Region | Tool::Paths | Tool::Ruler => &self.gizmo,
         }
     }
@@ -120,6 +121,7 @@ impl ViewportState {
         match tool {
             Tool::Draw(_) | Tool::Push | Tool::Cut(_) => &mut self.blocking,
             Tool::PlaceTexture => &mut self.texturing,
+            Tool::PaintLight => &mut self.light_brush,
             Tool::Select | Tool::Focus | Tool::Region | Tool::Paths | Tool::Ruler => &mut self.gizmo,
         }
     }
@@ -131,6 +133,9 @@ impl ViewportState {
         }
         if tool != Tool::PlaceTexture {
             self.texturing.leave();
+        }
+        if tool != Tool::PaintLight {
+            self.light_brush.leave();
         }
     }
 }

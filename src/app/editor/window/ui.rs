@@ -360,6 +360,7 @@ fn viewport_model<'a>(
         wall: None,
         textures: seen.textures.as_ref(),
         locked: &seen.locked,
+        painting: Some(&model.render.painting),
         things: &model.outline,
         packed: &scene.packed,
         legend: seen.legend.as_ref(),
@@ -415,8 +416,11 @@ fn count_interactions(
 ) {
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
-    let is_dragging =
-        state.gizmo.is_dragging() || state.grips.is_busy() || state.blocking.is_busy() || state.texturing.is_busy();
+    let is_dragging = state.gizmo.is_dragging()
+        || state.grips.is_busy()
+        || state.blocking.is_busy()
+        || state.texturing.is_busy()
+        || state.light_brush.is_busy();
     let key = !presses.is_empty() && !is_typing && !is_dragging;
     // A button that is pressed in the middle of a drag belongs to it.
     let button = !is_dragging && context.input(|input| input.pointer.any_pressed());

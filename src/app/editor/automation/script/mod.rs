@@ -12,6 +12,7 @@ mod blocking;
 pub mod error;
 mod files;
 mod keys;
+mod light;
 mod materials;
 mod media;
 mod names;

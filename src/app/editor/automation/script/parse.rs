@@ -7,7 +7,7 @@ use super::names::{count, unknown};
 pub use super::verb::{Step, Wait};
 use super::verb::{Verb, verbs};
 use super::{
-    baking, blocking, files, keys, materials, media, placing, rendering, set, texturing, things, timeline, view,
+    baking, blocking, files, keys, light, materials, media, placing, rendering, set, texturing, things, timeline, view,
 };
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::input::actions::{self, ActionContext};
@@ -17,7 +17,7 @@ use crate::app::editor::viewport::model::action_context;
 use crate::engine::RenderControl;
 
 /// The verbs besides the actions by topic, in the order of `docs/scripts.md`.
-pub const VERBS: [&[Verb]; 16] = [
+pub const VERBS: [&[Verb]; 17] = [
     files::SCENES,
     baking::VERBS,
     files::VERBS,
@@ -31,6 +31,7 @@ pub const VERBS: [&[Verb]; 16] = [
     things::VERBS,
     view::VERBS,
     rendering::VERBS,
+    light::VERBS,
     keys::VERBS,
     timeline::VERBS,
     WAITING,

@@ -198,6 +198,15 @@ pub const ACTIONS: &[Action] = &[
             .into(),
         )
     }),
+    action(Group::View, "light-brush", "Paint the light you want", &[], |context| {
+        Some(
+            ToolCommand::SetTool(match context.tool {
+                Tool::PaintLight => Tool::Select,
+                _ => Tool::PaintLight,
+            })
+            .into(),
+        )
+    }),
     action(
         Group::View,
         "clear-rulers",
