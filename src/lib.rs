@@ -12,7 +12,7 @@ extern crate sunroom_core;
 
 pub use sunroom_core::{
     accel, bake, color, document, files, geometry, gltf, inverse_lighting, layer, light, material, math, medium,
-    memory, metrics, photometry, render, sampling, shading, texture,
+    memory, meter, metrics, photometry, render, sampling, shading, texture,
 };
 
 pub mod app;

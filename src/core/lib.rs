@@ -23,6 +23,7 @@ pub mod material;
 pub mod math;
 pub mod medium;
 pub mod memory;
+pub mod meter;
 pub mod metrics;
 pub mod photometry;
 pub mod render;

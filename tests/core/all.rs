@@ -76,6 +76,7 @@ mod materials;
 mod media;
 mod merging;
 mod meshes;
+mod meter;
 mod motion;
 mod outer_walls;
 mod patterns;

@@ -61,6 +61,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         false,
     ),
     ("bake", &["KERNEL", "files", "gltf"], false),
+    ("meter", &["KERNEL", "bake"], false),
     ("scene", &["math", "color", "layer", "files", "document"], true),
     (
         "scene/assets",
@@ -100,13 +101,17 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("engine", &["KERNEL", "document", "scene"], true),
     (
         "app",
-        &["KERNEL", "bake", "files", "document", "gltf", "scene", "engine"],
+        &[
+            "KERNEL", "bake", "meter", "files", "document", "gltf", "scene", "engine",
+        ],
         true,
     ),
     // The program on top of the library: there everything goes.
     (
         "cli",
-        &["KERNEL", "bake", "files", "document", "gltf", "scene", "engine", "app"],
+        &[
+            "KERNEL", "bake", "meter", "files", "document", "gltf", "scene", "engine", "app",
+        ],
         true,
     ),
     ("main", &["KERNEL", "document", "scene", "engine", "app", "cli"], true),

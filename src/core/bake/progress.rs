@@ -113,7 +113,7 @@ pub(super) fn watched<T: Send>(work: impl FnOnce(Told) -> T + Send, watch: &mut 
 const TICK: Duration = Duration::from_millis(200);
 
 /// The number of texel blocks in a batch, adapted so that a batch takes about half a second.
-pub(super) struct Pace {
+pub(crate) struct Pace {
     blocks: usize,
     threads: usize,
 }
