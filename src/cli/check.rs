@@ -106,12 +106,16 @@ fn content(world: &mut World) -> String {
     let shapes = world.query::<&Shape>().iter(world).count();
     let mut emitters = world.query::<&Emitter>();
     let probes = emitters.iter(world).filter(|emitter| emitter.is_probe()).count();
-    let lights = emitters.iter(world).count() - probes + world.query::<&AreaLight>().iter(world).count();
-    let content = format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"));
-    match probes {
-        0 => content,
-        _ => format!("{content}, {}", counted(probes, "probe")),
-    }
+    let meters = emitters.iter(world).filter(|emitter| emitter.is_meter()).count();
+    let lights = emitters.iter(world).filter(|emitter| emitter.shines()).count()
+        + world.query::<&AreaLight>().iter(world).count();
+    let others = [(probes, "probe"), (meters, "meter")]
+        .into_iter()
+        .filter(|(count, _)| *count > 0);
+    let all = [(shapes, "shape"), (lights, "light")].into_iter().chain(others);
+    all.map(|(count, what)| counted(count, what))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Lists the values for `--camera`, if there is a choice.

@@ -744,7 +744,9 @@ fn a_portable_scene_has_no_parameters_of_ours() {
     let text = "<scene version='3.0.0'>
         <sensor type='thinlens'><float name='aperture_radius' value='0.1'/><integer name='blades' value='6'/></sensor>
         <integrator type='vcm'><integer name='photons' value='5000'/></integrator>
-        <shape type='sphere'><bsdf type='roughconductor'><boolean name='multiple_scattering' value='true'/></bsdf></shape></scene>";
+        <shape type='sphere'><bsdf type='roughconductor'><boolean name='multiple_scattering' value='true'/></bsdf></shape>
+        <emitter type='illuminancegrid'><float name='spacing' value='0.25'/></emitter>
+        <emitter type='illuminancemeter'><float name='least' value='500'/></emitter></scene>";
     let mut document = document::parse_str(text, &folder.path().join("old.xml"), &[]);
     let scene = read(&mut document);
     let written = |extensions| {
@@ -757,8 +759,13 @@ fn a_portable_scene_has_no_parameters_of_ours() {
         kept.contains("blades") && kept.contains("multiple_scattering"),
         "{kept}"
     );
+    assert!(
+        kept.contains("illuminancegrid") && kept.contains("0.25") && kept.contains("500"),
+        "{kept}"
+    );
     let portable = written(Extensions::Approximate);
     assert!(portable.contains("aperture_radius"), "{portable}");
+    assert!(!portable.contains("illuminance"), "{portable}");
     assert!(
         !portable.contains("blade") && !portable.contains("multiple_scattering"),
         "{portable}"

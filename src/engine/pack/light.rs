@@ -132,7 +132,10 @@ pub(in crate::engine) fn pack_emitter(
             scale: *scale,
             half_size: half_size(*fov, *axis, context.textures.aspect(irradiance)),
         }),
-        EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => return None,
+        EmitterKind::ReflectionProbe { .. }
+        | EmitterKind::IrradianceVolume { .. }
+        | EmitterKind::IlluminanceMeter { .. }
+        | EmitterKind::IlluminanceGrid { .. } => return None,
         EmitterKind::SunSky(sky) => {
             let world_from_local = turning(to_world, check)?;
             LightSource::SunSky {

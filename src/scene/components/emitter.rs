@@ -181,10 +181,58 @@ declare_plugins! {
             )
             .within(SPACING)),
         },
+
+        /// No light: a point at which `sunroom measure` measures the illuminance on the side of +z.
+        [PluginInfo::new("illuminancemeter", "measuring point")]
+        IlluminanceMeter {
+            /// The least illuminance that passes, in lux; 0 for no limit.
+            least: f32 = 0.0 => Number(LEAST),
+        },
+
+        /// No light: a square from -1 to 1 along x and y, over which illuminance is measured on the side of +z.
+        [PluginInfo::new("illuminancegrid", "measuring grid")]
+        IlluminanceGrid {
+            /// The largest distance between the points of its grid, above 0.
+            spacing: f32 = 0.5 => Number(ParameterInfo::new(
+                "spacing",
+                "Spacing",
+                "The largest distance between the points where light is measured, in units of length.",
+                "a length above 0",
+            )
+            .within(SPACING)),
+            /// The least illuminance of a point that passes, in lux; 0 for no limit.
+            least: f32 = 0.0 => Number(LEAST),
+            /// The mean illuminance that passes, in lux; 0 for no limit.
+            mean: f32 = 0.0 => Number(ParameterInfo::new(
+                "mean",
+                "Mean",
+                "The mean illuminance that is asked for. 0 asks for none.",
+                "lx, 0 or more",
+            )
+            .within(0.0..=BRIGHTEST)
+            .in_units(" lx")),
+            /// The ratio of the least to the mean illuminance that passes; 0 for no limit.
+            uniformity: f32 = 0.0 => Number(ParameterInfo::new(
+                "uniformity",
+                "Uniformity",
+                "The least over the mean illuminance that is asked for. 0 asks for none.",
+                "0 to 1",
+            )
+            .within(0.0..=1.0)),
+        },
     }
 }
 
-/// The allowed distances between the points of a volume.
+const LEAST: ParameterInfo = ParameterInfo::new(
+    "least",
+    "Least",
+    "The illuminance that is asked for at every point. 0 asks for none.",
+    "lx, 0 or more",
+)
+.within(0.0..=BRIGHTEST)
+.in_units(" lx");
+
+/// The allowed distances between the points of a volume or a grid.
 const SPACING: std::ops::RangeInclusive<f32> = 1e-4..=f32::MAX;
 
 /// The luminous flux of a lamp with measured intensities.
@@ -242,14 +290,14 @@ static USUAL: LazyLock<HashMap<&str, Emitter>> = LazyLock::new(|| {
 impl Declared for Emitter {
     fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
         self.kind.visit(meet);
-        if !self.is_probe() {
+        if self.shines() {
             meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
         }
     }
 
     fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
         self.kind.visit_mut(meet);
-        if !self.is_probe() {
+        if self.shines() {
             meet(
                 &SAMPLING_WEIGHT,
                 ParameterMut::SamplingWeight(&mut self.sampling_weight),
@@ -338,6 +386,19 @@ impl Emitter {
             self.kind,
             EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. }
         )
+    }
+
+    /// Whether it measures light, and gives none itself.
+    pub fn is_meter(&self) -> bool {
+        matches!(
+            self.kind,
+            EmitterKind::IlluminanceMeter { .. } | EmitterKind::IlluminanceGrid { .. }
+        )
+    }
+
+    /// Whether it gives light: probes and meters do not.
+    pub fn shines(&self) -> bool {
+        !self.is_probe() && !self.is_meter()
     }
 
     /// Whether it has a position, unlike lights that are infinitely far away.

@@ -79,6 +79,9 @@ impl Stage<'_> {
             }
             EmitterKind::ReflectionProbe { .. } => return self.leave_out_probe("reflection probe", name),
             EmitterKind::IrradianceVolume { .. } => return self.leave_out_probe("irradiance volume", name),
+            EmitterKind::IlluminanceMeter { .. } | EmitterKind::IlluminanceGrid { .. } if self.is_baked => return,
+            EmitterKind::IlluminanceMeter { .. } => return self.leave_out(name, "a measuring point"),
+            EmitterKind::IlluminanceGrid { .. } => return self.leave_out(name, "a measuring grid"),
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),

@@ -162,7 +162,9 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
                     .properties
                     .retain(|property| !matches!(property.name.as_str(), "noise_target" | "adaptive"));
             }
-            (Category::Emitter, "reflectionprobe" | "irradiancevolume") if extensions == Extensions::Approximate => {
+            (Category::Emitter, "reflectionprobe" | "irradiancevolume" | "illuminancemeter" | "illuminancegrid")
+                if extensions == Extensions::Approximate =>
+            {
                 return false;
             }
             (Category::Film, _) if extensions == Extensions::Approximate => {

@@ -190,7 +190,10 @@ pub(crate) fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'st
             sky.sky_scale *= gain;
             sky.sun_scale *= gain;
         }
-        EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => {}
+        EmitterKind::ReflectionProbe { .. }
+        | EmitterKind::IrradianceVolume { .. }
+        | EmitterKind::IlluminanceMeter { .. }
+        | EmitterKind::IlluminanceGrid { .. } => {}
     }
     Ok(baked)
 }
@@ -339,7 +342,7 @@ mod tests {
         assert_eq!(bake_area(&pictured, gain), Err(FROM_PICTURE));
         for plugin in Emitter::PLUGINS {
             let emitter = Emitter::of_plugin(plugin).expect("a plugin");
-            if emitter.is_probe() {
+            if !emitter.shines() {
                 continue;
             }
             let brighter = bake_emitter(&emitter, Rgb::splat(2.0)).expect("every kind of light can be brighter");

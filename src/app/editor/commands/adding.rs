@@ -32,10 +32,7 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
     let up = edit.world.resource::<ViewSettings>().navigation.up;
-    let is_light = matches!(
-        addition.kind,
-        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_)
-    );
+    let is_light = hangs(addition.kind);
     let spot = match (addition.at, addition.size) {
         _ if !has_spot(addition.kind) => Spot::default(),
         (Some(foot), Some(size)) => Spot { foot, size, on: None },
@@ -175,6 +172,8 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
                 EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
                 EmitterKind::Directional { .. } => facing(free_direction(&sun_directions(edit.world), up)),
                 EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => at(above) * scale,
+                EmitterKind::IlluminanceMeter { .. } => at(ground) * facing(up),
+                EmitterKind::IlluminanceGrid { .. } => at(ground) * facing(up) * scale,
                 _ => at(above) * facing(-up),
             };
             if emitter.is_sky() {
@@ -259,8 +258,13 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
             *intensity = Rgb::splat(spot::rounded(std::f32::consts::PI * distance * distance));
         }
         EmitterKind::Directional { irradiance } => *irradiance = Rgb::splat(2.0),
-        EmitterKind::IrradianceVolume { spacing } => *spacing = spot::rounded(0.25 * distance),
-        EmitterKind::Constant { .. } | EmitterKind::SunSky(_) | EmitterKind::ReflectionProbe { .. } => {}
+        EmitterKind::IrradianceVolume { spacing } | EmitterKind::IlluminanceGrid { spacing, .. } => {
+            *spacing = spot::rounded(0.25 * distance);
+        }
+        EmitterKind::Constant { .. }
+        | EmitterKind::SunSky(_)
+        | EmitterKind::ReflectionProbe { .. }
+        | EmitterKind::IlluminanceMeter { .. } => {}
     }
     Ok(emitter)
 }
@@ -284,7 +288,17 @@ fn lift(kind: AdditionKind) -> f32 {
         | AdditionKind::Solid(_)
         | AdditionKind::Fog
         | AdditionKind::Camera => 0.0,
-        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) => ABOVE,
+        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) if hangs(kind) => ABOVE,
+        AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) => 0.0,
+    }
+}
+
+/// Whether it hangs above the surface below it: lights and probes do, and meters lie on the surface.
+fn hangs(kind: AdditionKind) -> bool {
+    match kind {
+        AdditionKind::AreaLight | AdditionKind::Lamp(_) => true,
+        AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| !emitter.is_meter()),
+        _ => false,
     }
 }
 

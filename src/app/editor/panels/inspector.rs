@@ -262,7 +262,7 @@ fn pose(ui: &mut Ui, inspected: &Inspected, to_world: Affine3A, scene_size: f32,
     let mut edited = to_world;
     let freedom = match (&inspected.shape, &inspected.emitter) {
         (Some(_), _) => Freedom::Affine,
-        (None, Some(emitter)) if emitter.is_probe() => Freedom::Affine,
+        (None, Some(emitter)) if !emitter.shines() => Freedom::Affine,
         (None, Some(emitter)) if emitter.is_environment() => Freedom::Turning,
         (None, _) => Freedom::Rigid,
     };

@@ -19,7 +19,7 @@ enum Part {
 use Part::{Ellipse, Line, Loop, Rays};
 
 /// The icons, each with the names of its kinds in the outliner and in the menu *Add*.
-const ICONS: [(&[&str], &[Part]); 30] = [
+const ICONS: [(&[&str], &[Part]); 32] = [
     (&["sphere"], &[Ellipse((0.0, 0.0), 5.0, 5.0)]),
     (
         &["rectangle"],
@@ -217,6 +217,25 @@ const ICONS: [(&[&str], &[Part]); 30] = [
             Ellipse((2.0, -2.0), 0.8, 0.8),
             Ellipse((-2.0, 2.0), 0.8, 0.8),
             Ellipse((2.0, 2.0), 0.8, 0.8),
+        ],
+    ),
+    // A dial with a needle.
+    (
+        &["measuring point", "illuminancemeter"],
+        &[
+            Ellipse((0.0, 0.0), 5.2, 5.2),
+            Line(&[(0.0, 2.5), (2.6, -2.4)]),
+            Ellipse((0.0, 2.5), 0.8, 0.8),
+        ],
+    ),
+    (
+        &["measuring grid", "illuminancegrid"],
+        &[
+            Loop(&[(-5.2, -5.2), (5.2, -5.2), (5.2, 5.2), (-5.2, 5.2)]),
+            Line(&[(-1.7, -5.2), (-1.7, 5.2)]),
+            Line(&[(1.7, -5.2), (1.7, 5.2)]),
+            Line(&[(-5.2, -1.7), (5.2, -1.7)]),
+            Line(&[(-5.2, 1.7), (5.2, 1.7)]),
         ],
     ),
     (

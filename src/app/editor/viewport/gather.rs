@@ -201,7 +201,7 @@ impl Sources<'_, '_> {
             let (to_world, shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
             let freedom = match emitter {
                 _ if shape.is_some() => Freedom::Affine,
-                Some(emitter) if emitter.is_probe() => Freedom::Affine,
+                Some(emitter) if !emitter.shines() => Freedom::Affine,
                 Some(emitter) if emitter.is_environment() => Freedom::Turning,
                 Some(emitter) if matches!(emitter.kind, EmitterKind::Constant { .. }) => return None,
                 Some(_) => Freedom::Rigid,

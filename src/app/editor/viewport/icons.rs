@@ -36,6 +36,10 @@ pub enum IconKind {
     Frustum,
     /// A cube from -1 to 1.
     Box,
+    /// A point that measures the light on the side of +z.
+    Meter,
+    /// A square from -1 to 1 along x and y that measures the light on the side of +z.
+    MeterGrid,
     /// A cube from -1 to 1 in place of a missing mesh.
     StandIn,
 }
@@ -50,6 +54,8 @@ impl IconKind {
             EmitterKind::Spot { cone, .. } => Some(Self::Cone(cone.cutoff_angle.to_radians())),
             EmitterKind::Projector { .. } => Some(Self::Frustum),
             EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => Some(Self::Box),
+            EmitterKind::IlluminanceMeter { .. } => Some(Self::Meter),
+            EmitterKind::IlluminanceGrid { .. } => Some(Self::MeterGrid),
             EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_) => None,
         }
     }
@@ -144,7 +150,8 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             .flatten()
             .chain(arrow(RADIUS + 8.0, RADIUS + 8.0 + LENGTH))
             .collect(),
-        IconKind::Sheet => {
+        IconKind::Meter => arrow(RADIUS, LENGTH),
+        IconKind::Sheet | IconKind::MeterGrid => {
             let corner = |a: f32, b: f32| icon.pose.transform_point3(Vec3::new(a, b, 0.0));
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
             let edges = (0..4).filter_map(|k| screen.segment(corners[k], corners[(k + 1) % 4]));

@@ -340,6 +340,12 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-irradiancevolume", "Irradiance volume", &[], |_| {
         Some(addition(AdditionKind::Emitter("irradiancevolume")))
     }),
+    action(Group::Add, "add-illuminancemeter", "Measuring point", &[], |_| {
+        Some(addition(AdditionKind::Emitter("illuminancemeter")))
+    }),
+    action(Group::Add, "add-illuminancegrid", "Measuring grid", &[], |_| {
+        Some(addition(AdditionKind::Emitter("illuminancegrid")))
+    }),
     action(Group::Add, "add-camera", "Camera at the view", &[], |_| {
         Some(addition(AdditionKind::Camera))
     }),
