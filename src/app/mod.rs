@@ -7,6 +7,7 @@ pub mod checkpoint;
 pub mod editor;
 pub mod headless;
 pub mod interrupt;
+pub mod metering;
 pub mod origin;
 pub mod signals;
 pub mod terminal;

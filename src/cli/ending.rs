@@ -3,9 +3,14 @@
 use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use sunroom::app::interrupt::on_interrupt;
 use sunroom::engine::{Outcome, RenderError};
+use sunroom::render::denoise::end_all;
 
+use super::report::Failure;
 use super::{outputs, report};
 
 /// The exit code after an interrupt by the user; shells use 128 + SIGINT.
@@ -13,6 +18,19 @@ pub const INTERRUPTED: u8 = 130;
 
 /// The exit code after SIGTERM if a checkpoint was written: 128 + SIGTERM.
 pub const TERMINATED: u8 = 143;
+
+/// The flag that ends work in an orderly fashion. The first interrupt sets it; a second one ends the process.
+pub fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = cancel.clone();
+    on_interrupt(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            end_all();
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+    })?;
+    Ok(cancel)
+}
 
 /// The end of a render whose film has at least some samples.
 pub struct Ending {

@@ -18,6 +18,7 @@ mod ending;
 mod generate;
 #[cfg(target_os = "linux")]
 mod limits;
+mod measure;
 mod merge;
 mod monkey;
 mod outputs;
@@ -64,6 +65,8 @@ enum Command {
     Submit(Box<submit::SubmitArgs>),
     /// Export a level with lightmaps for a game engine
     Bake(Box<bake::BakeArgs>),
+    /// Measure illuminance at the measuring points and grids of a scene
+    Measure(Box<measure::MeasureArgs>),
     /// Report what is wrong with scene files
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
@@ -105,6 +108,7 @@ pub fn run() -> ExitCode {
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Submit(args)) => submit::run(&args),
         Some(Command::Bake(args)) => bake::run(&args),
+        Some(Command::Measure(args)) => measure::run(&args),
         Some(Command::Check(args)) => Ok(check::run(&args)),
         Some(Command::Convert(args)) => convert::run(&args),
         Some(Command::Diff(args)) => diff::run(&args),

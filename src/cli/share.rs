@@ -5,23 +5,21 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::app::checkpoint::Piece;
-use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::origin::{self, origin};
 use sunroom::app::signals::{is_terminated, note_termination};
 use sunroom::bake::part::is_part;
 use sunroom::engine::{OpenShutter, PackedScene, RenderControl, active_film};
-use sunroom::render::denoise::end_all;
 use sunroom::render::film::Film;
 use sunroom::render::part::{Crop, Origin, PartError, PartFile};
 use sunroom::render::passes::{chunk_of, is_cut};
 
-use super::ending::{INTERRUPTED, TERMINATED};
+use super::ending::{TERMINATED, cancel_on_interrupt};
 use super::outputs::{self, is_exr, is_stdout};
 use super::parse;
 use super::report::{self, Failure};
@@ -62,14 +60,7 @@ impl CheckpointArgs {
     /// The flag that ends work in an orderly fashion. The first interrupt sets it, as does SIGTERM if checkpoints are
     /// written; a second interrupt ends the process.
     pub fn cancel(&self) -> Result<Arc<AtomicBool>, Failure> {
-        let cancel = Arc::new(AtomicBool::new(false));
-        let flag = cancel.clone();
-        on_interrupt(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                end_all();
-                std::process::exit(i32::from(INTERRUPTED));
-            }
-        })?;
+        let cancel = cancel_on_interrupt()?;
         if self.checkpoint.is_some() {
             note_termination(cancel.clone());
         }

@@ -10,6 +10,7 @@ mod diff;
 mod foreign_files;
 mod inputs;
 mod killing;
+mod measure;
 mod missing;
 #[cfg(feature = "window")]
 mod monkey;

@@ -1,0 +1,160 @@
+//! `sunroom measure`: illuminance at the measuring points and grids of a scene.
+
+mod args;
+mod results;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use bevy::prelude::App;
+use sunroom::app::metering::{asked_meters, under_overcast_sky};
+use sunroom::app::threads::worker_count;
+use sunroom::bake::progress::about_invalid;
+use sunroom::engine::{Limits, PackedScene};
+use sunroom::files::{keep_reads, write_atomically};
+use sunroom::meter::job::{MeterEnd, MeterEnding, MeterJob};
+use sunroom::meter::sites::MeterLimits;
+
+pub use self::args::MeasureArgs;
+
+use self::results::Results;
+
+use super::check::{is_shown, load, open};
+use super::ending::{INTERRUPTED, cancel_on_interrupt};
+use super::outputs::{self, check_scene_stays, check_text, is_stdout};
+use super::progress::{Progress, Shown};
+use super::report::{self, Failure};
+
+/// The exit code if a limit of a meter is not met.
+pub const LIMIT_NOT_MET: u8 = 3;
+
+pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
+    args.memory.apply();
+    args.threads.report_limit();
+    if let Some(path) = args.csv.as_ref().filter(|path| !is_stdout(path)) {
+        check_text(path)?;
+    }
+    keep_reads();
+    let cancel = cancel_on_interrupt()?;
+    let Some(app) = loaded(args, &cancel)? else {
+        return Ok(ExitCode::FAILURE);
+    };
+    check_scene_stays(args.csv.iter())?;
+    let mut job = prepared(args, app)?;
+    let threads = worker_count(args.threads.threads, false).get();
+    let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?);
+    let (ending, seconds) = measured(args, &mut job, &pool, &cancel);
+    let Some(readings) = job.readings() else {
+        return Err("interrupted before the first samples: there are no values".into());
+    };
+    for reading in readings.iter().filter(|reading| reading.is_buried) {
+        let name = &reading.name;
+        report::line(format_args!(
+            "warning: {name}: it lies inside of something, or on the side that light does not reach; it measures along its +z"
+        ));
+    }
+    if let Some(about) = about_invalid(job.invalid_samples()) {
+        report::line(format_args!("warning: {about}"));
+    }
+    let results = Results {
+        readings,
+        is_daylight: args.daylight_factor,
+        noise: args.end().noise,
+        seconds,
+        ending,
+    };
+    let text = match args.json {
+        true => format!("{}\n", serde_json::to_string_pretty(&results.json())?),
+        false => results.text(),
+    };
+    match &args.csv {
+        Some(path) if is_stdout(path) => {
+            report::line(text.trim_end());
+            outputs::print(results.csv().as_bytes())?;
+        }
+        Some(path) => {
+            outputs::print(text.as_bytes())?;
+            write_atomically(path, results.csv())
+                .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        }
+        None => outputs::print(text.as_bytes())?,
+    }
+    if ending == MeterEnding::Cancelled {
+        report::error("interrupted; the values are those of the samples so far");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    match results.passes() {
+        true => Ok(ExitCode::SUCCESS),
+        false => Ok(ExitCode::from(LIMIT_NOT_MET)),
+    }
+}
+
+/// The app with the scene as it is rendered; None if it is refused, which has been reported.
+fn loaded(args: &MeasureArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, Failure> {
+    let scene = &args.scene.scene;
+    let trust = args.trust.trust(scene)?;
+    let mut app = open(scene, &args.scene.defines, trust, &args.missing, args.threads.threads);
+    let limits = Limits {
+        cancel: cancel.clone(),
+        ..Limits::default()
+    };
+    let is_good = load(&mut app, &limits, scene, args.strict)? && is_shown(&app, scene, args.strict);
+    Ok(is_good.then_some(app))
+}
+
+/// The job of the scene's meters.
+fn prepared(args: &MeasureArgs, mut app: App) -> Result<MeterJob, Failure> {
+    let place = args.scene.scene.display();
+    let world = app.world_mut();
+    let mut asked = asked_meters(world);
+    if asked.is_empty() {
+        return Err(format!(
+            "{place} has no measuring points: add one with Add > Measuring point or Measuring grid in the window, or to \
+             the file, such as\n  {}\nwhich measures the light on the side of its +z",
+            r#"<emitter type="illuminancemeter" id="desk"><transform name="to_world"><rotate x="1" angle="-90"/><translate y="0.75"/></transform></emitter>"#
+        )
+        .into());
+    }
+    let packed = world.resource::<PackedScene>();
+    let (Some(mut scene), Some(mut view)) = (packed.scene.clone(), packed.view.clone()) else {
+        return Err(format!("{place}: there is nothing to measure in").into());
+    };
+    if let Some(seed) = args.seed {
+        view.seed = seed;
+    }
+    if args.daylight_factor {
+        (scene, view) = under_overcast_sky(world, &scene, &view);
+        // What is asked for is asked of the lights of the scene.
+        asked.iter_mut().for_each(|asked| asked.limits = MeterLimits::default());
+    }
+    Ok(MeterJob::new(scene, &view, asked)?)
+}
+
+/// Measures, and shows the progress. Returns the seconds too.
+fn measured(
+    args: &MeasureArgs,
+    job: &mut MeterJob,
+    pool: &Arc<rayon::ThreadPool>,
+    cancel: &AtomicBool,
+) -> (MeterEnding, f64) {
+    let begin = Instant::now();
+    let end: MeterEnd = args.end();
+    let mut progress = Progress::new(args.quiet, end.time);
+    let mut last = Shown::default();
+    let ending = job.run(&end, pool, cancel, &mut |job, done| {
+        let seconds = begin.elapsed().as_secs_f64();
+        let by_time = end.time.map_or(0.0, |time| seconds / time.as_secs_f64());
+        let samples = job.least_samples();
+        last = Shown {
+            done: done.max(by_time).min(1.0),
+            samples,
+            seconds,
+            message: format!("{samples} samples per point"),
+        };
+        progress.show(&last);
+    });
+    progress.end(&last);
+    (ending, begin.elapsed().as_secs_f64())
+}

@@ -1,0 +1,217 @@
+//! What `sunroom measure` prints and writes.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+use sunroom::meter::daylight::{OPEN_GROUND, daylight_factor};
+use sunroom::meter::estimate::Estimate;
+use sunroom::meter::job::{Judgement, MeterEnding, MeterReading};
+use sunroom::photometry::units::{Lux, short};
+
+/// The values of all meters.
+pub struct Results {
+    pub readings: Vec<MeterReading>,
+    /// Whether they are those of daylight factors.
+    pub is_daylight: bool,
+    /// The relative error asked for.
+    pub noise: f64,
+    pub seconds: f64,
+    pub ending: MeterEnding,
+}
+
+impl Results {
+    /// Whether all limits are met.
+    pub fn passes(&self) -> bool {
+        self.readings.iter().all(MeterReading::passes)
+    }
+
+    /// An illuminance in the unit of the report.
+    fn lit(&self, measured: &Estimate) -> String {
+        match self.is_daylight {
+            true => percents(measured).in_unit("%"),
+            false => measured.in_unit(Lux::SYMBOL),
+        }
+    }
+
+    /// A line for each meter, and one below it for each of its limits.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        if self.is_daylight {
+            let ground = short(f64::from(OPEN_GROUND));
+            let _ = writeln!(
+                text,
+                "daylight factors, under a CIE overcast sky that gives the open ground {ground} lx"
+            );
+        }
+        let widest = self.readings.iter().map(|reading| reading.name.chars().count()).max();
+        let width = widest.unwrap_or_default();
+        for reading in &self.readings {
+            let name = &reading.name;
+            let values = match (&reading.grid, reading.points.first()) {
+                (Some(grid), _) => format!(
+                    "{} x {} points  least {}  mean {}  uniformity {}",
+                    reading.size.x,
+                    reading.size.y,
+                    self.lit(&grid.least),
+                    self.lit(&grid.mean),
+                    grid.uniformity.in_unit("").trim_end(),
+                ),
+                (None, Some(point)) => self.lit(point),
+                (None, None) => String::new(),
+            };
+            let _ = writeln!(text, "{name:width$}  {values}");
+            for judgement in reading.judgements() {
+                let _ = writeln!(text, "{:width$}  {}", "", sentence(&judgement));
+            }
+        }
+        if self.missed_noise() {
+            let percent = short(100.0 * self.noise);
+            let _ = writeln!(
+                text,
+                "some errors are above {percent} %: more --spp or --time lowers them"
+            );
+        }
+        text
+    }
+
+    /// Whether an error is above the one asked for.
+    fn missed_noise(&self) -> bool {
+        let noise = |reading: &MeterReading| match &reading.grid {
+            Some(grid) => grid.least.relative_error().max(grid.mean.relative_error()),
+            None => reading.points.first().map_or(0.0, Estimate::relative_error),
+        };
+        self.readings.iter().any(|reading| noise(reading) > self.noise)
+    }
+
+    /// The values with the points of all grids, as one object.
+    pub fn json(&self) -> Value {
+        let ending = match self.ending {
+            MeterEnding::Done => "done",
+            MeterEnding::TimeUp => "time",
+            MeterEnding::Cancelled => "interrupted",
+        };
+        json!({
+            "meters": self.readings.iter().map(|reading| self.meter(reading)).collect::<Vec<_>>(),
+            "passes": self.passes(),
+            "ending": ending,
+            "seconds": self.seconds,
+            "open_ground_lux": self.is_daylight.then_some(OPEN_GROUND),
+        })
+    }
+
+    fn meter(&self, reading: &MeterReading) -> Value {
+        let places = reading.positions.iter().zip(&reading.points);
+        let points: Vec<Value> = places
+            .map(|(place, measured)| json!({"position": place.to_array(), "illuminance": self.value(measured)}))
+            .collect();
+        let limits: Vec<Value> = reading
+            .judgements()
+            .iter()
+            .map(|judgement| {
+                json!({
+                    "of": judgement.of,
+                    "limit": judgement.limit,
+                    "passes": judgement.passes(),
+                    "within_error": judgement.is_close(),
+                })
+            })
+            .collect();
+        let grid = reading.grid.as_ref().map(|grid| {
+            json!({
+                "columns": reading.size.x,
+                "rows": reading.size.y,
+                "least": self.value(&grid.least),
+                "mean": self.value(&grid.mean),
+                "uniformity": plain(&grid.uniformity),
+                "darkest": grid.darkest,
+            })
+        });
+        json!({
+            "name": reading.name,
+            "normal": reading.normal.to_array(),
+            "points": points,
+            "grid": grid,
+            "samples": reading.samples,
+            "limits": limits,
+            "passes": reading.passes(),
+        })
+    }
+
+    /// An illuminance, with its daylight factor in per cent.
+    fn value(&self, measured: &Estimate) -> Value {
+        let mut value = json!({"lux": measured.value, "error": measured.error});
+        if self.is_daylight {
+            value["daylight_factor"] = plain(&percents(measured));
+        }
+        value
+    }
+
+    /// A row for each point.
+    pub fn csv(&self) -> String {
+        let mut text = "meter,column,row,x,y,z,lux,error".to_owned();
+        text.push_str(if self.is_daylight { ",daylight_factor\n" } else { "\n" });
+        for reading in &self.readings {
+            let name = quoted(&reading.name);
+            let columns = reading.size.x.max(1) as usize;
+            for (number, (place, measured)) in reading.positions.iter().zip(&reading.points).enumerate() {
+                let (column, row) = (number % columns, number / columns);
+                let Estimate { value, error } = measured;
+                let _ = write!(
+                    text,
+                    "{name},{column},{row},{},{},{},{value},{error}",
+                    place.x, place.y, place.z
+                );
+                if self.is_daylight {
+                    let _ = write!(text, ",{}", daylight_factor(*value));
+                }
+                text.push('\n');
+            }
+        }
+        text
+    }
+}
+
+fn percents(measured: &Estimate) -> Estimate {
+    Estimate {
+        value: daylight_factor(measured.value),
+        error: daylight_factor(measured.error),
+    }
+}
+
+fn plain(measured: &Estimate) -> Value {
+    json!({"value": measured.value, "error": measured.error})
+}
+
+/// A limit with what has become of it.
+fn sentence(judgement: &Judgement) -> String {
+    let Judgement { of, limit, .. } = judgement;
+    let limit = match *of {
+        "uniformity" => short(*limit),
+        _ => Lux(*limit).to_string(),
+    };
+    let verdict = if judgement.passes() { "pass" } else { "FAIL" };
+    let close = match judgement.is_close() {
+        true => ", but the limit is within two errors",
+        false => "",
+    };
+    format!("{of} {limit} asked for: {verdict}{close}")
+}
+
+/// A field of a CSV file (RFC 4180).
+fn quoted(field: &str) -> String {
+    match field.contains(['"', ',', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_with_commas_are_quoted() {
+        assert_eq!(quoted("desk"), "desk");
+        assert_eq!(quoted("desk, \"left\""), "\"desk, \"\"left\"\"\"");
+    }
+}
