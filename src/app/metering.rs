@@ -12,19 +12,23 @@ use crate::scene::{DocumentOrder, Emitter, EmitterKind, Hidden, ToWorld};
 /// The meters of the scene that are not hidden, in the order of the file.
 pub fn asked_meters(world: &mut World) -> Vec<AskedMeter> {
     let mut emitters = world.query_filtered::<(&DocumentOrder, &Emitter, &ToWorld, Option<&Name>), Without<Hidden>>();
-    let asked = emitters.iter(world).filter_map(|(order, emitter, to_world, name)| {
-        let (kind, limits) = measured(&emitter.kind)?;
-        let asked = AskedMeter {
-            name: name.map_or(emitter.info().label, Name::as_str).to_owned(),
-            world_from_meter: to_world.0,
-            kind,
-            limits,
-        };
-        Some((*order, asked))
-    });
+    let asked = emitters
+        .iter(world)
+        .filter_map(|(order, emitter, to_world, name)| Some((*order, asked_meter(emitter, to_world, name)?)));
     let mut asked: Vec<(DocumentOrder, AskedMeter)> = asked.collect();
     asked.sort_by_key(|(order, _)| *order);
     asked.into_iter().map(|(_, asked)| asked).collect()
+}
+
+/// The meter that an emitter stands for; None for lights and probes.
+pub fn asked_meter(emitter: &Emitter, to_world: &ToWorld, name: Option<&Name>) -> Option<AskedMeter> {
+    let (kind, limits) = measured(&emitter.kind)?;
+    Some(AskedMeter {
+        name: name.map_or(emitter.info().label, Name::as_str).to_owned(),
+        world_from_meter: to_world.0,
+        kind,
+        limits,
+    })
 }
 
 /// What a kind of emitter measures; None for lights and probes.

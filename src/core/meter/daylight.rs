@@ -1,8 +1,8 @@
 //! The daylight factor: illuminance inside over that on the open ground, under an overcast sky.
 //!
-//! The sky is the traditional overcast one of CIE S 011/E:2003 (type 16; Moon and Spencer 1942): at an elevation g it has
-//! the luminance Lz (1 + 2 sin g) / 3, where Lz is that of the zenith. The open ground has 7/9 pi Lz. There is no light
-//! from below the horizon but what surfaces of the scene reflect: a ground outside is a surface of the scene.
+//! The sky is the traditional overcast one of CIE S 011/E:2003 (type 16; Moon and Spencer 1942): at an elevation g it
+//! has the luminance Lz (1 + 2 sin g) / 3, where Lz is that of the zenith. The open ground has 7/9 pi Lz. There is no
+//! light from below the horizon but what surfaces of the scene reflect: a ground outside is a surface of the scene.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;

@@ -18,6 +18,7 @@ use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::light_mix::LightMix;
 use sunroom::app::editor::command::presets;
 use sunroom::app::editor::command::resolution::Resolution;
+use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::command::timeline::Timeline;
 use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, AssetsModel, Listing};
 use sunroom::app::editor::model::baking::{BakeModel, ShownBake};
@@ -32,10 +33,14 @@ use sunroom::app::editor::panels::outliner::state::OutlinerState;
 use sunroom::app::editor::panels::timeline::TimelineState;
 use sunroom::app::editor::picture::baking::thread::BakeNews;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::picture::metering::{ShownMeter, ShownMeters};
 use sunroom::bake::progress::{Progress, Stage};
 use sunroom::color::Rgb;
 use sunroom::document::{Interpolation, Key, Severity, Track, Value};
 use sunroom::engine::{RenderState, RenderStatus};
+use sunroom::meter::estimate::{Estimate, GridEstimate};
+use sunroom::meter::job::MeterReading;
+use sunroom::meter::sites::MeterLimits;
 use sunroom::scene::KeyPath;
 
 use super::panel;
@@ -53,6 +58,56 @@ fn in_a_state<T: Clone + Default + Send + 'static, S: Default + Send + 'static>(
     let state = Arc::new(Mutex::new(S::default()));
     let show = move |ui: &mut Ui, given: &mut T| show(ui, given, &mut state.lock().expect("one thread"));
     panel(size, given, show, |_| ())
+}
+
+/// A point that fails, and a grid that passes.
+pub fn meter() -> RgbImage {
+    let estimate = |value: f64, error: f64| Estimate { value, error };
+    let reading = |name: &str, size: UVec2, limits: MeterLimits| MeterReading {
+        name: name.to_owned(),
+        size,
+        positions: vec![bevy::math::Vec3::ZERO; (size.x * size.y) as usize],
+        normal: bevy::math::Vec3::Y,
+        points: (0..size.x * size.y)
+            .map(|number| estimate(430.0 + 9.0 * f64::from(number % 13), 2.0))
+            .collect(),
+        grid: None,
+        limits,
+        samples: 2048,
+        is_buried: false,
+    };
+    let of_shelf = MeterLimits {
+        least: Some(500.0),
+        ..MeterLimits::default()
+    };
+    let of_desk = MeterLimits {
+        mean: Some(450.0),
+        uniformity: Some(0.6),
+        ..MeterLimits::default()
+    };
+    let desk = MeterReading {
+        grid: Some(GridEstimate {
+            least: estimate(430.0, 2.4),
+            mean: estimate(484.1, 0.4),
+            uniformity: estimate(0.888, 0.005),
+            darkest: 0,
+        }),
+        ..reading("desk", UVec2::new(8, 4), of_desk)
+    };
+    let shown = [Some(reading("shelf", UVec2::ONE, of_shelf)), Some(desk), None];
+    let meters = shown.into_iter().enumerate().map(|(number, reading)| ShownMeter {
+        entity: entity(number as u32),
+        name: ["shelf", "desk", "window sill"][number].to_owned(),
+        reading,
+    });
+    let shown = ShownMeters {
+        meters: meters.collect(),
+        is_measuring: true,
+        error: None,
+    };
+    in_a_state([RIGHT, 420], shown, |ui, shown: &ShownMeters, _: &mut ()| {
+        panels::meter::meter(ui, shown, &Selection::default(), &mut Vec::new());
+    })
 }
 
 pub fn outliner() -> RgbImage {

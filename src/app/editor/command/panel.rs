@@ -67,6 +67,8 @@ panels! {
     Messages: "Messages", "Mess.", Right, true, false;
     /// The paths of an inspected pixel, vertex by vertex.
     Paths: "Paths", "Paths", Right, false, false;
+    /// The measuring points and grids with their values.
+    Meter: "Meter", "Meter", Right, false, false;
     /// The bake of lightmaps that is under way.
     Bake: "Bake", "Bake", Right, false, false;
 }

@@ -7,6 +7,7 @@ pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
 pub(crate) mod gather_bake;
+pub(crate) mod gather_meters;
 pub(crate) mod inspected_media;
 pub(crate) mod inspection;
 pub mod item_list;
@@ -40,6 +41,7 @@ use crate::app::editor::command::texture_placing::has_textures;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
+use crate::app::editor::picture::metering::ShownMeters;
 use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::document::Severity;
 use crate::engine::{AutoStatus, RenderStatus};
@@ -472,6 +474,8 @@ pub struct Model {
     pub render: RenderModel,
     /// The bake of lightmaps.
     pub bake: BakeModel,
+    /// The measuring points and grids with their values.
+    pub meters: Arc<ShownMeters>,
     /// The messages panel.
     pub notices: Arc<Vec<Notice>>,
     /// The files of the scene that are missing, each once.

@@ -39,6 +39,7 @@ mod medium;
 mod medium_section;
 pub mod menu_bar;
 mod menu_marks;
+pub mod meter;
 pub mod missing_files;
 pub mod outliner;
 pub mod paths;

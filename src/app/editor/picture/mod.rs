@@ -15,6 +15,7 @@ mod filter_work;
 pub mod frame_times;
 pub mod legend;
 pub(crate) mod material_ball;
+pub mod metering;
 pub(crate) mod motion;
 pub mod noise_trend;
 pub mod outline;

@@ -7,6 +7,7 @@ use super::carrying::Carrying;
 use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::frame_times::{self, FrameTimes};
+use super::metering::Metering;
 use super::motion::Motion;
 use super::noise_trend::NoiseTrend;
 use super::outline_pass::OutlinePass;
@@ -27,6 +28,7 @@ impl Plugin for PicturePlugin {
         app.init_resource::<Baking>()
             .init_resource::<Comparison>()
             .init_resource::<FrameTimes>()
+            .init_resource::<Metering>()
             .init_resource::<NoiseTrend>()
             .init_resource::<OutlinePass>()
             .init_resource::<PathInspector>()

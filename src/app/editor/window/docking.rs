@@ -7,7 +7,7 @@ use super::widgets::Widgets;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::model::Model;
-use crate::app::editor::panels::{assets, diagnostics, history, inspector, library, outliner, paths, render};
+use crate::app::editor::panels::{assets, diagnostics, history, inspector, library, meter, outliner, paths, render};
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::ViewportModel;
@@ -182,6 +182,7 @@ impl TabViewer for Panels<'_> {
                 let known = self.viewport.paths;
                 paths::paths(ui, known.wanted, known.pixel, &known.paths, commands);
             }
+            Panel::Meter => meter::meter(ui, &model.meters, &model.selection, commands),
             Panel::Bake => widgets.bake.panel(ui, &model.bake, commands),
         }
     }
