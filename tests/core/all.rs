@@ -35,6 +35,7 @@ mod auto;
 mod bake;
 mod bidirectional;
 mod bounded_work;
+mod breakdown;
 mod bsdf;
 mod bsdf_delta;
 mod bsdf_hair;

@@ -65,6 +65,14 @@ impl InfiniteLight {
         }
     }
 
+    /// Whether the direction `wi` leads to the sun of a sky.
+    pub fn is_sun(&self, wi: Vec3) -> bool {
+        match self {
+            Self::Directional(_) | Self::Constant(_) | Self::Environment(_) => false,
+            Self::SunSky(light) => light.is_sun(wi),
+        }
+    }
+
     /// Radiance arriving against the direction `wi`.
     pub fn radiance(&self, wi: Vec3) -> Rgb {
         match self {

@@ -59,7 +59,7 @@ pub use table::LightTable;
 pub(crate) use table::{Alike, SoleLight};
 
 /// Index of a light in its [`LightTable`], the order of the sources it was built from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
 /// The source that a light is made from.

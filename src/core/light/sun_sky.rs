@@ -113,6 +113,12 @@ impl SunSkyLight {
         self.model.sky::<f32>(local) + self.model.sun::<f32>(local)
     }
 
+    /// Whether the direction `wi` leads to the sun.
+    pub fn is_sun(&self, wi: Vec3) -> bool {
+        let local = self.world_from_local.transpose() * wi;
+        self.model.sun::<f32>(local) != Rgb::ZERO
+    }
+
     /// The approximate irradiance (luminance) on a surface that faces sun and sky.
     pub fn irradiance(&self) -> f32 {
         self.irradiance

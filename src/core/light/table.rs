@@ -294,6 +294,11 @@ impl LightTable {
         radiance
     }
 
+    /// Whether the direction `wi` leads to the sun of a light that is sky and sun.
+    pub fn is_sun(&self, id: LightId, wi: Vec3) -> bool {
+        self.at_infinity(id).is_some_and(|(_, light)| light.is_sun(wi))
+    }
+
     /// The radiance as [`Self::radiance_from`], and the density with which [`Self::sample`] gives the direction `wi` to
     /// infinite light `id`.
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {

@@ -38,7 +38,7 @@ use crate::math::{Real, Vector, real_struct};
 use crate::sampling::RandomStream;
 
 /// An index into the scene's [`MediumTable`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MediumId(pub u32);
 
 /// The media on the two sides of a surface (PBR 4th ed., section 11.4); None is empty space.

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use glam::{UVec2, Vec3};
 
 use super::bidirectional::{Techniques, Tracer};
-use super::observer::{Bounce, Joined, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
+use super::observer::{Bounce, Glow, Joined, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
 use super::scene::RenderScene;
 use super::splats::Splat;
 use super::tracer::render_sample;
@@ -23,6 +23,8 @@ pub struct RecordedPath {
     pub camera_ray: Ray,
     /// The surfaces along the path, the one nearest to the camera first.
     pub vertices: Vec<RecordedVertex>,
+    /// The light of media that the path has gone through, each with the number of its vertices before.
+    pub glows: Vec<(usize, Glow)>,
     /// Emitters hit at infinity, in the direction of the last bounce or of the camera ray.
     pub escaped_to: Vec<MetEmitter>,
     /// The reason why the path ended after its last vertex.
@@ -85,6 +87,7 @@ pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Ran
             sample: index,
             camera_ray: view.camera_sample(pixel, index).ray,
             vertices: recorder.vertices,
+            glows: recorder.glows,
             escaped_to: recorder.escaped_to,
             end: recorder.end,
             light_path: light_path.unwrap_or_default(),
@@ -99,6 +102,7 @@ pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Ran
 #[derive(Default)]
 struct Recorder {
     vertices: Vec<RecordedVertex>,
+    glows: Vec<(usize, Glow)>,
     escaped_to: Vec<MetEmitter>,
     end: PathEnd,
 }
@@ -112,6 +116,10 @@ impl PathObserver for Recorder {
             joined: None,
             bounce: None,
         });
+    }
+
+    fn emitted(&mut self, glow: &Glow) {
+        self.glows.push((self.vertices.len(), *glow));
     }
 
     fn emitter_met(&mut self, met: &MetEmitter) {

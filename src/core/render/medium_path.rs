@@ -10,7 +10,7 @@ use std::ops::ControlFlow::{self, Break, Continue};
 use glam::Vec3;
 
 use super::dimensions::{BounceDraw, MediumDraw};
-use super::observer::{Bounce, MediumVertex, PathEnd, PathObserver, PathVertex};
+use super::observer::{Bounce, Glow, MediumVertex, PathEnd, PathObserver, PathVertex};
 use super::path::{Departure, Scatterer};
 use super::path_state::{Arrival, PathState};
 use super::roulette;
@@ -144,7 +144,10 @@ impl PathState {
         if travel.emitted != Rgb::ZERO && settings.max_depth > 0 {
             self.radiance += travel.emitted;
             self.record.come_upon(travel.emitted);
-            observer.emitted(travel.emitted);
+            observer.emitted(&Glow {
+                medium: id,
+                contribution: travel.emitted,
+            });
         }
         self.arrival.pdf *= travel.passed;
         let Some(distance) = travel.scattered_at else {

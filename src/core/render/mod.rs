@@ -3,6 +3,7 @@
 pub mod auto;
 mod bidirectional;
 pub mod borders;
+pub mod breakdown;
 pub mod bytes;
 pub mod camera;
 pub mod carry;

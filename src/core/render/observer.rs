@@ -15,8 +15,8 @@ use crate::medium::MediumId;
 pub trait PathObserver {
     /// A ray of the path has hit a surface, the next vertex unless a medium scatters the path before.
     fn met(&mut self, _ray: &Ray, _hit: &Hit) {}
-    /// A medium has added this light to the path's radiance along its last ray.
-    fn emitted(&mut self, _contribution: Rgb) {}
+    /// A medium along the path's last ray has added its own light.
+    fn emitted(&mut self, _glow: &Glow) {}
     /// The path has reached its next vertex.
     fn vertex(&mut self, _vertex: &PathVertex) {}
     /// The path has hit an emitter at its last vertex or at infinity.
@@ -40,8 +40,8 @@ impl<O: PathObserver> PathObserver for Option<O> {
         self.iter_mut().for_each(|observer| observer.met(ray, hit));
     }
 
-    fn emitted(&mut self, contribution: Rgb) {
-        self.iter_mut().for_each(|observer| observer.emitted(contribution));
+    fn emitted(&mut self, glow: &Glow) {
+        self.iter_mut().for_each(|observer| observer.emitted(glow));
     }
 
     fn vertex(&mut self, vertex: &PathVertex) {
@@ -108,6 +108,15 @@ pub struct SurfaceVertex {
     pub instance: u32,
     /// The material of the slot that was hit.
     pub material: MaterialId,
+}
+
+/// The light of a medium that the path has gone through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    /// The medium.
+    pub medium: MediumId,
+    /// The contribution to the path's radiance.
+    pub contribution: Rgb,
 }
 
 /// An emitter that the path has hit: at its last vertex, or at infinity.

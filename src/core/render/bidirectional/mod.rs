@@ -21,6 +21,7 @@
 mod arrivals;
 mod connect;
 mod finds;
+mod journeys;
 mod merge;
 mod photons;
 mod subpath;
@@ -33,6 +34,7 @@ use glam::{UVec2, Vec3};
 
 pub(super) use self::arrivals::arrivals;
 pub(super) use self::finds::Find;
+pub(super) use self::journeys::{Journey, journeys};
 pub(super) use self::photons::photon_paths;
 use self::subpath::{LightPath, Vertex, Walk};
 use self::weights::{Merging, Ways};
@@ -45,7 +47,7 @@ use super::scene::RenderScene;
 use super::splats::{Splat, TileSplats};
 use super::view::{Integrator, PathSettings, PhotonSettings, Shown, View};
 use crate::color::Rgb;
-use crate::light::emission::Reach;
+use crate::light::emission::{EmittedRay, Reach};
 use crate::sampling::Sampler;
 
 /// The techniques in use.
@@ -250,16 +252,7 @@ impl<'a> Sample<'a, '_> {
         if longest < 2 {
             return None;
         }
-        let sampler = self.light_sampler;
-        let emitted = self.scene.lights.sample_emission(
-            self.reach,
-            sampler.at_1d(LightDraw::Lobe.at(0)),
-            sampler.at_2d(LightDraw::Place.at(0)),
-            sampler.at_2d(LightDraw::Direction.at(0)),
-        )?;
-        if emitted.power == Rgb::ZERO || !emitted.power.is_finite() {
-            return None;
-        }
+        let emitted = self.emit()?;
         let mut path = LightPath {
             emitted,
             pdf_reverse: 0.0,
@@ -267,6 +260,18 @@ impl<'a> Sample<'a, '_> {
         let mut walk = Walk::from_light(&emitted);
         while walk.segments + 1 < longest && self.extend_light(&mut walk, &mut path, vertices) {}
         Some(path)
+    }
+
+    /// The start of a light path. None where the light emits nothing.
+    fn emit(&self) -> Option<EmittedRay> {
+        let sampler = self.light_sampler;
+        let emitted = self.scene.lights.sample_emission(
+            self.reach,
+            sampler.at_1d(LightDraw::Lobe.at(0)),
+            sampler.at_2d(LightDraw::Place.at(0)),
+            sampler.at_2d(LightDraw::Direction.at(0)),
+        )?;
+        (emitted.power != Rgb::ZERO && emitted.power.is_finite()).then_some(emitted)
     }
 }
 

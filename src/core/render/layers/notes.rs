@@ -7,7 +7,7 @@ use crate::light::LightId;
 use crate::material::Lobe;
 use crate::math::Ray;
 use crate::render::light_layers::LightGroups;
-use crate::render::observer::{Bounce, Joined, MetEmitter, PathObserver, SampledLight};
+use crate::render::observer::{Bounce, Glow, Joined, MetEmitter, PathObserver, SampledLight};
 use crate::render::view::View;
 
 /// The notes of some samples.
@@ -104,8 +104,8 @@ impl PathObserver for NoteTaker<'_> {
         }
     }
 
-    fn emitted(&mut self, contribution: Rgb) {
-        self.sample.light[self.sample.scatterings.min(2) as usize] += contribution;
+    fn emitted(&mut self, glow: &Glow) {
+        self.sample.light[self.sample.scatterings.min(2) as usize] += glow.contribution;
     }
 
     fn emitter_met(&mut self, met: &MetEmitter) {

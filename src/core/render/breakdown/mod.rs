@@ -1,0 +1,224 @@
+//! The light of a pixel or of a rectangle of pixels by the routes on which it has come: from which lamp, by way of which
+//! surface, after how many bounces, and by what kind of scattering.
+//!
+//! The samples are those of the picture by path tracing, as [`record_paths`] records them: every contribution of every
+//! path is put to the account of its [`Route`]. Portions of one grouping therefore sum up to the value of the pixel. The
+//! reconstruction filter counts as in the picture; clamps, guides and layers are left out.
+//!
+//! Standard errors are those of batch means: the samples are split into [`BATCHES`] batches with random numbers that are
+//! independent of each other (Owen, Monte Carlo theory, methods and examples, 2013, section 17.7: replicates of randomised
+//! quasi-Monte Carlo). So the error of well spread points is not overestimated, as it would be by their spread.
+
+mod account;
+mod destinations;
+mod remedies;
+mod route;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{DVec3, UVec2};
+use rayon::prelude::*;
+
+pub use self::account::{Breakdown, Portion};
+pub use self::destinations::{Destination, Destinations, destinations};
+pub use self::remedies::{Advice, Trouble};
+pub use self::route::{Contribution, Kind, Route, Source, Way, contributions};
+
+use self::account::{Account, Entry};
+use super::inspect::{RecordedPath, record_paths};
+use super::layers::Layers;
+use super::light_layers::LightGroups;
+use super::scene::RenderScene;
+use super::view::{Integrator, Shown, View};
+use crate::color::luminance;
+
+/// The most batches, of which fewer are made only where they would have fewer than [`LEAST_OF_BATCH`] samples.
+pub const BATCHES: u32 = 32;
+/// The fewest samples of a pixel in a batch, so that its variance can be estimated.
+pub const LEAST_OF_BATCH: u32 = 2;
+/// The fewest samples of a pixel.
+pub const LEAST_SAMPLES: u32 = 2 * LEAST_OF_BATCH;
+
+/// The most pixels that are traced as one task.
+const PIXELS_OF_TASK: u64 = 64;
+/// The tasks whose accounts are in memory at a time.
+const TASKS_AT_ONCE: usize = 1024;
+
+/// A rectangle of pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// The first column, from 0 at the left edge.
+    pub x: u32,
+    /// The first row, from 0 at the upper edge.
+    pub y: u32,
+    /// The width in pixels, from 1 on.
+    pub width: u32,
+    /// The height in pixels, from 1 on.
+    pub height: u32,
+}
+
+impl Area {
+    /// The area of one pixel.
+    pub fn pixel(pixel: UVec2) -> Self {
+        Self {
+            x: pixel.x,
+            y: pixel.y,
+            width: 1,
+            height: 1,
+        }
+    }
+
+    /// The number of its pixels.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Whether it has pixels, all of them within a picture of this size.
+    pub fn is_within(&self, width: u32, height: u32) -> bool {
+        let end = |start: u32, length: u32| u64::from(start) + u64::from(length);
+        self.pixels() > 0
+            && end(self.x, self.width) <= u64::from(width)
+            && end(self.y, self.height) <= u64::from(height)
+    }
+
+    /// The pixel with this number, row by row.
+    fn pixel_at(&self, number: u64) -> UVec2 {
+        let width = u64::from(self.width);
+        UVec2::new(self.x + (number % width) as u32, self.y + (number / width) as u32)
+    }
+}
+
+/// The samples of each pixel and how they are split into batches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Batches {
+    /// The number of batches, from 2 to [`BATCHES`].
+    pub count: u32,
+    /// The samples of a pixel in each of them.
+    pub samples: u32,
+}
+
+impl Batches {
+    /// Batches with at least `samples` samples of each pixel in all, and at least [`LEAST_SAMPLES`].
+    pub fn of(samples: u32) -> Self {
+        let samples = samples.max(LEAST_SAMPLES);
+        let count = BATCHES.min(samples / LEAST_OF_BATCH);
+        Self {
+            count,
+            samples: samples.div_ceil(count),
+        }
+    }
+
+    /// The number of samples of each pixel in all batches.
+    pub fn total(&self) -> u64 {
+        u64::from(self.count) * u64::from(self.samples)
+    }
+}
+
+/// The view whose paths are followed: `view` by path tracing, without clamp, guide and layers.
+pub fn followed(view: &View) -> View {
+    View {
+        integrator: Integrator::Path(view.integrator.settings()),
+        shown: Shown::Radiance,
+        guide: None,
+        clamp: None,
+        before: None,
+        layers: Layers::default(),
+        light_groups: LightGroups::default(),
+        ..view.clone()
+    }
+}
+
+/// The view of batch number `batch`, whose random numbers are independent of those of other batches; the first batch has
+/// those of `view`.
+pub fn of_batch(view: &View, batch: u32) -> View {
+    View {
+        seed: view.seed.wrapping_add(batch.wrapping_mul(0x9e37_79b9)),
+        ..view.clone()
+    }
+}
+
+/// Breaks the light of `area` down by its routes. `area` has to be within the picture. Tasks run on the threads of the
+/// current `rayon` pool; the result does not depend on their number. None if cancelled, or if `area` is not within the
+/// picture.
+pub fn break_down(
+    scene: &RenderScene,
+    view: &View,
+    area: Area,
+    batches: Batches,
+    cancel: &AtomicBool,
+) -> Option<Breakdown> {
+    if !area.is_within(view.width, view.height) {
+        return None;
+    }
+    let view = followed(view);
+    let views: Vec<View> = (0..batches.count).map(|batch| of_batch(&view, batch)).collect();
+    let tasks = area.pixels().div_ceil(PIXELS_OF_TASK) * u64::from(batches.count);
+    let mut breakdown = Breakdown::new(area, batches, scene.lights.len());
+    for first_task in (0..tasks).step_by(TASKS_AT_ONCE) {
+        let last_task = tasks.min(first_task + TASKS_AT_ONCE as u64);
+        let trace = |task: u64| {
+            let batch = (task % u64::from(batches.count)) as usize;
+            let first = task / u64::from(batches.count) * PIXELS_OF_TASK;
+            let last = area.pixels().min(first + PIXELS_OF_TASK);
+            let account = trace_pixels(scene, &views[batch], area, first..last, batches.samples, cancel);
+            account.map(|account| (batch, account))
+        };
+        let accounts: Vec<Option<(usize, Account)>> = (first_task..last_task).into_par_iter().map(trace).collect();
+        // Sums of floats depend on their order, which is that of the tasks.
+        for account in accounts {
+            let (batch, account) = account?;
+            breakdown.add(batch, account);
+        }
+    }
+    Some(breakdown)
+}
+
+/// The account of pixels of `area` with these numbers.
+fn trace_pixels(
+    scene: &RenderScene,
+    view: &View,
+    area: Area,
+    pixels: Range<u64>,
+    samples: u32,
+    cancel: &AtomicBool,
+) -> Option<Account> {
+    let mut account = Account::default();
+    let mut found = Vec::new();
+    for number in pixels {
+        let mut of_pixel: BTreeMap<Route, Entry> = BTreeMap::new();
+        let mut whole = 0.0;
+        for sample in 0..samples {
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            for path in record_paths(scene, view, area.pixel_at(number), sample..sample + 1) {
+                weighted_contributions(scene, &path, &mut found);
+                let brightness: f64 = found.iter().map(|(_, light)| brightness(*light)).sum();
+                whole += brightness;
+                for (route, light) in &found {
+                    of_pixel.entry(*route).or_default().add(*light, brightness);
+                }
+            }
+        }
+        account.add_pixel(of_pixel, whole, samples);
+    }
+    Some(account)
+}
+
+/// The contributions of a path to its pixel, which the filter weighs; values that are not finite are left out, as in the
+/// picture.
+fn weighted_contributions(scene: &RenderScene, path: &RecordedPath, found: &mut Vec<(Route, DVec3)>) {
+    found.clear();
+    if path.radiance.is_finite() {
+        let all = contributions(scene, path).into_iter();
+        let weight = f64::from(path.filter_weight);
+        found.extend(all.map(|found| (found.route, found.light.as_dvec3() * weight)));
+    }
+}
+
+/// The luminance of a linear colour.
+fn brightness(light: DVec3) -> f64 {
+    f64::from(luminance(light.as_vec3()))
+}
