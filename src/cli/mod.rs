@@ -31,6 +31,7 @@ mod sequence;
 mod share;
 mod stats;
 mod submit;
+mod why;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -73,6 +74,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Measure how much a picture differs from another
     Diff(Box<diff::DiffArgs>),
+    /// Say where the light of a place in the picture comes from, or where the light of a lamp goes
+    Why(Box<why::WhyArgs>),
     /// Measure how fast this machine and this version are
     Bench(bench::BenchArgs),
     /// Print the completions of a shell
@@ -112,6 +115,7 @@ pub fn run() -> ExitCode {
         Some(Command::Check(args)) => Ok(check::run(&args)),
         Some(Command::Convert(args)) => convert::run(&args),
         Some(Command::Diff(args)) => diff::run(&args),
+        Some(Command::Why(args)) => why::run(&args),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Completions(args)) => generate::completions(Cli::command(), &args),
         Some(Command::Man(args)) => generate::man(Cli::command(), &args),

@@ -5,6 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 use std::time::Duration;
 
+use bevy::math::UVec2;
 use sunroom::document::value::parse_noise;
 use sunroom::layer::Layers;
 use sunroom::photometry::exposure;
@@ -69,6 +70,13 @@ pub fn crop(text: &str) -> Result<Crop, String> {
         Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
         _ => Err("expected X,Y,WIDTH,HEIGHT in pixels".to_owned()),
     }
+}
+
+/// `320,240`, a pixel
+pub fn pixel(text: &str) -> Result<UVec2, String> {
+    let place = text.split_once(',');
+    let place = place.and_then(|(x, y)| Some(UVec2::new(x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    place.ok_or_else(|| "expected X,Y in pixels".to_owned())
 }
 
 /// `4x2`, columns and rows

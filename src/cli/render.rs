@@ -19,7 +19,7 @@ use sunroom::layer::{Layer, Layers};
 use sunroom::scene::{IntegratorSettings, KeepSource, SamplerSettings, SceneFile};
 
 pub use self::args::RenderArgs;
-pub use self::overrides::apply_overrides;
+pub use self::overrides::{apply_overrides, choose_camera, set_size};
 
 use self::picture::{Picture, file_options};
 use self::rendering::samples_of_film;

@@ -333,6 +333,7 @@ impl Extracted {
             entity_of_instance: self.entity_of_instance.clone(),
             material_of_entity: self.material_of_entity.clone(),
             medium_of_entity: self.packed_media.ids.clone(),
+            lamps: self.lamps.clone(),
             view: self.view.clone(),
         }
     }

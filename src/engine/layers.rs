@@ -165,7 +165,7 @@ pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
 }
 
 /// The entity's name in the scene, or its kind and its index in the file.
-fn name_of(world: &World, entity: Entity, kind: &str) -> String {
+pub(super) fn name_of(world: &World, entity: Entity, kind: &str) -> String {
     let name = || Some(world.get::<Name>(entity)?.to_string());
     let id = world.get::<SceneId>(entity).map(|id| id.0.to_string());
     let order = || world.get::<DocumentOrder>(entity).map_or(0, |order| order.0);

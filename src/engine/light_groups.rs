@@ -17,8 +17,10 @@ pub struct LightGroup {
 
 /// The lights of a scene by [`LightId`], and the entity of each.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Lamps {
+pub struct Lamps {
+    /// The entity that each light belongs to.
     pub owners: Vec<Entity>,
+    /// The sources of the lights.
     pub sources: Vec<WeightedSource>,
 }
 
@@ -31,7 +33,7 @@ pub(super) struct LayerLamps<'a> {
 
 impl Lamps {
     /// The lights of each layer of a film. Without groups there is one layer of all lights.
-    pub fn by_layer(&self, groups: &LightGroups) -> Vec<LayerLamps<'_>> {
+    pub(super) fn by_layer(&self, groups: &LightGroups) -> Vec<LayerLamps<'_>> {
         let mut layers: Vec<LayerLamps> = Vec::new();
         layers.resize_with(groups.count().max(1), LayerLamps::default);
         for (light, (&owner, source)) in (0..).zip(self.owners.iter().zip(&self.sources)) {

@@ -27,6 +27,7 @@ mod light_measures;
 mod pack;
 pub mod packed_scene;
 mod priority;
+pub mod reasons;
 mod renderer;
 mod report;
 mod resolution;
@@ -50,7 +51,7 @@ pub use control::{ClosedGate, Filling, Framing, Gate, InputStamp, RenderControl,
 pub(crate) use deferred_drop::DeferredDrop;
 pub use film::RenderFilm;
 pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};
-pub use light_groups::LightGroup;
+pub use light_groups::{Lamps, LightGroup};
 pub use light_measures::{MeasureOf, measures_of_area_light, measures_of_emitter, own_flux};
 pub(crate) use pack::material::pack_loose;
 pub(crate) use pack::medium::pack_medium_without_files;

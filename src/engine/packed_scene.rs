@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
+use super::light_groups::Lamps;
 use crate::material::MaterialId;
 use crate::medium::MediumId;
 use crate::render::borders;
@@ -22,6 +23,8 @@ pub struct PackedScene {
     pub material_of_entity: Arc<EntityHashMap<MaterialId>>,
     /// The index in `scene.media` of each medium; none if the integrator leaves media out.
     pub medium_of_entity: Arc<EntityHashMap<MediumId>>,
+    /// The lights of the scene, with the entity of each.
+    pub lamps: Arc<Lamps>,
     /// The view; None before the first camera.
     pub view: Option<View>,
 }

@@ -1066,7 +1066,7 @@ fn help(command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "",
     "edit",
     "render",
@@ -1076,6 +1076,7 @@ const COMMANDS: [&str; 13] = [
     "check",
     "convert",
     "diff",
+    "why",
     "bench",
     "bench rays",
     "completions",

@@ -21,4 +21,5 @@ mod shares;
 mod submit;
 mod submit_bake;
 mod volumes;
+mod why;
 mod workshop;

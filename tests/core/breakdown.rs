@@ -10,7 +10,8 @@ use sunroom::color::{Rgb, luminance};
 use sunroom::light::{LightId, LightSource};
 use sunroom::material::{Material, MaterialId};
 use sunroom::render::breakdown::{
-    Area, Batches, Breakdown, Kind, Portion, Route, Source, Trouble, Way, break_down, destinations, followed, of_batch,
+    Area, Batches, Breakdown, Kind, Portion, Route, Source, Trouble, Way, break_down, contributions, destinations,
+    followed, of_batch,
 };
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::scene::RenderScene;
@@ -477,4 +478,28 @@ fn all_light_stays_in_a_closed_room() {
     let received = emitted * (1.0 - lamp.share) / (1.0 - albedo);
     assert!((walls.received - received).abs() < most, "{walls:?} {received}");
     assert!(lamp.share > 3.0 * lamp.share_error, "{lamp:?}");
+}
+
+#[test]
+fn examples_of_a_group_are_paths_with_its_light() {
+    let (scene, look) = everything(true);
+    let found = broken_down(&scene, &look, WHOLE, 64);
+    let lamp = Source::Light(LightId(0));
+    let is_of_group = |route: &Route| route.source == lamp && route.kind == Kind::Glass;
+    let paths = found.example_paths(&scene, &look, is_of_group, 5);
+    assert_eq!(paths.len(), 5);
+    for path in &paths {
+        let all = contributions(&scene, path);
+        assert!(all.iter().any(|found| is_of_group(&found.route)), "{path:?}");
+    }
+    let none = found.example_paths(&scene, &look, |route| route.bounces > 100, 5);
+    assert!(none.is_empty());
+    let pixels = WHOLE.spread(16);
+    assert!(pixels.len() > 12, "{pixels:?}");
+    // Every quarter has some.
+    for corner in [[0, 0], [4, 0], [0, 4], [4, 4]].map(UVec2::from_array) {
+        let is_there = |pixel: &&UVec2| pixel.cmpge(corner).all() && pixel.cmplt(corner + 4).all();
+        assert!(pixels.iter().filter(is_there).count() > 1, "{pixels:?}");
+    }
+    assert_eq!(Area::pixel(UVec2::new(3, 4)).spread(8), [UVec2::new(3, 4)]);
 }

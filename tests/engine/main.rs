@@ -13,6 +13,7 @@ mod guide;
 mod large;
 mod light_mixing;
 mod noise;
+mod reasons;
 mod rebuilding;
 mod relighting;
 mod stopping;

@@ -47,15 +47,23 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
         // The given limit replaces both limits of the file.
         world.resource_mut::<RenderControl>().noise_target = Some(0.0);
     }
-    if let Some(camera) = &args.camera {
+    choose_camera(world, args.camera.as_deref())?;
+    set_size(world, args.size, [args.width, args.height])
+}
+
+/// Chooses the camera of this name or index; None keeps the first.
+pub fn choose_camera(world: &mut World, camera: Option<&str>) -> Result<(), Failure> {
+    if let Some(camera) = camera {
         let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
         world.insert_resource(ActiveSensor(Some(camera)));
     }
+    Ok(())
+}
+
+/// Sets the size of the picture: both sides, or one of which the other follows; without any it stays.
+pub fn set_size(world: &mut World, size: Option<(u32, u32)>, sides: [Option<u32>; 2]) -> Result<(), Failure> {
     let window = active_film(world).map(SensorFilm::window);
-    let sides = match args.size {
-        Some((width, height)) => [Some(width), Some(height)],
-        None => [args.width, args.height],
-    };
+    let sides = size.map_or(sides, |(width, height)| [Some(width), Some(height)]);
     if let Some(Crop { width, height, .. }) = window
         && sides != [None; 2]
     {

@@ -137,6 +137,7 @@ pub(crate) fn follow_side_views(
             entity_of_instance: packed.entity_of_instance.clone(),
             material_of_entity: packed.material_of_entity.clone(),
             medium_of_entity: packed.medium_of_entity.clone(),
+            lamps: packed.lamps.clone(),
         };
     }
     let wanted = sides.scenes.each_ref().map(|own| own.packed.view.as_ref());

@@ -2,34 +2,55 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DVec3, UVec2};
 
-use super::{Area, Batches, Route, Way, brightness};
+use super::{Area, Batches, Route, Way, brightness, followed, of_batch};
 use crate::color::Rgb;
+use crate::render::inspect::{RecordedPath, record_paths};
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
 
 /// The most routes that are told apart. Light on further ones counts as [`Way::Other`].
 const MOST_ROUTES: usize = 1 << 16;
 
+/// The paths of a route that are kept as examples.
+const EXAMPLES: usize = 8;
+
+/// A path, by what it takes to trace it again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PathId {
+    pub pixel: UVec2,
+    pub batch: u32,
+    pub sample: u32,
+}
+
 /// The light of one route in some samples of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     light: DVec3,
+    /// The first samples with light of the route.
+    samples: Vec<u32>,
     /// The sum of the products of its luminance with that of all light of the sample.
     products: f64,
 }
 
 impl Entry {
-    /// Adds `light` of a sample that has the luminance `whole`.
-    pub fn add(&mut self, light: DVec3, whole: f64) {
+    /// Adds `light` of sample number `sample`, which has the luminance `whole`.
+    pub fn add(&mut self, light: DVec3, sample: u32, whole: f64) {
+        // A path may find light of a route several times.
+        if self.samples.len() < EXAMPLES && self.samples.last() != Some(&sample) {
+            self.samples.push(sample);
+        }
         self.light += light;
         self.products += brightness(light) * whole;
     }
 }
 
 /// The light of one route in some samples of several pixels.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Tally {
     light: DVec3,
+    examples: Vec<(UVec2, u32)>,
     /// The sum of the products of deviations: of its luminance, and of the luminance of all light, from the means of
     /// their pixel.
     noise: f64,
@@ -43,9 +64,12 @@ pub(super) struct Account {
 
 impl Account {
     /// Adds a pixel, of which `samples` samples have the luminance `whole` in sum.
-    pub fn add_pixel(&mut self, routes: BTreeMap<Route, Entry>, whole: f64, samples: u32) {
+    pub fn add_pixel(&mut self, pixel: UVec2, routes: BTreeMap<Route, Entry>, whole: f64, samples: u32) {
         for (route, entry) in routes {
             let tally = place(&mut self.tallies, route);
+            let room = EXAMPLES.saturating_sub(tally.examples.len());
+            let examples = entry.samples.iter().take(room);
+            tally.examples.extend(examples.map(|&sample| (pixel, sample)));
             tally.light += entry.light;
             tally.noise += entry.products - brightness(entry.light) * whole / f64::from(samples);
         }
@@ -71,6 +95,7 @@ struct Total {
     /// The sum of each batch; batches beyond the end have none.
     batches: Vec<DVec3>,
     noise: f64,
+    examples: Vec<PathId>,
 }
 
 /// The light of an area by its routes.
@@ -124,7 +149,39 @@ impl Breakdown {
             }
             total.batches[batch] += tally.light;
             total.noise += tally.noise;
+            let room = EXAMPLES.saturating_sub(total.examples.len());
+            let examples = tally.examples.into_iter().take(room);
+            total.examples.extend(examples.map(|(pixel, sample)| PathId {
+                pixel,
+                batch: batch as u32,
+                sample,
+            }));
         }
+    }
+
+    /// At most `most` of the paths that have found light on routes of a group, with few of each route. `scene` and `view`
+    /// are those that were broken down.
+    pub fn example_paths(
+        &self,
+        scene: &RenderScene,
+        view: &View,
+        is_of_group: impl Fn(&Route) -> bool,
+        most: usize,
+    ) -> Vec<RecordedPath> {
+        let totals = self.totals.iter().filter(|(route, _)| is_of_group(route));
+        let mut ids: Vec<PathId> = Vec::new();
+        for id in totals.flat_map(|(_, total)| &total.examples) {
+            // A path may have found light on several routes of the group.
+            if ids.len() < most && !ids.contains(id) {
+                ids.push(*id);
+            }
+        }
+        let view = followed(view);
+        let paths = ids.into_iter().flat_map(|id| {
+            let view = of_batch(&view, id.batch);
+            record_paths(scene, &view, id.pixel, id.sample..id.sample + 1)
+        });
+        paths.collect()
     }
 
     /// The mean radiance of the area's pixels, linear Rec. 709, with the standard error of its luminance.

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{DVec3, UVec2};
+use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 pub use self::account::{Breakdown, Portion};
@@ -81,6 +81,18 @@ impl Area {
         self.pixels() > 0
             && end(self.x, self.width) <= u64::from(width)
             && end(self.y, self.height) <= u64::from(height)
+    }
+
+    /// At most `count` of its pixels, spread over it evenly by the sequence R2 (Roberts, The unreasonable effectiveness of
+    /// quasirandom sequences, 2018), row by row.
+    pub fn spread(&self, count: u32) -> Vec<UVec2> {
+        let size = DVec2::new(self.width.into(), self.height.into());
+        let place = |index: u32| (0.5 + f64::from(index) * DVec2::new(0.754_877_666_2, 0.569_840_290_9)).fract();
+        let pixel = |index| UVec2::new(self.x, self.y) + (place(index) * size).as_uvec2();
+        let mut pixels: Vec<UVec2> = (0..count).map(pixel).collect();
+        pixels.sort_by_key(|pixel| (pixel.y, pixel.x));
+        pixels.dedup();
+        pixels
     }
 
     /// The pixel with this number, row by row.
@@ -187,22 +199,23 @@ fn trace_pixels(
     let mut account = Account::default();
     let mut found = Vec::new();
     for number in pixels {
+        let pixel = area.pixel_at(number);
         let mut of_pixel: BTreeMap<Route, Entry> = BTreeMap::new();
         let mut whole = 0.0;
         for sample in 0..samples {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            for path in record_paths(scene, view, area.pixel_at(number), sample..sample + 1) {
+            for path in record_paths(scene, view, pixel, sample..sample + 1) {
                 weighted_contributions(scene, &path, &mut found);
                 let brightness: f64 = found.iter().map(|(_, light)| brightness(*light)).sum();
                 whole += brightness;
                 for (route, light) in &found {
-                    of_pixel.entry(*route).or_default().add(*light, brightness);
+                    of_pixel.entry(*route).or_default().add(*light, sample, brightness);
                 }
             }
         }
-        account.add_pixel(of_pixel, whole, samples);
+        account.add_pixel(pixel, of_pixel, whole, samples);
     }
     Some(account)
 }

@@ -1,0 +1,169 @@
+//! The light of an area in sentences, and as JSON.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use sunroom::engine::reasons::{Group, Grouping, percent, thing_name};
+use sunroom::photometry::units::Nit;
+use sunroom::render::breakdown::{Breakdown, Portion};
+
+use super::Question;
+use crate::cli::report::counted;
+
+/// The light of an area of the picture. Radiances are in W/(m^2 sr) of linear Rec. 709, luminances their Y; shares and
+/// noise are parts of the whole.
+#[derive(Serialize)]
+pub struct Report {
+    scene: PathBuf,
+    width: u32,
+    height: u32,
+    /// Left, top, width and height in pixels.
+    area: [u32; 4],
+    spp: u64,
+    seed: u32,
+    radiance: [f32; 3],
+    luminance: f32,
+    error: f32,
+    groupings: Vec<Grouped>,
+    noise: Vec<Cause>,
+}
+
+/// The light in one grouping, the brightest group first.
+#[derive(Serialize)]
+struct Grouped {
+    grouping: &'static str,
+    groups: Vec<Part>,
+}
+
+#[derive(Serialize)]
+struct Part {
+    text: String,
+    /// The names of the things in the text.
+    things: Vec<String>,
+    radiance: [f32; 3],
+    luminance: f32,
+    error: f32,
+    share: f32,
+    share_error: f32,
+    noise: f32,
+}
+
+/// A reason of the noise, with the method that helps.
+#[derive(Serialize)]
+struct Cause {
+    cause: &'static str,
+    text: &'static str,
+    share: f32,
+    remedy: &'static str,
+}
+
+/// Groups with a smaller share are left out of the text.
+const LEAST_SHARE: f32 = 0.002;
+/// The most groups of a grouping in the text.
+const MOST_GROUPS: usize = 12;
+
+impl Report {
+    pub fn new(of: &Question, breakdown: &Breakdown) -> Self {
+        let name = |entity| thing_name(of.world, entity);
+        let part = |portion: Portion<Group>| Part {
+            text: portion.key.text(&name),
+            things: portion.key.things().into_iter().map(name).collect(),
+            radiance: portion.light.to_array(),
+            luminance: portion.luminance,
+            error: portion.error,
+            share: portion.share,
+            share_error: portion.share_error,
+            noise: portion.noise,
+        };
+        let grouped = |grouping: Grouping| Grouped {
+            grouping: grouping.name(),
+            groups: of.things.portions(breakdown, grouping).into_iter().map(part).collect(),
+        };
+        let value = breakdown.value();
+        let area = breakdown.area;
+        Self {
+            scene: of.args.scene.scene.clone(),
+            width: of.view.width,
+            height: of.view.height,
+            area: [area.x, area.y, area.width, area.height],
+            spp: breakdown.batches.total(),
+            seed: of.view.seed,
+            radiance: value.light.to_array(),
+            luminance: value.luminance,
+            error: value.error,
+            groupings: Grouping::ALL.map(grouped).into(),
+            noise: (breakdown.advice().iter())
+                .map(|advice| Cause {
+                    cause: advice.trouble.name(),
+                    text: advice.trouble.label(),
+                    share: advice.noise,
+                    remedy: advice.trouble.remedy(),
+                })
+                .collect(),
+        }
+    }
+
+    pub fn text(&self) -> String {
+        let [x, y, width, height] = self.area;
+        let place = match (width, height) {
+            (1, 1) => format!("Pixel {x}, {y}"),
+            _ => format!("{width} x {height} pixels from {x}, {y} on"),
+        };
+        let [r, g, b] = self.radiance;
+        let watts = |value: f32| Nit::of_watts(f64::from(value));
+        let mut lines = vec![format!(
+            "{place}: radiance {r:.4} {g:.4} {b:.4}, {}, by {}",
+            watts(self.luminance).with_error(watts(self.error).0),
+            counted(self.spp, "sample") + if width * height > 1 { " per pixel" } else { "" },
+        )];
+        if self.luminance == 0.0 {
+            lines.push("No light was found.".to_owned());
+        }
+        for grouped in self.groupings.iter().filter(|_| self.luminance != 0.0) {
+            let label = Grouping::of_name(grouped.grouping).map_or("", Grouping::label);
+            lines.extend([String::new(), format!("{label}:")]);
+            lines.extend(grouped.lines());
+        }
+        if !self.noise.is_empty() {
+            lines.extend([String::new(), "The noise is made of:".to_owned()]);
+        }
+        for cause in &self.noise {
+            lines.push(format!(
+                "{:>5.0} %  {}. {}",
+                100.0 * cause.share,
+                cause.text,
+                cause.remedy
+            ));
+        }
+        lines.join("\n") + "\n"
+    }
+}
+
+impl Grouped {
+    fn lines(&self) -> Vec<String> {
+        let is_told = |part: &&Part| part.share.abs() >= LEAST_SHARE;
+        let told: Vec<&Part> = self.groups.iter().filter(is_told).take(MOST_GROUPS).collect();
+        let mut lines: Vec<String> = told.iter().map(|part| part.line()).collect();
+        let rest = self.groups.len() - told.len();
+        if rest > 0 {
+            let share: f32 = told.iter().map(|part| part.share).sum();
+            lines.push(format!(
+                "{:>14}  {}",
+                rest_percent(1.0 - share),
+                counted(rest, "smaller group")
+            ));
+        }
+        lines
+    }
+}
+
+impl Part {
+    fn line(&self) -> String {
+        format!("{:>16}  {}", percent(self.share, self.share_error), self.text)
+    }
+}
+
+/// The sum of small shares in percent.
+pub fn rest_percent(share: f32) -> String {
+    format!("{:.1} %", 100.0 * share)
+}

@@ -1,0 +1,304 @@
+//! The light of an area of the picture by the things of the scene: which lamp, by way of what, and in which words.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::layers::name_of;
+use super::light_groups::Lamps;
+use super::packed_scene::PackedScene;
+use crate::light::{LightId, LightTable};
+use crate::medium::MediumId;
+use crate::render::breakdown::{Breakdown, Kind, Portion, Route, Source, Way};
+use crate::render::scene::RenderScene;
+
+/// An emitter of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Lamp {
+    /// A light, a shape or a medium that shines; of an emitter that is sky and sun, the sky.
+    Thing(Entity),
+    /// The sun of an emitter that is sky and sun.
+    Sun(Entity),
+    /// An emitter that is no longer in the scene.
+    Unknown,
+}
+
+/// The last thing from which light has come to the place that is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Via {
+    /// The lamp itself is in view.
+    View,
+    /// The light has come straight from the lamp.
+    Straight,
+    /// The light has come straight through this thing, a pane for example.
+    Pane(Entity),
+    /// This thing has reflected or scattered it.
+    Thing(Entity),
+    /// It has gone through this thing, and was scattered there.
+    Through(Entity),
+    /// One of very many things, or one that is no longer in the scene.
+    Other,
+}
+
+declare_names! {
+    /// A grouping of light.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Grouping {
+        /// By lamp and last thing.
+        #[default]
+        Route = "route" => "Lamp and way",
+        /// By lamp.
+        Lamp = "lamp" => "Lamp",
+        /// By the last thing from which it has come.
+        Way = "way" => "Last thing",
+        /// By the number of bounces.
+        Bounces = "bounces" => "Bounces",
+        /// By the kind of scattering.
+        Kind = "kind" => "Kind",
+    }
+}
+
+/// A group of light in one of the groupings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Group {
+    /// Of [`Grouping::Route`].
+    Route(Lamp, Via),
+    /// Of [`Grouping::Lamp`].
+    Lamp(Lamp),
+    /// Of [`Grouping::Way`].
+    Way(Via),
+    /// Of [`Grouping::Bounces`]; the last one of [`MOST_BOUNCES`] has all longer routes.
+    Bounces(u32),
+    /// Of [`Grouping::Kind`].
+    Kind(Kind),
+}
+
+/// The most bounces that are told apart.
+pub const MOST_BOUNCES: u32 = 8;
+
+/// The entities behind the ids of a packed scene.
+#[derive(Clone, Debug, Default)]
+pub struct Things {
+    instances: Arc<[Entity]>,
+    lamps: Arc<Lamps>,
+    media: HashMap<MediumId, Entity>,
+}
+
+impl Things {
+    /// The things of a packed scene.
+    pub fn of(packed: &PackedScene) -> Self {
+        let media = packed.medium_of_entity.iter();
+        Self {
+            instances: packed.entity_of_instance.clone(),
+            lamps: packed.lamps.clone(),
+            media: media.map(|(&entity, &id)| (id, entity)).collect(),
+        }
+    }
+
+    /// The entity of an instance, as [`crate::accel::Hit::instance`] counts them.
+    pub fn instance(&self, instance: u32) -> Option<Entity> {
+        self.instances.get(instance as usize).copied()
+    }
+
+    fn lamp(&self, source: Source) -> Lamp {
+        let owner = |light: LightId| self.lamps.owners.get(light.0 as usize).copied();
+        let found = match source {
+            Source::Light(light) => owner(light).map(Lamp::Thing),
+            Source::Sun(light) => owner(light).map(Lamp::Sun),
+            Source::Medium(medium) => self.media.get(&medium).copied().map(Lamp::Thing),
+        };
+        found.unwrap_or(Lamp::Unknown)
+    }
+
+    fn via(&self, route: &Route) -> Via {
+        let found = match route.way {
+            Way::Straight { .. } if route.bounces == 0 => Some(Via::View),
+            Way::Straight { through: None } => Some(Via::Straight),
+            Way::Straight { through: Some(pane) } => self.instance(pane).map(Via::Pane),
+            Way::Surface { instance, is_through } => self.instance(instance).map(match is_through {
+                true => Via::Through,
+                false => Via::Thing,
+            }),
+            Way::Medium(medium) => self.media.get(&medium).copied().map(Via::Thing),
+            Way::Other => None,
+        };
+        found.unwrap_or(Via::Other)
+    }
+
+    /// The group of a route.
+    pub fn group(&self, grouping: Grouping, route: &Route) -> Group {
+        match grouping {
+            Grouping::Route => Group::Route(self.lamp(route.source), self.via(route)),
+            Grouping::Lamp => Group::Lamp(self.lamp(route.source)),
+            Grouping::Way => Group::Way(self.via(route)),
+            Grouping::Bounces => Group::Bounces(route.bounces.min(MOST_BOUNCES)),
+            Grouping::Kind => Group::Kind(route.kind),
+        }
+    }
+
+    /// Whether the light of a route is in this group.
+    pub fn has(&self, group: Group, route: &Route) -> bool {
+        self.group(group.grouping(), route) == group
+    }
+
+    /// The light by groups, the brightest first.
+    pub fn portions(&self, breakdown: &Breakdown, grouping: Grouping) -> Vec<Portion<Group>> {
+        breakdown.portions(|route| Some(self.group(grouping, route)))
+    }
+
+    /// `scene` with the light of the lamps of `owner` alone; None if it has none. The emitting shapes keep the ids of
+    /// their lights, which are of no meaning there: only paths from the lights can be traced.
+    pub fn lit_by(&self, scene: &RenderScene, owner: Entity) -> Option<RenderScene> {
+        let all = self.lamps.owners.iter().zip(&self.lamps.sources);
+        let own: Vec<_> = all
+            .filter(|(one, _)| **one == owner)
+            .map(|(_, source)| source.clone())
+            .collect();
+        if own.is_empty() {
+            return None;
+        }
+        let lights = LightTable::build(&own, &scene.geometry, &scene.textures);
+        Some(RenderScene {
+            reach: lights.reach(&scene.geometry),
+            lights: Arc::new(lights),
+            ..scene.clone()
+        })
+    }
+
+    /// The entities that shine.
+    pub fn shining(&self) -> &[Entity] {
+        &self.lamps.owners
+    }
+}
+
+impl Group {
+    /// The grouping that it is a group of.
+    pub fn grouping(self) -> Grouping {
+        match self {
+            Self::Route(..) => Grouping::Route,
+            Self::Lamp(_) => Grouping::Lamp,
+            Self::Way(_) => Grouping::Way,
+            Self::Bounces(_) => Grouping::Bounces,
+            Self::Kind(_) => Grouping::Kind,
+        }
+    }
+
+    /// The things that its sentence names, in their order there.
+    pub fn things(self) -> Vec<Entity> {
+        let (lamp, via) = match self {
+            Self::Route(lamp, via) => (Some(lamp), Some(via)),
+            Self::Lamp(lamp) => (Some(lamp), None),
+            Self::Way(via) => (None, Some(via)),
+            Self::Bounces(_) | Self::Kind(_) => (None, None),
+        };
+        let lamp = lamp.and_then(|lamp| match lamp {
+            Lamp::Thing(entity) | Lamp::Sun(entity) => Some(entity),
+            Lamp::Unknown => None,
+        });
+        let via = via.and_then(|via| match via {
+            Via::Pane(entity) | Via::Thing(entity) | Via::Through(entity) => Some(entity),
+            Via::View | Via::Straight | Via::Other => None,
+        });
+        lamp.into_iter().chain(via).collect()
+    }
+
+    /// The group in words, such as `desk lamp by way of the wall`. `name` gives the name of a thing.
+    pub fn text(self, name: &impl Fn(Entity) -> String) -> String {
+        let words: Vec<String> = self.words(name).into_iter().map(|(word, _)| word).collect();
+        words.join(" ")
+    }
+
+    /// The words of [`Self::text`] in pieces, with the thing that a piece names.
+    pub fn words(self, name: &impl Fn(Entity) -> String) -> Vec<(String, Option<Entity>)> {
+        let plain = |text: &str| (text.to_owned(), None);
+        let link = |entity| (name(entity), Some(entity));
+        let of_lamp = |lamp| match lamp {
+            Lamp::Thing(entity) => vec![link(entity)],
+            Lamp::Sun(entity) => vec![plain("sun of"), link(entity)],
+            Lamp::Unknown => vec![plain("a lamp that is gone")],
+        };
+        let of_via = |via| match via {
+            Via::View => vec![plain("in view")],
+            Via::Straight => vec![plain("directly")],
+            Via::Pane(entity) | Via::Through(entity) => vec![plain("through"), link(entity)],
+            Via::Thing(entity) => vec![plain("by way of"), link(entity)],
+            Via::Other => vec![plain("by way of other things")],
+        };
+        match self {
+            Self::Route(lamp, via) => [of_lamp(lamp), of_via(via)].concat(),
+            Self::Lamp(lamp) => of_lamp(lamp),
+            Self::Way(via) => of_via(via),
+            Self::Bounces(0) => vec![plain("in view, without a bounce")],
+            Self::Bounces(1) => vec![plain("1 bounce")],
+            Self::Bounces(MOST_BOUNCES) => vec![plain(&format!("{MOST_BOUNCES} bounces and more"))],
+            Self::Bounces(count) => vec![plain(&format!("{count} bounces"))],
+            Self::Kind(kind) => vec![plain(kind.label())],
+        }
+    }
+}
+
+/// The name of a thing in reports: its id or its name, or else its kind and its index in the file.
+pub fn thing_name(world: &World, entity: Entity) -> String {
+    name_of(world, entity, "thing")
+}
+
+/// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is rounded
+/// up; none is written if it is 0.
+pub fn percent(share: f32, error: f32) -> String {
+    let [share, error] = [share, error].map(|part| 100.0 * f64::from(part));
+    match error {
+        0.0 => format!("{share:.1} %"),
+        1.0.. => format!("{share:.0} ± {:.0} %", error.ceil()),
+        _ => format!("{share:.1} ± {:.1} %", (10.0 * error).ceil() / 10.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_have_the_digits_of_their_errors() {
+        for (share, error, text) in [
+            (1.0, 0.0, "100.0 %"),
+            (0.4123, 0.0161, "41 ± 2 %"),
+            (0.4123, 0.0042, "41.2 ± 0.5 %"),
+            (0.0601, 0.0001, "6.0 ± 0.1 %"),
+            (-0.001, 0.02, "-0 ± 2 %"),
+        ] {
+            assert_eq!(percent(share, error), text);
+        }
+    }
+
+    #[test]
+    fn groups_have_sentences_with_the_things_in_them() {
+        let mut world = World::new();
+        let [lamp, wall] = [world.spawn_empty().id(), world.spawn_empty().id()];
+        let name = |entity| if entity == lamp { "desk lamp" } else { "red wall" }.to_owned();
+        for (group, text, things) in [
+            (
+                Group::Route(Lamp::Thing(lamp), Via::Thing(wall)),
+                "desk lamp by way of red wall",
+                &[lamp, wall][..],
+            ),
+            (
+                Group::Route(Lamp::Sun(lamp), Via::Straight),
+                "sun of desk lamp directly",
+                &[lamp],
+            ),
+            (
+                Group::Route(Lamp::Unknown, Via::View),
+                "a lamp that is gone in view",
+                &[],
+            ),
+            (Group::Way(Via::Pane(wall)), "through red wall", &[wall]),
+            (Group::Bounces(1), "1 bounce", &[]),
+            (Group::Bounces(MOST_BOUNCES), "8 bounces and more", &[]),
+            (Group::Kind(Kind::Glass), "glass", &[]),
+        ] {
+            assert_eq!(group.text(&name), text);
+            assert_eq!(group.things(), things);
+        }
+    }
+}
