@@ -46,6 +46,7 @@ mod clamp;
 mod curves;
 #[cfg(feature = "denoise")]
 mod denoise;
+mod destinations;
 mod diffuse_lobe;
 mod document;
 mod edited_hierarchy;

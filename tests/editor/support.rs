@@ -99,6 +99,7 @@ impl ViewportContent {
             painting: None,
             things: &self.things,
             packed: &self.packed,
+            reasons: None,
             paths: &self.paths,
             legend: None,
             captions: &[],

@@ -123,6 +123,7 @@ fn order_frame(app: &mut App) {
                 commands::fitting::tell_sizes.run_if(resource_changed::<PackedScene>),
                 model::outline::gather_outline,
                 model::leaks::find_leaks,
+                picture::reasons::follow_reasons,
                 picture::paths::follow_paths,
                 (
                     model::inspection::gather_selection,

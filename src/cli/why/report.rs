@@ -141,17 +141,15 @@ impl Report {
 
 impl Grouped {
     fn lines(&self) -> Vec<String> {
-        let is_told = |part: &&Part| part.share.abs() >= LEAST_SHARE;
-        let told: Vec<&Part> = self.groups.iter().filter(is_told).take(MOST_GROUPS).collect();
+        // The brightest come first.
+        let is_told = |part: &&Part| part.share >= LEAST_SHARE;
+        let told: Vec<&Part> = self.groups.iter().take_while(is_told).take(MOST_GROUPS).collect();
         let mut lines: Vec<String> = told.iter().map(|part| part.line()).collect();
-        let rest = self.groups.len() - told.len();
-        if rest > 0 {
-            let share: f32 = told.iter().map(|part| part.share).sum();
-            lines.push(format!(
-                "{:>14}  {}",
-                rest_percent(1.0 - share),
-                counted(rest, "smaller group")
-            ));
+        let rest = &self.groups[told.len()..];
+        if !rest.is_empty() {
+            let share: f32 = rest.iter().map(|part| part.share).sum();
+            let percent = rest_percent(share);
+            lines.push(format!("{percent:>16}  in {}", counted(rest.len(), "smaller group")));
         }
         lines
     }

@@ -12,6 +12,7 @@ mod media;
 mod menus;
 mod outliner;
 mod picture;
+mod reasons;
 mod render;
 mod subjects;
 mod timeline;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use bevy::math::UVec2;
+use bevy::math::{UVec2, Vec2};
 use bevy_egui::egui::Ui;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -14,6 +14,7 @@ use sunroom::app::editor::command::baking::BakeChoices;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::display::DisplaySettings;
+use sunroom::app::editor::command::inspected_paths::InspectedPaths;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::light_mix::LightMix;
 use sunroom::app::editor::command::presets;
@@ -34,13 +35,17 @@ use sunroom::app::editor::panels::timeline::TimelineState;
 use sunroom::app::editor::picture::baking::thread::BakeNews;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::metering::{ShownMeter, ShownMeters};
+use sunroom::app::editor::picture::paths::PathInspector;
+use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion};
 use sunroom::bake::progress::{Progress, Stage};
 use sunroom::color::Rgb;
 use sunroom::document::{Interpolation, Key, Severity, Track, Value};
+use sunroom::engine::reasons::{Group, Lamp, Via};
 use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::meter::estimate::{Estimate, GridEstimate};
 use sunroom::meter::job::MeterReading;
 use sunroom::meter::sites::MeterLimits;
+use sunroom::render::breakdown::{Advice, Area, Portion, Trouble};
 use sunroom::scene::KeyPath;
 
 use super::panel;
@@ -277,8 +282,82 @@ pub fn messages() -> RgbImage {
 }
 
 pub fn paths() -> RgbImage {
-    let show = |ui: &mut Ui, (): &mut ()| panels::paths::paths(ui, None, UVec2::ZERO, &[], &mut Vec::new());
+    let show = |ui: &mut Ui, (): &mut ()| panels::paths::paths(ui, &PathInspector::default(), None, &mut Vec::new());
     panel([RIGHT, 120], (), show, |_| ())
+}
+
+/// The light of a rectangle, of which the part that came by way of a wall is chosen.
+pub fn reasons() -> RgbImage {
+    let portion = |key, share: f32, noise| Portion {
+        key,
+        light: Rgb::splat(0.2 * share),
+        luminance: 0.2 * share,
+        error: 0.002 * share,
+        share,
+        share_error: 0.03 * share,
+        noise,
+    };
+    let [lamp, wall, sky, window] = [1, 2, 3, 4].map(entity);
+    let by_wall = Group::Route(Lamp::Thing(lamp), Via::Thing(wall));
+    let names = [
+        (lamp, "desk lamp"),
+        (wall, "red wall"),
+        (sky, "sky"),
+        (window, "window-2"),
+    ];
+    let name = |entity| {
+        let known = names.iter().find(|(one, _)| *one == entity);
+        known.map_or("?", |(_, name)| name).to_owned()
+    };
+    let routes = [
+        (by_wall, 0.41, 0.62),
+        (Group::Route(Lamp::Thing(sky), Via::Pane(window)), 0.22, 0.3),
+        (Group::Route(Lamp::Thing(lamp), Via::Straight), 0.21, 0.02),
+        (Group::Route(Lamp::Thing(sky), Via::Thing(wall)), 0.159, 0.06),
+        (Group::Route(Lamp::Sun(sky), Via::Other), 0.001, 0.0),
+    ];
+    let routes = routes.map(|(key, share, noise)| NamedPortion {
+        portion: portion(key, share, noise),
+        words: key.words(&name),
+    });
+    let known = Explanation {
+        value: portion_of_all(),
+        groupings: vec![routes.to_vec()],
+        advice: vec![Advice {
+            trouble: Trouble::Interreflection,
+            noise: 0.68,
+        }],
+        samples: 65_536,
+        is_final: true,
+    };
+    let mut inspector = PathInspector::default();
+    inspector.wanted = Some(InspectedPaths {
+        of: Some(by_wall),
+        ..InspectedPaths::between([Vec2::splat(0.4), Vec2::splat(0.5)])
+    });
+    inspector.area = Some(Area {
+        x: 300,
+        y: 200,
+        width: 64,
+        height: 48,
+    });
+    let given = (Arc::new(inspector), known);
+    let show = |ui: &mut Ui, (inspector, known): &mut (Arc<PathInspector>, Explanation)| {
+        panels::paths::paths(ui, inspector, Some(known), &mut Vec::new());
+    };
+    panel([RIGHT, 400], given, show, |_| ())
+}
+
+fn portion_of_all() -> Portion<()> {
+    Portion {
+        key: (),
+        light: Rgb::splat(0.2),
+        luminance: 0.2,
+        error: 0.002,
+        share: 1.0,
+        share_error: 0.0,
+        noise: 1.0,
+    }
 }
 
 pub fn timeline() -> RgbImage {

@@ -18,7 +18,7 @@ pub enum Tool {
     Focus,
     /// Draws the region of the picture that is rendered.
     Region,
-    /// Shows the paths of the clicked pixel.
+    /// Shows the paths of the clicked pixel or of a rectangle, and where their light comes from.
     Paths,
     /// Measures the distance between two clicked points.
     Ruler,
@@ -51,7 +51,7 @@ impl Tool {
                 Some("Drag the tile: its inside, its squares, its arm. Click another surface to go there (Esc: done)")
             }
             Self::PaintLight => Some("Paint where light is wanted; the panel Render says which (Esc: done)"),
-            Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
+            Self::Paths => Some("Click a pixel, or drag a rectangle, to see where its light comes from (Esc: done)"),
             Self::Draw(BlockKind::Box) => Some(
                 "Drag the foot of a box, or click a corner: on the ground or on a surface (Ctrl: off the grid, Esc: done)",
             ),

@@ -48,6 +48,7 @@ pub mod plain_value;
 mod polar_curve;
 pub mod preferences;
 pub mod projection;
+pub mod reasons;
 pub mod render;
 pub mod section;
 pub mod sensor;

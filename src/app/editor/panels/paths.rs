@@ -1,53 +1,79 @@
 //! The panel of the paths of a pixel: at each vertex the surface hit, the sampled light and the continuation of the
 //! path, with the densities and weights of multiple importance sampling.
 
-use bevy::math::UVec2;
 use bevy_egui::egui::{self, Color32, RichText, Ui};
 
 use super::fields;
+use super::reasons::reasons;
+use super::section::section;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::{Command, ToolCommand};
-use crate::app::editor::picture::paths::NamedPath;
+use crate::app::editor::picture::paths::{NamedPath, PathInspector};
+use crate::app::editor::picture::reasons::Explanation;
 use crate::color::Rgb;
 use crate::material::Lobe;
+use crate::render::breakdown::Area;
 use crate::render::inspect::{RecordedPath, RecordedVertex};
 use crate::render::observer::{MetEmitter, PathEnd};
 use crate::render::tonemap::Display;
 
-/// Shows the paths of the inspected pixel: the choice of one, and each of its vertices.
-pub fn paths(
-    ui: &mut Ui,
-    wanted: Option<InspectedPaths>,
-    pixel: UVec2,
-    paths: &[NamedPath],
-    commands: &mut Vec<Command>,
-) {
+/// Shows why the inspected place is as it is, its paths, and the vertices of the chosen one.
+pub fn paths(ui: &mut Ui, inspector: &PathInspector, known: Option<&Explanation>, commands: &mut Vec<Command>) {
     fields::leave_scroll_bar(ui);
-    let Some(wanted) = wanted else {
+    let Some(wanted) = inspector.wanted else {
         ui.add_space(8.0);
-        ui.weak("Press P and click a pixel: the paths of its light are drawn into the picture and told of here.");
+        ui.weak(
+            "Press P and click a pixel, or drag a rectangle: where its light comes from is told here, and its paths are drawn into the picture.",
+        );
         return;
     };
     let mut edited = wanted;
     ui.horizontal(|ui| {
-        ui.label(format!("Pixel {}, {}", pixel.x, pixel.y));
+        ui.label(match inspector.area {
+            Some(Area {
+                x,
+                y,
+                width: 1,
+                height: 1,
+            }) => format!("Pixel {x}, {y}"),
+            Some(Area { x, y, width, height }) => format!("{width} x {height} pixels from {x}, {y} on"),
+            None => String::new(),
+        });
         if ui.button("Close").on_hover_text("Stop drawing paths (Esc)").clicked() {
             commands.push(ToolCommand::InspectPaths(None).into());
         }
     });
+    section(ui, "Why is it like this?", |ui| {
+        reasons(ui, known, &mut edited, commands)
+    });
+    section(ui, "Paths", |ui| path_rows(ui, inspector, &mut edited));
+    if edited != wanted {
+        commands.push(ToolCommand::InspectPaths(Some(edited)).into());
+    }
+}
+
+/// Shows the choice of a path, and each of its vertices.
+fn path_rows(ui: &mut Ui, inspector: &PathInspector, edited: &mut InspectedPaths) {
+    let wanted = *edited;
+    let paths = &inspector.paths;
+    if let Some(all) = wanted.of.and(Some("Show all paths")) {
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("Paths of the chosen light only.");
+            if ui.button(all).clicked() {
+                edited.of = None;
+            }
+        });
+    }
     fields::integer_slider(ui, "Paths", &mut edited.count, 1..=InspectedPaths::MOST, true);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(3.0, 3.0);
-        for (index, path) in (0..).zip(paths) {
+        for (index, path) in (0..).zip(paths.iter()) {
             if swatch(ui, path, index == wanted.chosen) {
                 edited.chosen = index;
             }
         }
     });
     edited.chosen = edited.chosen.min(edited.count.saturating_sub(1));
-    if edited != wanted {
-        commands.push(ToolCommand::InspectPaths(Some(edited)).into());
-    }
     let Some(NamedPath { path, names }) = paths.get(wanted.chosen as usize) else {
         return;
     };

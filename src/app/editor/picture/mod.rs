@@ -25,6 +25,7 @@ pub(crate) mod pacing;
 pub mod painter;
 pub mod paths;
 pub(crate) mod plugin;
+pub mod reasons;
 pub(crate) mod reframing;
 pub(crate) mod resolution;
 pub mod side_pictures;

@@ -4,16 +4,18 @@
 use std::sync::Arc;
 
 use bevy::ecs::system::SystemParam;
-use bevy::math::{UVec2, Vec2};
 use bevy::prelude::*;
 
+use super::reasons::Reasons;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::engine::PackedScene;
+use crate::engine::reasons::Things;
+use crate::render::breakdown::{Area, Route};
 use crate::render::inspect::{RecordedPath, record_paths};
 use crate::render::observer::PathVertex;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
-use crate::scene::{Material, UsesMaterial};
+use crate::scene::{Emitter, Material, SceneId, UsesMaterial};
 
 /// A path and the names of its vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +29,13 @@ pub struct NamedPath {
 /// The inspected paths, which are drawn and described.
 #[derive(Resource, Debug, Default)]
 pub struct PathInspector {
-    /// The pixel and view of the paths that the user has requested, if any.
+    /// The pixels and the view of the paths that the user has requested, if any.
     pub wanted: Option<InspectedPaths>,
-    /// The paths, recorded from the picture's scene; empty while that is being packed.
+    /// The paths, recorded from the picture's scene; empty while that is being packed, and while paths of one group are
+    /// being looked for.
     pub paths: Arc<Vec<NamedPath>>,
-    /// Their pixel.
-    pub pixel: UVec2,
+    /// Their pixels.
+    pub area: Option<Area>,
     made_of: Option<(RenderScene, View, InspectedPaths)>,
 }
 
@@ -40,9 +43,28 @@ pub struct PathInspector {
 pub(crate) struct Names<'w, 's> {
     shapes: Query<'w, 's, (Option<&'static Name>, Option<&'static UsesMaterial>)>,
     materials: Query<'w, 's, (Option<&'static Name>, &'static Material)>,
+    things: Query<
+        'w,
+        's,
+        (
+            Option<&'static Name>,
+            Option<&'static SceneId>,
+            Option<&'static Emitter>,
+        ),
+    >,
 }
 
 impl Names<'_, '_> {
+    /// The name of a shape, a light or a medium.
+    pub(super) fn thing(&self, entity: Entity) -> String {
+        let named = self.things.get(entity).ok();
+        let (name, id, emitter) = named.unwrap_or_default();
+        let name = name.map(|name| name.as_str().to_owned());
+        let name = name.or_else(|| id.map(|id| id.0.clone()));
+        let kind = || emitter.map_or("thing", |emitter| emitter.info().label).to_owned();
+        name.unwrap_or_else(kind)
+    }
+
     fn of(&self, entity: Option<Entity>) -> (String, String) {
         let Some((name, uses)) = entity.and_then(|entity| self.shapes.get(entity).ok()) else {
             return ("?".to_owned(), String::new());
@@ -60,26 +82,42 @@ impl Names<'_, '_> {
 }
 
 /// Traces the paths again when the scene or the view has changed, which takes less than a frame.
-pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScene>, names: Names) {
+pub(crate) fn follow_paths(
+    mut inspector: ResMut<PathInspector>,
+    reasons: Option<Res<Reasons>>,
+    packed: Res<PackedScene>,
+    names: Names,
+) {
     let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
-        if !inspector.paths.is_empty() {
+        if inspector.area.is_some() {
             inspector.paths = Arc::default();
-            inspector.made_of = None;
+            (inspector.area, inspector.made_of) = (None, None);
         }
         return;
     };
     let is_known = inspector
         .made_of
         .as_ref()
-        .is_some_and(|(known, of, for_what)| is_same(known, scene) && of == view && *for_what == wanted);
+        .is_some_and(|(known, of, for_what)| known.is_same(scene) && of == view && *for_what == wanted);
     if is_known {
         return;
     }
-    let size = UVec2::new(view.width, view.height);
-    let place = view.picture_of_film(wanted.place).clamp(Vec2::ZERO, Vec2::ONE);
-    let pixel = (place * size.as_vec2()).as_uvec2().min(size - UVec2::ONE);
-    let paths = record_paths(scene, view, pixel, 0..wanted.count.clamp(1, InspectedPaths::MOST));
-    let named = paths.into_iter().map(|path| NamedPath {
+    let area = wanted.area(view);
+    let count = wanted.count.clamp(1, InspectedPaths::MOST);
+    let found = match wanted.of {
+        None => Some(first_paths(scene, view, area, count)),
+        Some(group) => {
+            let answer = reasons
+                .as_ref()
+                .and_then(|reasons| reasons.answer_about(scene, view, area));
+            let things = Things::of(&packed);
+            let is_of_group = |route: &Route| things.has(group, route);
+            answer.map(|answer| answer.breakdown.example_paths(scene, view, is_of_group, count as usize))
+        }
+    };
+    // Paths of a group are shown once its light is known.
+    let is_found = found.is_some();
+    let named = found.into_iter().flatten().map(|path| NamedPath {
         names: path
             .vertices
             .iter()
@@ -93,16 +131,16 @@ pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<Pac
         path,
     });
     let paths = Arc::new(named.collect());
-    inspector.made_of = Some((scene.clone(), view.clone(), wanted));
-    inspector.pixel = pixel;
+    inspector.made_of = is_found.then(|| (scene.clone(), view.clone(), wanted));
+    inspector.area = Some(area);
     inspector.paths = paths;
 }
 
-fn is_same(one: &RenderScene, other: &RenderScene) -> bool {
-    Arc::ptr_eq(&one.geometry, &other.geometry)
-        && Arc::ptr_eq(&one.surfaces, &other.surfaces)
-        && Arc::ptr_eq(&one.materials, &other.materials)
-        && Arc::ptr_eq(&one.textures, &other.textures)
-        && Arc::ptr_eq(&one.media, &other.media)
-        && Arc::ptr_eq(&one.lights, &other.lights)
+/// The first samples of a pixel, or of the pixels of an area that are spread over it.
+fn first_paths(scene: &RenderScene, view: &View, area: Area, count: u32) -> Vec<RecordedPath> {
+    let samples = if area.pixels() == 1 { count } else { 1 };
+    let pixels = area.spread(count).into_iter();
+    pixels
+        .flat_map(|pixel| record_paths(scene, view, pixel, 0..samples))
+        .collect()
 }

@@ -13,6 +13,7 @@ use super::noise_trend::NoiseTrend;
 use super::outline_pass::OutlinePass;
 use super::pacing::{self, Pacing};
 use super::paths::PathInspector;
+use super::reasons::Reasons;
 use super::resolution::PicturePlace;
 use super::texture;
 
@@ -33,6 +34,7 @@ impl Plugin for PicturePlugin {
             .init_resource::<OutlinePass>()
             .init_resource::<PathInspector>()
             .init_resource::<PicturePlace>()
+            .init_resource::<Reasons>()
             .insert_resource(Carrying::new(self.is_live))
             .insert_resource(Denoiser::new())
             .insert_resource(Motion::new(self.is_live))

@@ -355,6 +355,10 @@ fn paint_over(
         let border = Rect::from_two_pos(corner(region.min), corner(region.max)).intersect(picture);
         painter.rect_stroke(border, 0.0, Stroke::new(1.5, REGION), egui::StrokeKind::Inside);
     }
+    if let Some(inspected) = model.paths.wanted.filter(|wanted| wanted.extent != Vec2::ZERO) {
+        let corners = [inspected.place, inspected.place + inspected.extent].map(|corner| placing::at(film, corner));
+        thin_frame(&painter, Rect::from_two_pos(corners[0], corners[1]), 200);
+    }
     if film != panel && (model.is_through_camera || model.keys.safe_frame) && model.has_place() {
         thin_frame(&ui.painter_at(panel), film, 140);
     }

@@ -29,6 +29,7 @@ use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::picture::reasons::Explanation;
 use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{Outdated, PackedScene};
@@ -56,6 +57,8 @@ pub struct ViewportModel<'a> {
     pub camera: Option<Camera>,
     /// The boxes of the acceleration structures to draw.
     pub boxes: &'a BoxList,
+    /// Why the inspected pixels are as they are; None while that is unknown.
+    pub reasons: Option<&'a Explanation>,
     /// The inspected paths to draw.
     pub paths: &'a PathInspector,
     /// The outlines of selected things and of the hovered one.

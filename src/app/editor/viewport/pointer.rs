@@ -99,7 +99,7 @@ impl PointerState {
         if is_pressed_here && let Some(button) = pressed_button(ui) {
             let what = drag_use(model.preset, button, ui.input(|input| input.modifiers));
             let what = match (model.keys.tool, button) {
-                (Tool::Region, PointerButton::Primary) if what != DragUse::Orbit => DragUse::Box,
+                (Tool::Region | Tool::Paths, PointerButton::Primary) if what != DragUse::Orbit => DragUse::Box,
                 _ => what,
             };
             let what = match what {
@@ -146,11 +146,17 @@ impl PointerState {
             }
             Some(Hold::Box { from }) if response.drag_stopped() => {
                 let boxed = Rect::from_two_pos(*from, pointer);
+                let corners = [screen.film(boxed.min), screen.film(boxed.max)];
+                let corners = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
+                let view = model.packed.view.as_ref();
+                let [min, max] = corners.map(|corner| view.map_or(corner, |view| view.film_of_picture(corner)));
+                if model.keys.tool == Tool::Paths && model.side.is_none() {
+                    let paths = InspectedPaths::between([min, max]).shown_as(model.paths.wanted);
+                    commands.push(ToolCommand::InspectPaths(Some(paths)).into());
+                    commands.push(ShellCommand::ShowPanel(Panel::Paths).into());
+                    return Vec2::ZERO;
+                }
                 if model.keys.tool == Tool::Region {
-                    let corners = [screen.film(boxed.min), screen.film(boxed.max)];
-                    let corners = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
-                    let view = model.packed.view.as_ref();
-                    let [min, max] = corners.map(|corner| view.map_or(corner, |view| view.film_of_picture(corner)));
                     commands.push(RenderCommand::SetRegion(Some(bevy::math::Rect { min, max })).into());
                     commands.push(ToolCommand::SetTool(Tool::Select).into());
                     return Vec2::ZERO;
@@ -208,13 +214,9 @@ impl PointerState {
                 return;
             }
             Tool::Paths => {
-                let before = model.paths.wanted;
                 let view = model.packed.view.as_ref();
                 let place = view.map_or(film, |view| view.film_of_picture(film));
-                let paths = InspectedPaths {
-                    place,
-                    ..before.unwrap_or(InspectedPaths::at(place))
-                };
+                let paths = InspectedPaths::at(place).shown_as(model.paths.wanted);
                 commands.push(ToolCommand::InspectPaths(Some(paths)).into());
                 commands.push(ShellCommand::ShowPanel(Panel::Paths).into());
                 return;

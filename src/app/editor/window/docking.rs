@@ -179,8 +179,7 @@ impl TabViewer for Panels<'_> {
             Panel::History => history::history(ui, &model.history, commands),
             Panel::Messages => diagnostics::diagnostics(ui, &model.notices),
             Panel::Paths => {
-                let known = self.viewport.paths;
-                paths::paths(ui, known.wanted, known.pixel, &known.paths, commands);
+                paths::paths(ui, self.viewport.paths, self.viewport.reasons, commands);
             }
             Panel::Meter => meter::meter(ui, &model.meters, &model.selection, commands),
             Panel::Bake => widgets.bake.panel(ui, &model.bake, commands),

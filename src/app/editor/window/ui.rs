@@ -27,6 +27,7 @@ use crate::app::editor::panels::timeline::timeline;
 use crate::app::editor::picture::awaited_image::EndedImage;
 use crate::app::editor::picture::depths::Depths;
 use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::picture::reasons::Reasons;
 use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::kept_picture::KeptPictures;
 use crate::app::editor::session::layout::Layout;
@@ -61,6 +62,7 @@ pub struct Scene<'w, 's> {
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
     paths: Res<'w, PathInspector>,
+    reasons: Res<'w, Reasons>,
     tutorial: Res<'w, Tutorial>,
     shapes:
         Query<'w, 's, (&'static Shape, &'static ToWorld), (Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
@@ -368,6 +370,7 @@ fn viewport_model<'a>(
         compared: seen.compared,
         region: model.render.region,
         paths: &scene.paths,
+        reasons: scene.reasons.explanation.as_deref(),
         navigation: settings.navigation,
         denoiser: model.status.denoiser,
         is_carried_over: model.status.is_carried_over,

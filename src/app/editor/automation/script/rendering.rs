@@ -12,6 +12,7 @@ use super::verb::verbs;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
@@ -20,6 +21,7 @@ use crate::app::editor::command::{DisplayCommand, RenderCommand, SettingsEdit, T
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_noise, parse_rgb, parse_vec3};
+use crate::engine::reasons::Grouping;
 use crate::layer::Layers;
 use crate::photometry::exposure;
 use crate::render::tonemap::ToneMap;
@@ -48,6 +50,8 @@ verbs! {
     "resolution" "view|after-rest|full" [name] => RenderCommand::SetResolution(resolution(name)?);
     "enlarge" "smooth|sharp" [name] => DisplayCommand::SetEnlarging(enlarging(name)?);
     "region" "none | X,Y X,Y (0 to 1 from the upper left)" corners => RenderCommand::SetRegion(region(corners)?);
+    "why" "none | X,Y [X,Y] [route|lamp|way|bounces|kind] (a place or two corners, 0 to 1)"
+        words => ToolCommand::InspectPaths(inspected(words)?);
     "layers" "none | LAYER... (saved with EXR images)" names => layers(world, names)?;
     "choose-integrator" "on|off" [word] => RenderCommand::SetPathIsAuto(switch(word)?);
     "split-strategies" "on|off" [word] => RenderCommand::SetStrategySplit(switch(word)?);
@@ -158,6 +162,24 @@ fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
         [from, to] => Ok(Some(Rect::from_corners(place(from)?, place(to)?))),
         _ => Err("expected `none` or two corners".into()),
     }
+}
+
+/// The paths of a place, or of the rectangle between two corners, with the grouping of their light.
+fn inspected(words: &[&str]) -> Result<Option<InspectedPaths>, ScriptError> {
+    let (grouping, places) = match words.split_last() {
+        Some((last, places)) => match Grouping::of_name(last) {
+            Some(grouping) => (grouping, places),
+            None => (Grouping::default(), words),
+        },
+        None => (Grouping::default(), words),
+    };
+    let paths = match places {
+        ["none"] => return Ok(None),
+        [at] => InspectedPaths::at(place(at)?),
+        [from, to] => InspectedPaths::between([place(from)?, place(to)?]),
+        _ => return Err("expected `none`, a place or two corners".into()),
+    };
+    Ok(Some(InspectedPaths { grouping, ..paths }))
 }
 
 /// The settings with exactly these layers.

@@ -1,0 +1,129 @@
+//! Why the inspected place is as it is: its light by lamps and ways as sentences with bars, and what the noise there is
+//! made of. A click on a share shows its paths, and a click on a name selects the thing.
+
+use bevy_egui::egui::{self, Align2, RichText, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
+
+use crate::app::editor::command::inspected_paths::InspectedPaths;
+use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::{Command, SelectionCommand};
+use crate::app::editor::picture::reasons::{Explanation, NamedPortion};
+use crate::engine::reasons::{Grouping, percent};
+use crate::photometry::units::Nit;
+
+/// Groups with a smaller share are summed up in one line.
+const LEAST_SHARE: f32 = 0.002;
+/// The most groups that are listed.
+const MOST_GROUPS: usize = 12;
+/// The size of a bar in points.
+const BAR: egui::Vec2 = egui::vec2(92.0, 18.0);
+
+/// Shows the reasons; None while nothing is known. The choice of a grouping or a group changes `wanted`.
+pub fn reasons(ui: &mut Ui, known: Option<&Explanation>, wanted: &mut InspectedPaths, commands: &mut Vec<Command>) {
+    let Some(known) = known else {
+        ui.weak("Tracing…");
+        return;
+    };
+    let [value, error] = [known.value.luminance, known.value.error].map(|watts| Nit::of_watts(f64::from(watts)));
+    ui.horizontal_wrapped(|ui| {
+        ui.label(value.with_error(error.0));
+        let more = if known.is_final { "" } else { ", more are being traced" };
+        ui.weak(format!("by {} samples{more}", known.samples));
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (grouping, label) in Grouping::LABELED {
+            let button = ui.selectable_label(wanted.grouping == grouping, label);
+            if button.clicked() && wanted.grouping != grouping {
+                (wanted.grouping, wanted.of) = (grouping, None);
+            }
+        }
+    });
+    if known.value.luminance == 0.0 {
+        ui.weak("No light was found here.");
+    }
+    let place = Grouping::ALL.iter().position(|grouping| *grouping == wanted.grouping);
+    let portions = place.and_then(|place| known.groupings.get(place));
+    let portions = portions.map_or(&[][..], Vec::as_slice);
+    // The brightest come first.
+    let is_told = |named: &&NamedPortion| named.portion.share >= LEAST_SHARE;
+    let told: Vec<&NamedPortion> = portions.iter().take_while(is_told).take(MOST_GROUPS).collect();
+    for named in &told {
+        row(ui, named, wanted, commands);
+    }
+    let rest = &portions[told.len()..];
+    if !rest.is_empty() && known.value.luminance != 0.0 {
+        let share: f32 = rest.iter().map(|named| named.portion.share).sum();
+        let groups = if rest.len() == 1 { "group" } else { "groups" };
+        ui.weak(format!("{:.1} % in {} smaller {groups}", 100.0 * share, rest.len()));
+    }
+    noise(ui, known);
+}
+
+/// A group: the bar of its share, which is a button, and its sentence.
+fn row(ui: &mut Ui, named: &NamedPortion, wanted: &mut InspectedPaths, commands: &mut Vec<Command>) {
+    let group = named.portion.key;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        if bar(ui, named, wanted.of == Some(group)) {
+            wanted.of = (wanted.of != Some(group)).then_some(group);
+            wanted.chosen = 0;
+        }
+        for (word, thing) in &named.words {
+            match thing {
+                Some(entity) => {
+                    if ui.link(word).on_hover_text("Select it").clicked() {
+                        commands.push(SelectionCommand::Select(vec![*entity], Extend::Replace).into());
+                    }
+                }
+                None => drop(ui.label(word)),
+            }
+        }
+    });
+}
+
+/// A bar with the share; returns true when clicked.
+fn bar(ui: &mut Ui, named: &NamedPortion, is_chosen: bool) -> bool {
+    let portion = &named.portion;
+    let (rect, response) = ui.allocate_exact_size(BAR, Sense::click());
+    let share = percent(portion.share, portion.share_error);
+    let visuals = ui.visuals();
+    let painter = ui.painter();
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let filled = rect.width() * portion.share.clamp(0.0, 1.0);
+    let part = egui::Rect::from_min_size(rect.min, egui::vec2(filled, rect.height()));
+    painter.rect_filled(part, 2.0, visuals.selection.bg_fill.gamma_multiply(0.6));
+    let stroke = match (is_chosen, response.hovered()) {
+        (true, _) => egui::Stroke::new(2.0, visuals.selection.stroke.color),
+        (false, true) => visuals.widgets.hovered.bg_stroke,
+        (false, false) => visuals.widgets.inactive.bg_stroke,
+    };
+    painter.rect_stroke(rect, 2.0, stroke, egui::StrokeKind::Inside);
+    let font = TextStyle::Small.resolve(ui.style());
+    let end = rect.right_center() - egui::vec2(4.0, 0.0);
+    painter.text(end, Align2::RIGHT_CENTER, &share, font, visuals.strong_text_color());
+    let sentence: Vec<&str> = named.words.iter().map(|(word, _)| word.as_str()).collect();
+    let sentence = sentence.join(" ");
+    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, is_chosen, format!("{share} {sentence}")));
+    let [value, error] = [portion.luminance, portion.error].map(|watts| Nit::of_watts(f64::from(watts)));
+    let help = format!(
+        "{}, and {:.0} % of the noise.\nClick to see its paths.",
+        value.with_error(error.0),
+        100.0 * portion.noise
+    );
+    response.on_hover_text(help).clicked()
+}
+
+/// The reasons of the noise, with the methods that help.
+fn noise(ui: &mut Ui, known: &Explanation) {
+    if known.advice.is_empty() {
+        return;
+    }
+    ui.add_space(4.0);
+    ui.weak("The noise here is made of:");
+    for advice in &known.advice {
+        let trouble = advice.trouble;
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("{:.0} % {}.", 100.0 * advice.noise, trouble.label()));
+            ui.label(RichText::new(trouble.remedy()).weak());
+        });
+    }
+}

@@ -1,0 +1,228 @@
+//! Why a place of the picture is as it is: its light by lamps and ways, found on threads of its own whenever the place,
+//! the scene or the view has changed.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bevy::prelude::*;
+use crossbeam_channel::{Receiver, TryRecvError, bounded};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::paths::{Names, PathInspector};
+use crate::engine::reasons::{Group, Grouping, Things};
+use crate::engine::{PackedScene, RenderControl, WakeUp};
+use crate::render::breakdown::{Advice, Area, Batches, Breakdown, Portion, break_down, followed};
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+
+/// The samples of all pixels together for the first answer, and for the final one.
+const SAMPLES: [u64; 2] = [1 << 11, 1 << 16];
+/// The least samples of a pixel for both answers.
+const SAMPLES_OF_PIXEL: [u64; 2] = [4, 16];
+
+/// The scene, the view and the pixels that are asked about.
+#[derive(Clone, Debug)]
+pub(super) struct Question {
+    scene: RenderScene,
+    view: View,
+    area: Area,
+}
+
+impl Question {
+    fn is_same(&self, other: &Self) -> bool {
+        self.area == other.area && self.scene.is_same(&other.scene) && self.view == other.view
+    }
+}
+
+/// A group of light with its sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPortion {
+    /// The group and its light.
+    pub portion: Portion<Group>,
+    /// Its sentence in pieces, with the thing that a piece names.
+    pub words: Vec<(String, Option<Entity>)>,
+}
+
+/// The light of the inspected pixels, in the words of the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// All light.
+    pub value: Portion<()>,
+    /// The light in each grouping, in the order of [`Grouping::ALL`], the brightest group first.
+    pub groupings: Vec<Vec<NamedPortion>>,
+    /// The reasons of the noise, the greatest first.
+    pub advice: Vec<Advice>,
+    /// The samples of all pixels together.
+    pub samples: u64,
+    /// Whether no more samples are being traced.
+    pub is_final: bool,
+}
+
+/// The answer to a question.
+#[derive(Debug)]
+pub(super) struct Answer {
+    question: Question,
+    pub breakdown: Breakdown,
+    is_final: bool,
+}
+
+struct Running {
+    question: Question,
+    cancel: Arc<AtomicBool>,
+    result: Receiver<Answer>,
+}
+
+/// The search for reasons, and its last result.
+#[derive(Resource, Default)]
+pub struct Reasons {
+    pool: Option<ThreadPool>,
+    running: Option<Running>,
+    pub(super) answer: Option<Arc<Answer>>,
+    /// The answer for the panel; None while nothing is known of the present scene and view.
+    pub explanation: Option<Arc<Explanation>>,
+}
+
+impl Reasons {
+    /// The answer, if it is one about this scene, view and area.
+    pub(super) fn answer_about(&self, scene: &RenderScene, view: &View, area: Area) -> Option<&Arc<Answer>> {
+        let question = Question {
+            scene: scene.clone(),
+            view: followed(view),
+            area,
+        };
+        self.answer.as_ref().filter(|answer| answer.question.is_same(&question))
+    }
+
+    fn forget(&mut self) {
+        self.cancel();
+        (self.answer, self.explanation) = (None, None);
+    }
+
+    fn cancel(&mut self) {
+        if let Some(running) = self.running.take() {
+            running.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Takes the answer, if there is a new one. Returns true if so.
+    fn collect(&mut self) -> bool {
+        let Some(running) = &self.running else {
+            return false;
+        };
+        match running.result.try_recv() {
+            Ok(answer) => {
+                self.running = None;
+                self.answer = Some(Arc::new(answer));
+                true
+            }
+            Err(TryRecvError::Empty) => false,
+            // It was cancelled, or has failed.
+            Err(TryRecvError::Disconnected) => {
+                self.running = None;
+                false
+            }
+        }
+    }
+
+    fn ask(&mut self, question: Question, threads: usize, wake_up: &WakeUp) {
+        if self
+            .running
+            .as_ref()
+            .is_some_and(|running| running.question.is_same(&question))
+        {
+            return;
+        }
+        self.cancel();
+        let known = self.answer.as_ref().filter(|answer| answer.question.is_same(&question));
+        let step = match known {
+            Some(answer) if answer.is_final => return,
+            Some(_) => 1,
+            None => {
+                self.explanation = None;
+                0
+            }
+        };
+        if self.pool.is_none() {
+            let pool = ThreadPoolBuilder::new().num_threads(threads.div_ceil(2));
+            // Without threads there is no answer.
+            self.pool = pool.thread_name(|index| format!("reasons {index}")).build().ok();
+        }
+        let Some(pool) = &self.pool else { return };
+        let (sender, result) = bounded(1);
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (asked, flag, wake_up) = (question.clone(), cancel.clone(), wake_up.clone());
+        pool.spawn(move || {
+            // A panic that escapes from a job of this pool would end the program.
+            let found = catch_unwind(AssertUnwindSafe(|| find(asked, step, &flag)));
+            if let Ok(Some(answer)) = found {
+                let _ = sender.send(answer);
+            }
+            drop(sender);
+            if let Some(wake) = &wake_up.0 {
+                wake();
+            }
+        });
+        self.running = Some(Running {
+            question,
+            cancel,
+            result,
+        });
+    }
+}
+
+/// Traces the samples of the first answer, or of the final one.
+fn find(question: Question, step: usize, cancel: &AtomicBool) -> Option<Answer> {
+    let Question { scene, view, area } = &question;
+    let samples = (SAMPLES[step] / area.pixels()).max(SAMPLES_OF_PIXEL[step]);
+    let breakdown = break_down(scene, view, *area, Batches::of(samples as u32), cancel)?;
+    Some(Answer {
+        breakdown,
+        question,
+        is_final: step == 1,
+    })
+}
+
+/// Asks anew when the place, the scene or the view has changed, which stops what was asked before.
+pub(crate) fn follow_reasons(
+    mut reasons: ResMut<Reasons>,
+    inspector: Res<PathInspector>,
+    packed: Res<PackedScene>,
+    control: Res<RenderControl>,
+    wake_up: Res<WakeUp>,
+    names: Names,
+) {
+    let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
+        if reasons.running.is_some() || reasons.answer.is_some() {
+            reasons.forget();
+        }
+        return;
+    };
+    if reasons.collect()
+        && let Some(answer) = reasons.answer.clone()
+    {
+        reasons.explanation = Some(Arc::new(explain(&answer, &Things::of(&packed), &names)));
+    }
+    let question = Question {
+        scene: scene.clone(),
+        view: followed(view),
+        area: wanted.area(view),
+    };
+    reasons.ask(question, control.threads.get(), &wake_up);
+}
+
+fn explain(answer: &Answer, things: &Things, names: &Names) -> Explanation {
+    let breakdown = &answer.breakdown;
+    let named = |portion: Portion<Group>| NamedPortion {
+        words: portion.key.words(&|entity| names.thing(entity)),
+        portion,
+    };
+    let grouping = |grouping| things.portions(breakdown, grouping).into_iter().map(named).collect();
+    Explanation {
+        value: breakdown.value(),
+        groupings: Grouping::ALL.map(grouping).into(),
+        advice: breakdown.advice(),
+        samples: breakdown.batches.total() * breakdown.area.pixels(),
+        is_final: answer.is_final,
+    }
+}
