@@ -143,25 +143,8 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             camera
         }
         AdditionKind::Lamp(lamp) => {
-            let metres = edit
-                .world
-                .get_resource::<LengthUnit>()
-                .map_or(1.0, |unit| unit.metres());
-            match new_lamp(lamp, metres)? {
-                NewLamp::Shape(kind, light, scale) => {
-                    let pose = ToWorld(at(above) * facing(-up) * Affine3A::from_scale(scale));
-                    edit.spawn((called, shape(kind), pose, light))
-                }
-                NewLamp::Sky(emitter) => {
-                    let name = addition.name.as_deref().unwrap_or(lamp.name);
-                    set_sky(edit, emitter, Affine3A::IDENTITY, name)
-                }
-                NewLamp::Parallel(emitter) => {
-                    let pose = facing(free_direction(&sun_directions(edit.world), up));
-                    edit.spawn((called, emitter, ToWorld(pose)))
-                }
-                NewLamp::Placed(emitter) => edit.spawn((called, emitter, ToWorld(at(above) * facing(-up)))),
-            }
+            let hung = at(above) * facing(-up);
+            add_lamp(edit, lamp, addition.name.as_deref(), called, hung, up)?
         }
         AdditionKind::Emitter(plugin) => {
             let emitter = emitter(plugin, above.distance(foot).max(size))?;
@@ -185,6 +168,39 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     };
     select_new(edit, vec![entity]);
     Ok(())
+}
+
+/// Adds a lamp of the table. `hung` is the pose of one with a place, which shines down.
+fn add_lamp(
+    edit: &mut Edit,
+    lamp: &'static Lamp,
+    name: Option<&str>,
+    called: (DocumentOrder, SceneId, Name),
+    hung: Affine3A,
+    up: Vec3,
+) -> Result<Entity, CommandError> {
+    let metres = edit
+        .world
+        .get_resource::<LengthUnit>()
+        .map_or(1.0, |unit| unit.metres());
+    Ok(match new_lamp(lamp, metres)? {
+        NewLamp::Shape(kind, light, scale) => {
+            let shape = Shape {
+                kind,
+                ..Shape::default()
+            };
+            let pose = ToWorld(hung * Affine3A::from_scale(scale));
+            edit.spawn((called, shape, pose, light))
+        }
+        NewLamp::Sky(emitter) => set_sky(edit, emitter, Affine3A::IDENTITY, name.unwrap_or(lamp.name)),
+        NewLamp::Parallel(emitter) => {
+            let direction = free_direction(&sun_directions(edit.world), up);
+            let (x, y) = direction.any_orthonormal_pair();
+            let pose = Affine3A::from_mat3(Mat3::from_cols(x, y, direction));
+            edit.spawn((called, emitter, ToWorld(pose)))
+        }
+        NewLamp::Placed(emitter) => edit.spawn((called, emitter, ToWorld(hung))),
+    })
 }
 
 /// The parts of a new lamp.

@@ -27,7 +27,7 @@ const MIXED_WIDTH: f32 = 14.0;
 /// The tag of a part of a panel that marks differing values.
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
-const VALUE_WIDTH: f32 = 58.0;
+pub(super) const VALUE_WIDTH: f32 = 58.0;
 /// The tick that distinguishes the axes of a vector: its width and its distance from the edges, in points.
 const TICK: egui::Vec2 = egui::vec2(2.0, 4.0);
 
@@ -203,66 +203,8 @@ pub(crate) fn integer_slider<'a>(
     write_back(changed, value, copy)
 }
 
-/// Shows the strength of an emitted quantity: a slider over many decades, and the number with its unit.
-pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
-    let scale = StrengthScale {
-        unit,
-        ..StrengthScale::default()
-    };
-    strength_beside(ui, caption, value, scale, |_| {})
-}
-
-/// The scale of a slider for strengths, from 0 on.
-#[derive(Clone, Copy)]
-pub(crate) struct StrengthScale<'a> {
-    /// The unit, behind the number.
-    pub unit: &'a str,
-    /// The smallest and the largest strength above 0.
-    pub ends: [f32; 2],
-    /// The width of the control beside it in points.
-    pub beside: f32,
-}
-
-impl Default for StrengthScale<'_> {
-    fn default() -> Self {
-        Self {
-            unit: "",
-            ends: [0.01, 1000.0],
-            beside: 0.0,
-        }
-    }
-}
-
-/// [`strength`] on another scale, with a control at the end of the row.
-pub(crate) fn strength_beside<'a>(
-    ui: &mut Ui,
-    caption: impl Into<Caption<'a>>,
-    value: &mut f32,
-    StrengthScale { unit, ends, beside }: StrengthScale,
-    control: impl FnOnce(&mut Ui),
-) -> bool {
-    let (caption, mut copy) = (caption.into(), *value);
-    let range = 0.0..=ends[1];
-    let slider = egui::Slider::new(&mut copy, range.clone())
-        .clamping(egui::SliderClamping::Edits)
-        .max_decimals(3)
-        .logarithmic(true)
-        .smallest_positive(ends[0].into())
-        .suffix(unit);
-    let slider = typed::slider(ui, slider, caption.text, unit, range);
-    let changed = row(ui, caption, |ui| {
-        fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32 + beside);
-        ui.spacing_mut().interact_size.x -= beside;
-        let response = ui.add(slider);
-        control(ui);
-        response
-    })
-    .changed();
-    write_back(changed, value, copy)
-}
-
 /// Leaves room for a number of this width, which ends at the panel's edge.
-fn fit_slider(ui: &mut Ui, number: f32) {
+pub(super) fn fit_slider(ui: &mut Ui, number: f32) {
     let room = ui.available_width() - number - ui.spacing().item_spacing.x;
     ui.spacing_mut().slider_width = room.max(32.0);
     ui.spacing_mut().interact_size.x = number;

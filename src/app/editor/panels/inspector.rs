@@ -1,33 +1,26 @@
 //! The panel with all editable values of the active thing.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::key_marks::{moving, take_asked};
-use super::lamps::lamps_menu;
-use super::material::{self, Edit};
+use super::material;
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
 use super::medium_section::{EditedMedia, medium_rows};
-use super::polar_curve::polar_curve;
 use super::section::section;
 use super::{
-    camera_angles, dimensions, emission, fields, lengths, look, medium_section, missing_files, sensor, solid, transform,
+    camera_angles, dimensions, fields, lengths, light_section, look, medium_section, missing_files, sensor, solid,
+    transform,
 };
-use crate::app::editor::command::lamps::PhotometricValue;
-use crate::app::editor::command::{
-    ArrangeEdit, Command, EditCommand, FileCommand, FileDialogKind, MaterialEdit, SceneEdit, ValueEdit, ViewCommand,
-};
+use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, MaterialEdit, ValueEdit, ViewCommand};
 use crate::app::editor::model::freedom::Freedom;
-use crate::app::editor::model::light_figures::LightFigures;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
 use crate::math::Aabb;
-use crate::photometry::lamps::{LAMPS, Lamp};
-use crate::scene::{Declared, EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
+use crate::scene::{EmitterKind, EulerAngles, FileKind, Material, MeshFile, Shape, ShapeKind};
 use transform::PoseEdit;
 
 /// The state that the panel keeps between frames.
@@ -145,46 +138,12 @@ fn sections(
     }
     if has_surface && !inspected.shape.as_ref().is_some_and(Shape::is_of_curves) {
         section(ui, "Emission", |ui| {
-            let mut edited = inspected.area_light.clone();
-            let is_flat = inspected.shape.as_ref().is_some_and(|shape| shape.kind.is_flat());
-            let edit = moving(ui, &model.timeline, (inspected.entity, "emitter."), |ui| {
-                ui.push_id(inspected.entity, |ui| {
-                    emission::area_light(ui, &mut edited, is_flat, &inspected.light_figures, &model.textures)
-                })
-                .inner
-            });
-            if edit.changed {
-                commands.push(ValueEdit::SetAreaLight(inspected.entity, edited.clone()).into());
-            }
-            if let Some(mut light) = edited
-                && real_lamp(ui, &mut light, &inspected.light_figures)
-            {
-                commands.push(ValueEdit::SetAreaLight(inspected.entity, Some(light)).into());
-            }
-            choose_picture(inspected.entity, edit, commands);
+            light_section::emission_rows(ui, inspected, model, commands)
         });
     }
     if let Some(emitter) = &inspected.emitter {
         section(ui, "Light", |ui| {
-            let mut edited = emitter.clone();
-            let edit = ui
-                .push_id(inspected.entity, |ui| {
-                    emission::emitter(ui, &mut edited, &inspected.light_figures, &model.textures)
-                })
-                .inner;
-            if edit.changed {
-                commands.push(ValueEdit::SetEmitter(inspected.entity, edited.clone()).into());
-            }
-            if let Some([c0, _, c90, _]) = inspected.light_figures.curves.as_deref() {
-                polar_curve(ui, [c0, c90]);
-            }
-            if real_lamp(ui, &mut edited, &inspected.light_figures) {
-                commands.push(ValueEdit::SetEmitter(inspected.entity, edited).into());
-            }
-            choose_picture(inspected.entity, edit, commands);
-            if emitter.is_sky() {
-                environments(ui, &model.assets.environments, commands);
-            }
+            light_section::light_rows(ui, inspected, emitter, model, commands)
         });
     }
     if let Some(given) = inspected.sensor {
@@ -209,52 +168,6 @@ fn sections(
                 commands.push(ValueEdit::SetFilm(inspected.entity, edited).into());
             }
         });
-    }
-}
-
-/// Shows the menu of the real lamps that fit a light in photometric units, and gives it the chosen one's strength and
-/// colour. Returns true if edited.
-fn real_lamp(ui: &mut Ui, light: &mut impl Declared, figures: &LightFigures) -> bool {
-    let fits = |lamp: &Lamp| figures.measures.iter().any(|(_, measure)| measure.unit == lamp.unit);
-    if !LAMPS.iter().any(&fits) {
-        return false;
-    }
-    let chosen = fields::buttons(ui, |ui| lamps_menu(ui, "As a real lamp", fits));
-    chosen.is_some_and(|lamp| {
-        PhotometricValue::from(lamp)
-            .apply(light, &figures.measures, None)
-            .is_ok()
-    })
-}
-
-/// Shows buttons for the environments that are shipped with the program.
-fn environments(ui: &mut Ui, known: &[PathBuf], commands: &mut Vec<Command>) {
-    if known.is_empty() {
-        return;
-    }
-    ui.menu_button("Environments", |ui| {
-        for path in known {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().replace('-', " ");
-            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                commands.push(SceneEdit::Import(path.clone()).into());
-                ui.close();
-            }
-        }
-    })
-    .response
-    .on_hover_text("Pictures of all directions that come with the program. The panel Assets shows them.");
-}
-
-fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
-    if let Some((parameter, place)) = edit.wants_picture {
-        commands.push(
-            FileCommand::ShowDialog(FileDialogKind::OpenPicture {
-                owner,
-                parameter,
-                place,
-            })
-            .into(),
-        );
     }
 }
 
@@ -478,7 +391,7 @@ fn material_rows(
             if edit.changed {
                 commands.push(ValueEdit::SetMaterial(entry.entity, Box::new(edited.clone())).into());
             }
-            choose_picture(entry.entity, edit, commands);
+            light_section::choose_picture(entry.entity, edit, commands);
         });
     }
 }

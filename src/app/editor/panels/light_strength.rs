@@ -4,8 +4,8 @@
 use bevy_egui::egui::{self, Id, Ui};
 
 use super::caption::Caption;
-use super::fields::{StrengthScale, strength_beside};
-use super::menu_marks;
+use super::fields::{VALUE_WIDTH, fit_slider, row, write_back};
+use super::{menu_marks, typed};
 use crate::engine::MeasureOf;
 use crate::photometry::{LightUnit, Measure};
 
@@ -131,4 +131,53 @@ pub(crate) fn light_strength<'a>(
         *strength = shown / factor;
     }
     changed
+}
+
+/// The scale of a slider for strengths, from 0 on.
+#[derive(Clone, Copy)]
+struct StrengthScale<'a> {
+    /// The unit, behind the number.
+    unit: &'a str,
+    /// The smallest and the largest strength above 0.
+    ends: [f32; 2],
+    /// The width of the control beside it in points.
+    beside: f32,
+}
+
+impl Default for StrengthScale<'_> {
+    fn default() -> Self {
+        Self {
+            unit: "",
+            ends: [0.01, 1000.0],
+            beside: 0.0,
+        }
+    }
+}
+
+/// Shows a strength on a slider over many decades, with its number and a control at the end of the row.
+fn strength_beside<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    StrengthScale { unit, ends, beside }: StrengthScale,
+    control: impl FnOnce(&mut Ui),
+) -> bool {
+    let (caption, mut copy) = (caption.into(), *value);
+    let range = 0.0..=ends[1];
+    let slider = egui::Slider::new(&mut copy, range.clone())
+        .clamping(egui::SliderClamping::Edits)
+        .max_decimals(3)
+        .logarithmic(true)
+        .smallest_positive(ends[0].into())
+        .suffix(unit);
+    let slider = typed::slider(ui, slider, caption.text, unit, range);
+    let changed = row(ui, caption, |ui| {
+        fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32 + beside);
+        ui.spacing_mut().interact_size.x -= beside;
+        let response = ui.add(slider);
+        control(ui);
+        response
+    })
+    .changed();
+    write_back(changed, value, copy)
 }

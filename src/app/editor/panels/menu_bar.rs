@@ -212,7 +212,7 @@ fn add_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut 
         }
         drawn_entry(ui, action.name, Some(drawing), context, commands);
         if action.name == "add-area" {
-            let lamp = lamps_menu(ui, "Real lamps and skies", |_| true);
+            let lamp = lamps_menu(ui, menu_marks::inset("Real lamps and skies"), |_| true);
             commands.extend(lamp.map(|lamp| SceneEdit::Add(AdditionKind::Lamp(lamp).into()).into()));
         }
         if action.name != "fill-smoke" || model.outline.media.is_empty() {

@@ -29,6 +29,7 @@ pub mod layers;
 pub mod lengths;
 pub mod library;
 pub mod light_mixing;
+mod light_section;
 pub mod light_painting;
 pub mod light_strength;
 pub mod look;
