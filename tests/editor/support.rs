@@ -12,6 +12,7 @@ use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::press::Press;
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::picture::lamp_light::LampFollower;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::picture::paths::PathInspector;
@@ -49,6 +50,7 @@ pub struct ViewportContent {
     pub boxes: BoxList,
     pub outline: SelectionOutline,
     pub wireframe: Wireframe,
+    pub lamp: LampFollower,
     pub paths: PathInspector,
     pub things: Outline,
     pub locked: EntityHashSet,
@@ -100,6 +102,7 @@ impl ViewportContent {
             things: &self.things,
             packed: &self.packed,
             reasons: None,
+            lamp: &self.lamp,
             paths: &self.paths,
             legend: None,
             captions: &[],

@@ -124,6 +124,7 @@ fn order_frame(app: &mut App) {
                 model::outline::gather_outline,
                 model::leaks::find_leaks,
                 picture::reasons::follow_reasons,
+                picture::lamp_light::follow_lamp,
                 picture::paths::follow_paths,
                 (
                     model::inspection::gather_selection,

@@ -6,6 +6,7 @@ use sunroom::app::editor::command::inspected_paths::InspectedPaths;
 use sunroom::app::editor::command::selection::Extend;
 use sunroom::app::editor::command::{Command, SelectionCommand, ToolCommand};
 use sunroom::app::editor::panels::paths::paths;
+use sunroom::app::editor::picture::lamp_light::LampFollower;
 use sunroom::app::editor::picture::paths::PathInspector;
 use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion};
 use sunroom::color::Rgb;
@@ -14,7 +15,9 @@ use sunroom::render::breakdown::{Advice, Portion, Trouble};
 
 use super::{Shown, click, entity, show};
 
+#[derive(Default)]
 struct Given {
+    follower: LampFollower,
     inspector: PathInspector,
     known: Option<Explanation>,
 }
@@ -56,9 +59,41 @@ fn explanation() -> Explanation {
 fn shown(known: Option<Explanation>) -> Harness<'static, Shown<Given>> {
     let mut inspector = PathInspector::default();
     inspector.wanted = Some(InspectedPaths::at(Default::default()));
-    show(Given { inspector, known }, |ui, given, commands| {
-        paths(ui, &given.inspector, given.known.as_ref(), commands);
+    panel(Given {
+        inspector,
+        known,
+        ..Given::default()
     })
+}
+
+fn panel(given: Given) -> Harness<'static, Shown<Given>> {
+    show(given, |ui, given, commands| {
+        paths(ui, &given.inspector, given.known.as_ref(), &given.follower, commands);
+    })
+}
+
+#[test]
+fn the_light_of_the_selected_lamp_is_followed_and_forgotten() {
+    let mut follower = LampFollower::default();
+    follower.selected = Some((entity(1), "desk lamp".to_owned()));
+    let mut harness = panel(Given {
+        follower,
+        ..Given::default()
+    });
+    click(&mut harness, "Where does the light of desk lamp go?");
+    let follow = Command::from(ToolCommand::FollowLamp(Some(entity(1))));
+    assert_eq!(harness.state().commands, [follow]);
+    let state = harness.state_mut();
+    state.commands.clear();
+    state.given.follower.lamp = Some(entity(1));
+    harness.run_steps(2);
+    assert!(
+        harness
+            .query_by_label("Where does the light of desk lamp go?")
+            .is_none()
+    );
+    click(&mut harness, "Forget the lamp");
+    assert_eq!(harness.state().commands, [Command::from(ToolCommand::FollowLamp(None))]);
 }
 
 #[track_caller]

@@ -34,6 +34,7 @@ use sunroom::app::editor::panels::outliner::state::OutlinerState;
 use sunroom::app::editor::panels::timeline::TimelineState;
 use sunroom::app::editor::picture::baking::thread::BakeNews;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::picture::lamp_light::{LampFollower, LampLight, Receiver};
 use sunroom::app::editor::picture::metering::{ShownMeter, ShownMeters};
 use sunroom::app::editor::picture::paths::PathInspector;
 use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion};
@@ -45,6 +46,7 @@ use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::meter::estimate::{Estimate, GridEstimate};
 use sunroom::meter::job::MeterReading;
 use sunroom::meter::sites::MeterLimits;
+use sunroom::render::breakdown::{Advice, Area, Destination, Portion, Trouble};
 use sunroom::render::breakdown::{Advice, Area, Portion, Trouble};
 use sunroom::scene::KeyPath;
 
@@ -282,7 +284,15 @@ pub fn messages() -> RgbImage {
 }
 
 pub fn paths() -> RgbImage {
-    let show = |ui: &mut Ui, (): &mut ()| panels::paths::paths(ui, &PathInspector::default(), None, &mut Vec::new());
+    let show = |ui: &mut Ui, (): &mut ()| {
+        panels::paths::paths(
+            ui,
+            &PathInspector::default(),
+            None,
+            &LampFollower::default(),
+            &mut Vec::new(),
+        )
+    };
     panel([RIGHT, 120], (), show, |_| ())
 }
 
@@ -343,9 +353,42 @@ pub fn reasons() -> RgbImage {
     });
     let given = (Arc::new(inspector), known);
     let show = |ui: &mut Ui, (inspector, known): &mut (Arc<PathInspector>, Explanation)| {
-        panels::paths::paths(ui, inspector, Some(known), &mut Vec::new());
+        panels::paths::paths(ui, inspector, Some(known), &LampFollower::default(), &mut Vec::new());
     };
     panel([RIGHT, 400], given, show, |_| ())
+}
+
+/// The things at which the light of a lamp stays, while another lamp is selected.
+pub fn lamp_light() -> RgbImage {
+    let receivers = [
+        ("floor", 0.42, 600.0),
+        ("red wall", 0.23, 300.0),
+        ("desk", 0.0015, 12.0),
+    ];
+    let mut follower = LampFollower::default();
+    follower.name = "desk lamp".to_owned();
+    follower.lamp = Some(entity(1));
+    follower.selected = Some((entity(2), "ceiling lamp".to_owned()));
+    follower.light = Some(Arc::new(LampLight {
+        emitted: [1.2, 0.003],
+        escaped: [0.3485, 0.004],
+        receivers: receivers
+            .map(|(name, share, lumens)| Receiver {
+                destination: Destination {
+                    key: Some(entity(3)),
+                    received: lumens / 683.0,
+                    received_error: 0.01 * lumens / 683.0,
+                    share,
+                    share_error: 0.012,
+                },
+                name: name.to_owned(),
+            })
+            .to_vec(),
+    }));
+    let show = |ui: &mut Ui, follower: &mut Arc<LampFollower>| {
+        panels::paths::paths(ui, &PathInspector::default(), None, follower, &mut Vec::new());
+    };
+    panel([RIGHT, 260], Arc::new(follower), show, |_| ())
 }
 
 fn portion_of_all() -> Portion<()> {

@@ -1,5 +1,7 @@
 //! A tool that replaces selection for clicks and drags in the picture.
 
+use bevy::prelude::Entity;
+
 use super::gizmo_settings::GizmoSettings;
 use super::inspected_paths::InspectedPaths;
 use super::ruler::Ruler;
@@ -89,6 +91,8 @@ pub enum ToolCommand {
     ClearRulers,
     /// Shows the paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
+    /// Follows the light of a lamp, or of none.
+    FollowLamp(Option<Entity>),
     /// Sets the settings of the gizmo.
     SetGizmo(GizmoSettings),
 }
@@ -96,9 +100,12 @@ pub enum ToolCommand {
 impl ToolCommand {
     pub(super) fn traits(&self) -> Traits {
         match self {
-            Self::SetTool(_) | Self::AddRuler(_) | Self::ClearRulers | Self::InspectPaths(_) | Self::SetGizmo(_) => {
-                Traits::NONE
-            }
+            Self::SetTool(_)
+            | Self::AddRuler(_)
+            | Self::ClearRulers
+            | Self::InspectPaths(_)
+            | Self::FollowLamp(_)
+            | Self::SetGizmo(_) => Traits::NONE,
         }
     }
 }

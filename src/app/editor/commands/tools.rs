@@ -8,6 +8,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::ruler::MOST_RULERS;
 use crate::app::editor::command::tool::Tool;
+use crate::app::editor::picture::lamp_light::LampFollower;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::session::view_settings::ViewSettings;
 
@@ -34,6 +35,7 @@ pub fn apply(world: &mut World, command: ToolCommand) -> Result<(), CommandError
         }
         ToolCommand::ClearRulers => world.resource_mut::<ViewSettings>().rulers.clear(),
         ToolCommand::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
+        ToolCommand::FollowLamp(lamp) => world.resource_mut::<LampFollower>().lamp = lamp,
         ToolCommand::SetGizmo(gizmo) => set_gizmo(world, gizmo),
     }
     Ok(())

@@ -24,6 +24,7 @@ pub mod key_bindings;
 mod key_buttons;
 pub(crate) mod key_marks;
 mod kind_icons;
+pub mod lamp_light;
 mod lamps;
 pub mod layers;
 pub mod lengths;

@@ -4,10 +4,12 @@
 use bevy_egui::egui::{self, Color32, RichText, Ui};
 
 use super::fields;
+use super::lamp_light::lamp_light;
 use super::reasons::reasons;
 use super::section::section;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::{Command, ToolCommand};
+use crate::app::editor::picture::lamp_light::LampFollower;
 use crate::app::editor::picture::paths::{NamedPath, PathInspector};
 use crate::app::editor::picture::reasons::Explanation;
 use crate::color::Rgb;
@@ -18,8 +20,15 @@ use crate::render::observer::{MetEmitter, PathEnd};
 use crate::render::tonemap::Display;
 
 /// Shows why the inspected place is as it is, its paths, and the vertices of the chosen one.
-pub fn paths(ui: &mut Ui, inspector: &PathInspector, known: Option<&Explanation>, commands: &mut Vec<Command>) {
+pub fn paths(
+    ui: &mut Ui,
+    inspector: &PathInspector,
+    known: Option<&Explanation>,
+    follower: &LampFollower,
+    commands: &mut Vec<Command>,
+) {
     fields::leave_scroll_bar(ui);
+    lamp_light(ui, follower, commands);
     let Some(wanted) = inspector.wanted else {
         ui.add_space(8.0);
         ui.weak(

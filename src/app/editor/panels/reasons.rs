@@ -1,7 +1,8 @@
 //! Why the inspected place is as it is: its light by lamps and ways as sentences with bars, and what the noise there is
 //! made of. A click on a share shows its paths, and a click on a name selects the thing.
 
-use bevy_egui::egui::{self, Align2, RichText, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Align2, Response, RichText, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
 
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::selection::Extend;
@@ -69,11 +70,7 @@ fn row(ui: &mut Ui, named: &NamedPortion, wanted: &mut InspectedPaths, commands:
         }
         for (word, thing) in &named.words {
             match thing {
-                Some(entity) => {
-                    if ui.link(word).on_hover_text("Select it").clicked() {
-                        commands.push(SelectionCommand::Select(vec![*entity], Extend::Replace).into());
-                    }
-                }
+                Some(entity) => link(ui, word, *entity, commands),
                 None => drop(ui.label(word)),
             }
         }
@@ -83,12 +80,25 @@ fn row(ui: &mut Ui, named: &NamedPortion, wanted: &mut InspectedPaths, commands:
 /// A bar with the share; returns true when clicked.
 fn bar(ui: &mut Ui, named: &NamedPortion, is_chosen: bool) -> bool {
     let portion = &named.portion;
-    let (rect, response) = ui.allocate_exact_size(BAR, Sense::click());
+    let sentence: Vec<&str> = named.words.iter().map(|(word, _)| word.as_str()).collect();
     let share = percent(portion.share, portion.share_error);
+    let response = share_bar(ui, &share, portion.share, &sentence.join(" "), is_chosen);
+    let [value, error] = [portion.luminance, portion.error].map(|watts| Nit::of_watts(f64::from(watts)));
+    let help = format!(
+        "{}, and {:.0} % of the noise.\nClick to see its paths.",
+        value.with_error(error.0),
+        100.0 * portion.noise
+    );
+    response.on_hover_text(help).clicked()
+}
+
+/// A bar with a share from 0 to 1 and its text. `sentence` says what it is a share of.
+pub(super) fn share_bar(ui: &mut Ui, text: &str, share: f32, sentence: &str, is_chosen: bool) -> Response {
+    let (rect, response) = ui.allocate_exact_size(BAR, Sense::click());
     let visuals = ui.visuals();
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
-    let filled = rect.width() * portion.share.clamp(0.0, 1.0);
+    let filled = rect.width() * share.clamp(0.0, 1.0);
     let part = egui::Rect::from_min_size(rect.min, egui::vec2(filled, rect.height()));
     painter.rect_filled(part, 2.0, visuals.selection.bg_fill.gamma_multiply(0.6));
     let stroke = match (is_chosen, response.hovered()) {
@@ -99,17 +109,16 @@ fn bar(ui: &mut Ui, named: &NamedPortion, is_chosen: bool) -> bool {
     painter.rect_stroke(rect, 2.0, stroke, egui::StrokeKind::Inside);
     let font = TextStyle::Small.resolve(ui.style());
     let end = rect.right_center() - egui::vec2(4.0, 0.0);
-    painter.text(end, Align2::RIGHT_CENTER, &share, font, visuals.strong_text_color());
-    let sentence: Vec<&str> = named.words.iter().map(|(word, _)| word.as_str()).collect();
-    let sentence = sentence.join(" ");
-    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, is_chosen, format!("{share} {sentence}")));
-    let [value, error] = [portion.luminance, portion.error].map(|watts| Nit::of_watts(f64::from(watts)));
-    let help = format!(
-        "{}, and {:.0} % of the noise.\nClick to see its paths.",
-        value.with_error(error.0),
-        100.0 * portion.noise
-    );
-    response.on_hover_text(help).clicked()
+    painter.text(end, Align2::RIGHT_CENTER, text, font, visuals.strong_text_color());
+    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, is_chosen, format!("{text} {sentence}")));
+    response
+}
+
+/// The name of a thing; a click selects it.
+pub(super) fn link(ui: &mut Ui, name: &str, thing: Entity, commands: &mut Vec<Command>) {
+    if ui.link(name).on_hover_text("Select it").clicked() {
+        commands.push(SelectionCommand::Select(vec![thing], Extend::Replace).into());
+    }
 }
 
 /// The reasons of the noise, with the methods that help.

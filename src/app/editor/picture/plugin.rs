@@ -7,6 +7,7 @@ use super::carrying::Carrying;
 use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::frame_times::{self, FrameTimes};
+use super::lamp_light::LampFollower;
 use super::metering::Metering;
 use super::motion::Motion;
 use super::noise_trend::NoiseTrend;
@@ -31,6 +32,7 @@ impl Plugin for PicturePlugin {
             .init_resource::<FrameTimes>()
             .init_resource::<Metering>()
             .init_resource::<NoiseTrend>()
+            .init_resource::<LampFollower>()
             .init_resource::<OutlinePass>()
             .init_resource::<PathInspector>()
             .init_resource::<PicturePlace>()

@@ -1,15 +1,13 @@
 //! Why a place of the picture is as it is: its light by lamps and ways, found on threads of its own whenever the place,
 //! the scene or the view has changed.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::*;
-use crossbeam_channel::{Receiver, TryRecvError, bounded};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::paths::{Names, PathInspector};
+use super::search::Search;
 use crate::engine::reasons::{Group, Grouping, Things};
 use crate::engine::{PackedScene, RenderControl, WakeUp};
 use crate::render::breakdown::{Advice, Area, Batches, Breakdown, Portion, break_down, followed};
@@ -67,17 +65,10 @@ pub(super) struct Answer {
     is_final: bool,
 }
 
-struct Running {
-    question: Question,
-    cancel: Arc<AtomicBool>,
-    result: Receiver<Answer>,
-}
-
 /// The search for reasons, and its last result.
 #[derive(Resource, Default)]
 pub struct Reasons {
-    pool: Option<ThreadPool>,
-    running: Option<Running>,
+    search: Search<Question, Answer>,
     pub(super) answer: Option<Arc<Answer>>,
     /// The answer for the panel; None while nothing is known of the present scene and view.
     pub explanation: Option<Arc<Explanation>>,
@@ -94,46 +85,10 @@ impl Reasons {
         self.answer.as_ref().filter(|answer| answer.question.is_same(&question))
     }
 
-    fn forget(&mut self) {
-        self.cancel();
-        (self.answer, self.explanation) = (None, None);
-    }
-
-    fn cancel(&mut self) {
-        if let Some(running) = self.running.take() {
-            running.cancel.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// Takes the answer, if there is a new one. Returns true if so.
-    fn collect(&mut self) -> bool {
-        let Some(running) = &self.running else {
-            return false;
-        };
-        match running.result.try_recv() {
-            Ok(answer) => {
-                self.running = None;
-                self.answer = Some(Arc::new(answer));
-                true
-            }
-            Err(TryRecvError::Empty) => false,
-            // It was cancelled, or has failed.
-            Err(TryRecvError::Disconnected) => {
-                self.running = None;
-                false
-            }
-        }
-    }
-
     fn ask(&mut self, question: Question, threads: usize, wake_up: &WakeUp) {
-        if self
-            .running
-            .as_ref()
-            .is_some_and(|running| running.question.is_same(&question))
-        {
+        if self.search.is_about(|known| known.is_same(&question)) {
             return;
         }
-        self.cancel();
         let known = self.answer.as_ref().filter(|answer| answer.question.is_same(&question));
         let step = match known {
             Some(answer) if answer.is_final => return,
@@ -143,31 +98,8 @@ impl Reasons {
                 0
             }
         };
-        if self.pool.is_none() {
-            let pool = ThreadPoolBuilder::new().num_threads(threads.div_ceil(2));
-            // Without threads there is no answer.
-            self.pool = pool.thread_name(|index| format!("reasons {index}")).build().ok();
-        }
-        let Some(pool) = &self.pool else { return };
-        let (sender, result) = bounded(1);
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (asked, flag, wake_up) = (question.clone(), cancel.clone(), wake_up.clone());
-        pool.spawn(move || {
-            // A panic that escapes from a job of this pool would end the program.
-            let found = catch_unwind(AssertUnwindSafe(|| find(asked, step, &flag)));
-            if let Ok(Some(answer)) = found {
-                let _ = sender.send(answer);
-            }
-            drop(sender);
-            if let Some(wake) = &wake_up.0 {
-                wake();
-            }
-        });
-        self.running = Some(Running {
-            question,
-            cancel,
-            result,
-        });
+        let find = move |question, cancel: &_| find(question, step, cancel);
+        self.search.start(question, threads, wake_up, find);
     }
 }
 
@@ -193,15 +125,15 @@ pub(crate) fn follow_reasons(
     names: Names,
 ) {
     let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
-        if reasons.running.is_some() || reasons.answer.is_some() {
-            reasons.forget();
+        if reasons.search.is_running() || reasons.answer.is_some() {
+            reasons.search.cancel();
+            (reasons.answer, reasons.explanation) = (None, None);
         }
         return;
     };
-    if reasons.collect()
-        && let Some(answer) = reasons.answer.clone()
-    {
+    if let Some((_, answer)) = reasons.search.collect() {
         reasons.explanation = Some(Arc::new(explain(&answer, &Things::of(&packed), &names)));
+        reasons.answer = Some(Arc::new(answer));
     }
     let question = Question {
         scene: scene.clone(),

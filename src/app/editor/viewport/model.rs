@@ -25,6 +25,7 @@ use crate::app::editor::input::press::Press;
 use crate::app::editor::model::{Model, Outline, PaintingModel};
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::picture::depths::Depths;
+use crate::app::editor::picture::lamp_light::LampFollower;
 use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
@@ -59,6 +60,8 @@ pub struct ViewportModel<'a> {
     pub boxes: &'a BoxList,
     /// Why the inspected pixels are as they are; None while that is unknown.
     pub reasons: Option<&'a Explanation>,
+    /// The lamp whose light is followed.
+    pub lamp: &'a LampFollower,
     /// The inspected paths to draw.
     pub paths: &'a PathInspector,
     /// The outlines of selected things and of the hovered one.

@@ -179,7 +179,13 @@ impl TabViewer for Panels<'_> {
             Panel::History => history::history(ui, &model.history, commands),
             Panel::Messages => diagnostics::diagnostics(ui, &model.notices),
             Panel::Paths => {
-                paths::paths(ui, self.viewport.paths, self.viewport.reasons, commands);
+                let ViewportModel {
+                    paths: inspected,
+                    reasons,
+                    lamp,
+                    ..
+                } = *self.viewport;
+                paths::paths(ui, inspected, reasons, lamp, commands);
             }
             Panel::Meter => meter::meter(ui, &model.meters, &model.selection, commands),
             Panel::Bake => widgets.bake.panel(ui, &model.bake, commands),

@@ -26,6 +26,7 @@ use crate::app::editor::panels::status;
 use crate::app::editor::panels::timeline::timeline;
 use crate::app::editor::picture::awaited_image::EndedImage;
 use crate::app::editor::picture::depths::Depths;
+use crate::app::editor::picture::lamp_light::LampFollower;
 use crate::app::editor::picture::paths::PathInspector;
 use crate::app::editor::picture::reasons::Reasons;
 use crate::app::editor::picture::resolution::PicturePlace;
@@ -63,6 +64,7 @@ pub struct Scene<'w, 's> {
     active: Res<'w, ActiveSensor>,
     paths: Res<'w, PathInspector>,
     reasons: Res<'w, Reasons>,
+    lamp: Res<'w, LampFollower>,
     tutorial: Res<'w, Tutorial>,
     shapes:
         Query<'w, 's, (&'static Shape, &'static ToWorld), (Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
@@ -371,6 +373,7 @@ fn viewport_model<'a>(
         region: model.render.region,
         paths: &scene.paths,
         reasons: scene.reasons.explanation.as_deref(),
+        lamp: &scene.lamp,
         navigation: settings.navigation,
         denoiser: model.status.denoiser,
         is_carried_over: model.status.is_carried_over,

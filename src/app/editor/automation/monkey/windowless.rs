@@ -14,7 +14,7 @@ use crate::app::editor::command::{light_mix, selection};
 use crate::app::editor::commands::{self, flight, full_film, scene_watch};
 use crate::app::editor::model::{EditorModel, gather, inspection, leaks, light_figures, outline};
 use crate::app::editor::picture::frame_times::{self, FrameTimes};
-use crate::app::editor::picture::{compare, denoiser, motion, noise_trend, pacing, paths};
+use crate::app::editor::picture::{compare, denoiser, lamp_light, motion, noise_trend, pacing, paths};
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::systems::EditorSystems;
 use crate::app::editor::session::toasts::Toasts;
@@ -51,6 +51,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
         .insert_resource(motion::Motion::new(true))
         .init_resource::<history::History>()
         .init_resource::<noise_trend::NoiseTrend>()
+        .init_resource::<lamp_light::LampFollower>()
         .init_resource::<paths::PathInspector>()
         .init_resource::<selection::Selection>()
         .init_resource::<CommandQueue>()

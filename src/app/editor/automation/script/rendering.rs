@@ -52,6 +52,10 @@ verbs! {
     "region" "none | X,Y X,Y (0 to 1 from the upper left)" corners => RenderCommand::SetRegion(region(corners)?);
     "why" "none | X,Y [X,Y] [route|lamp|way|bounces|kind] (a place or two corners, 0 to 1)"
         words => ToolCommand::InspectPaths(inspected(words)?);
+    "follow-light" "LAMP|none" [name] => ToolCommand::FollowLamp(match *name {
+        "none" => None,
+        name => Some(named(world, name)?),
+    });
     "layers" "none | LAYER... (saved with EXR images)" names => layers(world, names)?;
     "choose-integrator" "on|off" [word] => RenderCommand::SetPathIsAuto(switch(word)?);
     "split-strategies" "on|off" [word] => RenderCommand::SetStrategySplit(switch(word)?);

@@ -1,0 +1,80 @@
+//! Where the light of a lamp goes: the things that get it, as bars with errors. A click on a name selects the thing.
+
+use bevy_egui::egui::Ui;
+
+use super::reasons::{link, share_bar};
+use super::section::section;
+use crate::app::editor::command::{Command, ToolCommand};
+use crate::app::editor::picture::lamp_light::{LampFollower, LampLight, Receiver};
+use crate::engine::reasons::percent;
+use crate::photometry::units::Lumen;
+
+/// The most things that are listed.
+const MOST_THINGS: usize = 12;
+/// Things with a smaller share are summed up in one line.
+const LEAST_SHARE: f32 = 0.002;
+
+/// Shows the light of the followed lamp, and offers to follow that of the selected one.
+pub fn lamp_light(ui: &mut Ui, follower: &LampFollower, commands: &mut Vec<Command>) {
+    let offered = follower
+        .selected
+        .as_ref()
+        .filter(|selected| follower.lamp != Some(selected.0));
+    if let Some((entity, name)) = offered {
+        let button = ui.button(format!("Where does the light of {name} go?"));
+        let help = "Traces paths from the lamp and lists the things at which its light stays";
+        if button.on_hover_text(help).clicked() {
+            commands.push(ToolCommand::FollowLamp(Some(*entity)).into());
+        }
+    }
+    if follower.lamp.is_none() {
+        return;
+    }
+    section(ui, "Where does the light of the lamp go?", |ui| {
+        match &follower.light {
+            Some(light) => rows(ui, follower, light, commands),
+            None => drop(ui.weak("Tracing…")),
+        }
+        if ui.button("Forget the lamp").clicked() {
+            commands.push(ToolCommand::FollowLamp(None).into());
+        }
+    });
+}
+
+fn rows(ui: &mut Ui, follower: &LampFollower, light: &LampLight, commands: &mut Vec<Command>) {
+    let [emitted, error] = light.emitted.map(lumens);
+    ui.label(format!("{} emits {}.", follower.name, emitted.with_error(error.0)));
+    let is_told = |receiver: &&Receiver| receiver.destination.share >= LEAST_SHARE;
+    let told: Vec<&Receiver> = light.receivers.iter().take_while(is_told).take(MOST_THINGS).collect();
+    for Receiver { destination, name } in &told {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let share = percent(destination.share, destination.share_error);
+            let bar = share_bar(ui, &share, destination.share, &format!("stays at {name}"), false);
+            let [received, error] = [destination.received, destination.received_error].map(lumens);
+            let received = received.with_error(error.0);
+            bar.on_hover_text(format!("{received} arrive there, reflected light included"));
+            match destination.key {
+                Some(entity) => link(ui, name, entity, commands),
+                None => drop(ui.label(name)),
+            }
+        });
+    }
+    let rest = &light.receivers[told.len()..];
+    let share: f32 = rest.iter().map(|receiver| receiver.destination.share).sum();
+    if share > 0.0 {
+        ui.weak(format!("{:.1} % at {} others", 100.0 * share, rest.len()));
+    }
+    let [escaped, error] = light.escaped;
+    if escaped > 0.0 {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            share_bar(ui, &percent(escaped, error), escaped, "leaves the scene", false);
+            ui.label("leaves the scene");
+        });
+    }
+}
+
+fn lumens(watts: f32) -> Lumen {
+    Lumen::of_watts(f64::from(watts))
+}
