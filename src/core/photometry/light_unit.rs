@@ -18,6 +18,18 @@ declare_names! {
     }
 }
 
+impl LightUnit {
+    /// The quantity that is measured in the unit.
+    pub const fn quantity(self) -> &'static str {
+        match self {
+            Self::Lumen => "Flux",
+            Self::Candela => "Intensity",
+            Self::Lux => "Illuminance",
+            Self::Nit => "Luminance",
+        }
+    }
+}
+
 /// How much of a unit a light gives for its strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {

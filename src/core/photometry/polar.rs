@@ -28,16 +28,23 @@ impl PolarCurve {
         Self::of(&distribution.picture(), at)
     }
 
-    /// [`Self::new`] of the picture of a distribution: of its row and column next to each direction.
+    /// [`Self::new`] of the picture of a distribution, linear between its pixels.
     pub fn of_picture(picture: &IntensityPicture, c: f64) -> Self {
         let (width, last) = (f64::from(picture.width), f64::from(picture.height.saturating_sub(1)));
         let at = |sin: f64, cos: f64| {
             let gamma = sin.abs().atan2(cos).to_degrees();
             let c = if sin < 0.0 { c + 180.0 } else { c };
-            let row = ((1.0 - gamma / 180.0) * last).round() as usize;
-            let column = (-c / 360.0 * width).round().rem_euclid(width) as usize;
-            let pixel = picture.candela.get(row * picture.width as usize + column);
-            pixel.copied().unwrap_or_default()
+            let (row, column) = ((1.0 - gamma / 180.0) * last, (-c / 360.0 * width).rem_euclid(width));
+            let pixel = |row: f64, column: f64| {
+                let index = row.min(last) as usize * picture.width as usize + (column % width) as usize;
+                picture.candela.get(index).copied().unwrap_or_default()
+            };
+            let in_row = |row: f64| {
+                let (left, right) = (pixel(row, column.floor()), pixel(row, column.floor() + 1.0));
+                left + (right - left) * column.fract() as f32
+            };
+            let (above, below) = (in_row(row.floor()), in_row(row.floor() + 1.0));
+            above + (below - above) * row.fract() as f32
         };
         Self::of(picture, at)
     }

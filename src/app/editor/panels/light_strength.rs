@@ -50,6 +50,11 @@ impl<'a> StrengthUnits<'a> {
         }
     }
 
+    /// Whether the quantity of the unit may name the row. The rows of sun and sky keep their own names.
+    fn is_only_one(&self) -> bool {
+        self.measures.iter().all(|(parameter, _)| *parameter == self.parameter)
+    }
+
     /// The place of the choice, which all lights with the same parameter and the same usual unit share.
     fn id(&self) -> Option<Id> {
         let usual = self.measures().next()?;
@@ -116,6 +121,10 @@ pub(crate) fn light_strength<'a>(
         };
         return strength_beside(ui, caption, strength, scale, |ui| units.choose(ui));
     };
+    let caption = match units.is_only_one() {
+        true => caption.titled(measure.unit.quantity()),
+        false => caption,
+    };
     let factor = measure.per_strength * luminance;
     let mut shown = *strength * factor;
     let scale = StrengthScale {
@@ -124,6 +133,12 @@ pub(crate) fn light_strength<'a>(
             LightUnit::Candela | LightUnit::Nit => [0.1, 1e7],
         },
         beside,
+        decimals: match shown {
+            1000.0.. => 0,
+            100.0.. => 1,
+            10.0.. => 2,
+            _ => 3,
+        },
         ..StrengthScale::default()
     };
     let changed = strength_beside(ui, caption, &mut shown, scale, |ui| units.choose(ui)) && factor > 0.0;
@@ -142,6 +157,8 @@ struct StrengthScale<'a> {
     ends: [f32; 2],
     /// The width of the control beside it in points.
     beside: f32,
+    /// The most decimals of the number.
+    decimals: usize,
 }
 
 impl Default for StrengthScale<'_> {
@@ -150,6 +167,7 @@ impl Default for StrengthScale<'_> {
             unit: "",
             ends: [0.01, 1000.0],
             beside: 0.0,
+            decimals: 3,
         }
     }
 }
@@ -159,14 +177,19 @@ fn strength_beside<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut f32,
-    StrengthScale { unit, ends, beside }: StrengthScale,
+    StrengthScale {
+        unit,
+        ends,
+        beside,
+        decimals,
+    }: StrengthScale,
     control: impl FnOnce(&mut Ui),
 ) -> bool {
     let (caption, mut copy) = (caption.into(), *value);
     let range = 0.0..=ends[1];
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
-        .max_decimals(3)
+        .max_decimals(decimals)
         .logarithmic(true)
         .smallest_positive(ends[0].into())
         .suffix(unit);
