@@ -78,9 +78,11 @@ pub fn measures_of_emitter(
             )
         }
         EmitterKind::SunSky(sky) => of_sky(sky, to_world),
-        EmitterKind::Projector { .. } | EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => {
-            Vec::new()
-        }
+        EmitterKind::Projector { .. }
+        | EmitterKind::ReflectionProbe { .. }
+        | EmitterKind::IrradianceVolume { .. }
+        | EmitterKind::IlluminanceMeter { .. }
+        | EmitterKind::IlluminanceGrid { .. } => Vec::new(),
     }
 }
 
