@@ -162,6 +162,8 @@ pub enum ViewMode {
     BvhSteps,
     /// The optical depth of the media before the first surface.
     OpticalDepth,
+    /// The irradiance on the first surface.
+    Illuminance,
     /// The first surface in its own colour, lit from the camera.
     Headlight,
     /// The first surface in grey, lit from the camera.

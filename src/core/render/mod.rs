@@ -17,6 +17,7 @@ mod fireflies;
 pub mod gathering;
 pub mod gbuffer;
 pub mod guide;
+mod illuminance;
 pub mod image_io;
 pub mod inspect;
 pub mod irradiance;

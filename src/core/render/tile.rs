@@ -227,7 +227,9 @@ pub fn render_blocks(
     };
     let tracer = Tracer::of(view);
     let rows_at_once = match tracer {
-        Tracer::Lanes(_) => (SAMPLES_AT_ONCE * tile.height / (result.total() as u32).max(1)).clamp(1, TILE),
+        Tracer::Lanes(_) | Tracer::Illuminance => {
+            (SAMPLES_AT_ONCE * tile.height / (result.total() as u32).max(1)).clamp(1, TILE)
+        }
         Tracer::Bidirectional(..) | Tracer::OneByOne => 1,
     };
     let bottom = tile.y + tile.height;

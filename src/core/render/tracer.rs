@@ -6,6 +6,7 @@ use glam::UVec2;
 
 use super::bidirectional;
 use super::borders::{headlight, optical_depth};
+use super::illuminance;
 use super::lanes::{self, Job};
 use super::layers::{LayerNotes, PixelLayers};
 use super::observer::PathObserver;
@@ -22,6 +23,8 @@ pub(super) enum Tracer {
     Lanes(PathSettings),
     /// One camera path and one light path at a time.
     Bidirectional(PathSettings, bidirectional::Techniques),
+    /// Irradiance at first hits, in lanes.
+    Illuminance,
     /// One path at a time, where settings differ between pixels or no paths are traced.
     OneByOne,
 }
@@ -33,6 +36,7 @@ impl Tracer {
         }
         match view.shown {
             Shown::Radiance => Self::Lanes(view.integrator.settings()),
+            Shown::Illuminance => Self::Illuminance,
             _ => Self::OneByOne,
         }
     }
@@ -69,6 +73,10 @@ impl Tracer {
                 traced.notes = lanes.notes;
             }
             _ if cancel.load(Ordering::Relaxed) => return None,
+            Self::Illuminance => {
+                let jobs: Vec<Job> = jobs.collect();
+                traced.from_lanes = Some(illuminance::trace(scene, view, &jobs, cancel)?.into_iter());
+            }
             Self::Bidirectional(settings, techniques) => {
                 let indices = jobs.map(|job| job.index);
                 traced.notes = LayerNotes::new(view, 1);
@@ -136,6 +144,11 @@ pub(super) fn render_sample(
     let ray = view.sight.narrow(&scene.geometry, camera.ray);
     let sample = match (view.path_settings(pixel), view.shown) {
         (Some(settings), _) => trace_path(scene, &settings, ray, camera.sampler, view.medium, observer),
+        (None, Shown::Illuminance) => {
+            let alone = illuminance::trace(scene, view, &[Job { pixel, index }], &AtomicBool::new(false));
+            let sample = alone.and_then(|mut alone| alone.pop());
+            sample.map_or_else(PathSample::default, |(sample, _)| sample)
+        }
         (None, Shown::OpticalDepth) => optical_depth(scene, &ray, view.medium),
         (None, Shown::BvhSteps) => {
             let mut stats = TraversalStats::default();

@@ -110,6 +110,8 @@ pub enum Shown {
     BvhSteps,
     /// The optical depth of the media before the first surface, per channel.
     OpticalDepth,
+    /// The irradiance on the first surface, on the side that faces the camera.
+    Illuminance,
     /// The first surface in its own colour, lit from the camera alone.
     Headlight,
     /// The first surface in one grey for all, lit from the camera alone.
@@ -242,7 +244,7 @@ impl View {
                 },
                 ..settings
             }),
-            Shown::BvhSteps | Shown::OpticalDepth | Shown::Headlight | Shown::Clay => None,
+            Shown::BvhSteps | Shown::OpticalDepth | Shown::Illuminance | Shown::Headlight | Shown::Clay => None,
         }
     }
 

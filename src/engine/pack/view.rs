@@ -145,6 +145,7 @@ pub(in crate::engine) fn pack_view(
         shown: match control.view_mode {
             ViewMode::BvhSteps => Shown::BvhSteps,
             ViewMode::OpticalDepth => Shown::OpticalDepth,
+            ViewMode::Illuminance => Shown::Illuminance,
             ViewMode::Headlight => Shown::Headlight,
             ViewMode::Clay => Shown::Clay,
             ViewMode::Path if control.strategy_split => Shown::StrategyThirds,

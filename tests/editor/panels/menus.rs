@@ -221,7 +221,7 @@ fn the_status_line_has_the_figures() {
         frame_ms: Some(12.0),
         ..StatusModel::default()
     };
-    let line: Panel<StatusModel> = |ui, model, _| status::status_line(ui, model);
+    let line: Panel<StatusModel> = |ui, model, _| status::status_line(ui, model, None);
     let harness = show_at(1280.0, model.clone(), line);
     for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles"] {
         assert!(harness.query_by_label(text).is_some(), "{text}");

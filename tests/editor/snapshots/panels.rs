@@ -450,7 +450,7 @@ pub fn timeline() -> RgbImage {
 }
 
 fn status(model: StatusModel) -> RgbImage {
-    let show = |ui: &mut Ui, model: &mut StatusModel| panels::status::status_line(ui, model);
+    let show = |ui: &mut Ui, model: &mut StatusModel| panels::status::status_line(ui, model, None);
     panel([1000, 40], model, show, |_| ())
 }
 

@@ -74,6 +74,10 @@ pub enum DisplayMode {
     Samples,
     /// The standard error of the luminance relative to it, in false colour.
     Noise,
+    /// The luminance in false colour.
+    Luminance,
+    /// The illuminance of the surfaces in false colour, with contour lines.
+    Illuminance,
     /// The light of one group of lights alone, by its layer of the film. Not among [`Self::ALL`].
     LightGroup(u8),
     /// The number of nodes of the acceleration structure that each camera ray visits, in false colour.
@@ -88,7 +92,7 @@ pub enum DisplayMode {
 
 impl DisplayMode {
     /// The modes with their names, in the order of the menu.
-    pub const ALL: [(Self, &'static str); 13] = [
+    pub const ALL: [(Self, &'static str); 15] = [
         (Self::Shaded, "Shaded"),
         (Self::Albedo, "Albedo"),
         (Self::Normal, "Normal"),
@@ -98,6 +102,8 @@ impl DisplayMode {
         (Self::Object, "Objects"),
         (Self::Samples, "Samples"),
         (Self::Noise, "Noise"),
+        (Self::Luminance, "Luminance"),
+        (Self::Illuminance, "Illuminance"),
         (Self::OpticalDepth, "Optical depth"),
         (Self::BvhSteps, "BVH steps"),
         (Self::Headlight, "Headlight"),
@@ -121,7 +127,11 @@ impl DisplayMode {
 
     /// The mode itself, if it needs a film of its own, because a film of light lacks its quantity.
     pub(crate) fn with_own_film(self) -> Option<Self> {
-        matches!(self, Self::BvhSteps | Self::OpticalDepth | Self::Headlight | Self::Clay).then_some(self)
+        matches!(
+            self,
+            Self::BvhSteps | Self::OpticalDepth | Self::Illuminance | Self::Headlight | Self::Clay
+        )
+        .then_some(self)
     }
 
     /// The meaning of its colours, as a tool tip.
@@ -136,6 +146,8 @@ impl DisplayMode {
             Self::Object => "A colour of its own for each object",
             Self::Samples => "The samples of each pixel",
             Self::Noise => "The error that is expected of each pixel, as a share of its brightness",
+            Self::Luminance => "How bright the picture is, in candela per square metre (nit)",
+            Self::Illuminance => "The light that arrives on each surface, in lux, with lines of equal illuminance",
             Self::LightGroup(_) => "The light of one lamp alone",
             Self::BvhSteps => "The nodes of the acceleration structure that each ray visits",
             Self::OpticalDepth => "The fog before each surface: the share exp(-depth) of its light comes through",

@@ -58,6 +58,7 @@ pub fn set_display(world: &mut World, display: DisplaySettings) {
     let view_mode = match display.mode {
         DisplayMode::BvhSteps => ViewMode::BvhSteps,
         DisplayMode::OpticalDepth => ViewMode::OpticalDepth,
+        DisplayMode::Illuminance => ViewMode::Illuminance,
         DisplayMode::Headlight => ViewMode::Headlight,
         DisplayMode::Clay => ViewMode::Clay,
         _ => ViewMode::Path,

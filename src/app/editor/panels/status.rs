@@ -21,7 +21,7 @@ const CURVE: egui::Vec2 = egui::vec2(40.0, 12.0);
 const CURVE_POINTS: usize = 21;
 
 /// Shows one line: the renderer's activity, samples, time, speed and noise.
-pub fn status_line(ui: &mut Ui, model: &StatusModel) {
+pub fn status_line(ui: &mut Ui, model: &StatusModel, pointed: Option<&str>) {
     let status = &model.status;
     ui.horizontal(|ui| {
         ui.set_min_height(20.0);
@@ -36,7 +36,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
         }
         ui.add(bar)
             .on_hover_text("Samples per pixel: those that are done, and those that are wanted. A limit of time or noise may end the picture sooner");
-        for part in parts(model) {
+        for part in parts(model, pointed) {
             // The last entries matter least: they are left out if there is no room.
             let font = egui::TextStyle::Body.resolve(ui.style());
             let color = egui::Color32::PLACEHOLDER;
@@ -74,12 +74,17 @@ impl Part {
 }
 
 /// The entries, the most important first.
-fn parts(model: &StatusModel) -> Vec<Part> {
+fn parts(model: &StatusModel, pointed: Option<&str>) -> Vec<Part> {
     let status = &model.status;
     let mut parts = vec![
         size(status),
         Part::new(time(status), "Time spent on the picture, and left"),
     ];
+    parts.extend(pointed.map(|light| {
+        let hint = "Luminance of the pixel under the pointer with its standard error, or the illuminance there in that display mode; \
+                    an unknown error is a question mark";
+        Part::new(light, hint)
+    }));
     parts.extend(noise(model));
     parts.extend(status.auto.as_ref().map(auto));
     parts.push(rays_per_second(status));
@@ -447,7 +452,7 @@ mod tests {
                 denoiser,
                 ..StatusModel::default()
             };
-            parts(&model).iter().any(|part| part.text.starts_with("denoised"))
+            parts(&model, None).iter().any(|part| part.text.starts_with("denoised"))
         };
         let shown = DenoiserState::Shown {
             samples: 16,

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec2;
 
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 use crate::engine::RenderFilm;
 use crate::render::film::Film;
 use crate::render::tile::PixelSum;
@@ -51,6 +51,14 @@ impl<'f> Depths<'f> {
         Some(if depth > 0.0 { depth } else { f32::INFINITY })
     }
 
+    /// The luminance of a place of the picture, as [`Self::at`], as radiance (W/(m^2 sr)), with its standard error if
+    /// it is known; None before there is a sample.
+    pub fn luminance_at(&self, place: Vec2) -> Option<(f32, Option<f32>)> {
+        let film = self.film?;
+        let [x, y] = pixel_at(film, place);
+        Some((luminance(film.pixel(x, y)?.radiance), film.standard_error(x, y)))
+    }
+
     /// The colour of the surface at a place of the picture, as [`Self::at`]: its albedo, linear Rec. 709 in [0, 1].
     /// Where nothing is hit, or a light as `is_light` says, it is the radiance, scaled down to that range. None if it
     /// is not known yet.
@@ -66,14 +74,20 @@ impl<'f> Depths<'f> {
 
     fn pixel(&self, place: Vec2) -> Option<PixelSum> {
         let film = self.film?;
-        let pixel = |share: f32, count: u32| ((share * count as f32).max(0.0) as u32).min(count - 1);
-        film.pixel(pixel(place.x, film.width()), pixel(place.y, film.height()))
+        let [x, y] = pixel_at(film, place);
+        film.pixel(x, y)
     }
 
     /// The number of depths in a row; 0 if none is known.
     pub fn width(&self) -> u32 {
         self.film.map_or(0, Film::width)
     }
+}
+
+/// The pixel at a place of a picture that has some.
+fn pixel_at(film: &Film, place: Vec2) -> [u32; 2] {
+    let pixel = |share: f32, count: u32| ((share * count as f32).max(0.0) as u32).min(count - 1);
+    [pixel(place.x, film.width()), pixel(place.y, film.height())]
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::painter::{DARKEST, Scales};
 use crate::app::editor::command::display::{DisplayMode, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat};
 use crate::app::editor::words::figures::length;
+use crate::photometry::units::{Lux, Nit};
 
 /// The legend of a display mode.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +52,8 @@ pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
         DisplayMode::OpticalDepth => heat("0", format!("{HOTTEST_DEPTH:.0}+")),
         DisplayMode::Samples => heat("0", scales.most_samples.to_string()),
         DisplayMode::Noise => heat("0 %", format!("{:.0} %+", 100.0 * HOTTEST_NOISE)),
+        DisplayMode::Luminance => heat("0", format!("{}+", Nit(scales.brightest.into()))),
+        DisplayMode::Illuminance => heat("0", format!("{}+", Lux(scales.brightest.into()))),
         DisplayMode::Depth => {
             let [low, high] = scales.depth.map(length);
             Legend::Ramp {

@@ -11,6 +11,7 @@ pub mod denoised;
 pub mod denoiser;
 mod denoiser_input;
 pub mod depths;
+mod false_colour;
 mod filter_work;
 pub mod frame_times;
 pub mod lamp_light;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::compare::PixelComparison;
+use super::false_colour::{brightest, depth_range, illuminance, photometric};
 use crate::app::editor::command::display::{
     DisplayMode, DisplaySettings, HOTTEST_DEPTH, HOTTEST_NOISE, HOTTEST_STEPS, heat,
 };
@@ -20,6 +21,8 @@ pub struct Scales {
     pub depth: [f32; 2],
     /// The most samples of any pixel.
     pub most_samples: u32,
+    /// The luminance in cd/m², or the illuminance in lux, of the hottest colour.
+    pub brightest: f32,
     /// The factors on the layers of the film; an empty list is the picture as sampled.
     pub mix: Vec<Rgb>,
 }
@@ -44,6 +47,10 @@ impl Scales {
                 most_samples: film.most_samples(),
                 ..Self::default()
             },
+            DisplayMode::Luminance | DisplayMode::Illuminance => Self {
+                brightest: brightest(film),
+                ..Self::default()
+            },
             DisplayMode::Shaded => Self { mix, ..Self::default() },
             DisplayMode::LightGroup(group) => Self {
                 mix: (0..film.layers().groups)
@@ -59,22 +66,6 @@ impl Scales {
             },
             _ => Self::default(),
         }
-    }
-}
-
-/// The range of all depths without the least and greatest hundredth: at silhouettes a pixel's mean depth is on no
-/// surface. Only some pixels are read.
-fn depth_range(film: &Film) -> [f32; 2] {
-    const ASKED: usize = 20_000;
-    let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
-    let every = (film.width() as usize * film.height() as usize).div_ceil(ASKED).max(1);
-    let depths = pixels.step_by(every).filter_map(|(x, y)| Some(film.pixel(x, y)?.depth));
-    let mut depths: Vec<f32> = depths.filter(|depth| *depth > 0.0).collect();
-    depths.sort_unstable_by(f32::total_cmp);
-    let end = depths.len() / 100;
-    match (depths.get(end), depths.get(depths.len().wrapping_sub(1 + end))) {
-        (Some(&near), Some(&far)) => [near, far],
-        _ => [0.0, 0.0],
     }
 }
 
@@ -267,6 +258,8 @@ impl<'a> Painter<'a> {
                 let relative = error / luminance(pixel.radiance).max(least).max(f32::MIN_POSITIVE);
                 heat(relative / HOTTEST_NOISE).map(quantized)
             }
+            DisplayMode::Luminance => heat(photometric(pixel) / self.scales.brightest).map(quantized),
+            DisplayMode::Illuminance => illuminance(self.film, self.scales.brightest, x, y).map(quantized),
             DisplayMode::BvhSteps => heat(pixel.radiance.x / HOTTEST_STEPS).map(quantized),
             DisplayMode::OpticalDepth => heat(luminance(pixel.radiance) / HOTTEST_DEPTH).map(quantized),
         }

@@ -126,6 +126,11 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     let camera = model.camera.filter(|_| has_place);
     let screen = camera.map(|camera| Screen { camera, picture });
     state.picture = has_place.then(|| ScreenPixels::of(ui, picture));
+    let pointed = response.hover_pos().filter(|at| has_place && picture.contains(*at));
+    state.pointed = pointed.map(|at| {
+        let share = (at - picture.min) / picture.size();
+        bevy::math::Vec2::new(share.x, share.y)
+    });
     paint_over(ui, panel, picture, screen.as_ref(), model, state);
     for (side, (pane, seen)) in sides.iter().zip(model.sides).enumerate() {
         side_views::paint(ui, pane, side, seen, model.pose, state);

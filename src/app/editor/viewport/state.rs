@@ -43,6 +43,8 @@ pub struct ViewportState {
     pub sides: Option<[ScreenPixels; COUNT]>,
     /// The place of the bar over a paused picture, if there is one.
     pub bar: Option<Rect>,
+    /// The place in the picture that the pointer is at, (0, 0) top left, (1, 1) bottom right; None outside of it.
+    pub pointed: Option<bevy::math::Vec2>,
     /// The place of the legend of false colours, if there is one.
     pub legend: Option<Rect>,
     /// Whether the picture is in headlight mode because of a drag.

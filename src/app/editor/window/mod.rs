@@ -15,6 +15,7 @@ pub(crate) mod late_quit;
 pub mod palette;
 pub mod picture_question;
 pub(crate) mod plugin;
+mod pointed;
 pub(crate) mod preview;
 mod preview_work;
 mod question;

@@ -10,6 +10,7 @@ use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::field_keys::{FieldKeys, Keyboard};
 use super::guards::Guards;
+use super::pointed::pointed_light;
 use super::sheet::{self, SheetModel};
 use super::widgets::Widgets;
 use super::{dialog, full_film, recovery_question, save_question, scene_question, toasts, trust_question, tutorial};
@@ -185,7 +186,8 @@ pub fn show_window(
         recent: &shell.preferences.recent_files,
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
-    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
+    let pointed = pointed_light(state.pointed, settings.display.mode, &scene.film);
+    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status, pointed.as_deref()));
     if model.timeline.is_shown(settings.timeline_shown) && settings.panels_shown {
         egui::Panel::bottom("timeline").show(&mut ui, |ui| {
             let bound = &shell.preferences.keys;
