@@ -12,10 +12,14 @@ use bevy::prelude::App;
 use sunroom::app::metering::{asked_meters, under_overcast_sky};
 use sunroom::app::threads::worker_count;
 use sunroom::bake::progress::about_invalid;
-use sunroom::engine::{Limits, PackedScene};
+use sunroom::engine::{Limits, PackedScene, load_to_completion};
 use sunroom::files::{keep_reads, write_atomically};
+use sunroom::meter::glare::{Glare, glare};
 use sunroom::meter::job::{MeterEnd, MeterEnding, MeterJob};
 use sunroom::meter::sites::MeterLimits;
+use sunroom::render::scene::RenderScene;
+use sunroom::render::view::View;
+use sunroom::scene::{ActiveSensor, find_camera};
 
 pub use self::args::MeasureArgs;
 
@@ -42,12 +46,16 @@ pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     };
     check_scene_stays(args.csv.iter())?;
-    let mut job = prepared(args, app)?;
+    let (mut job, seen) = prepared(args, app)?;
     let threads = worker_count(args.threads.threads, false).get();
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?);
     let (ending, seconds) = measured(args, &mut job, &pool, &cancel);
     let Some(readings) = job.readings() else {
         return Err("interrupted before the first samples: there are no values".into());
+    };
+    let glare = match seen.filter(|_| ending != MeterEnding::Cancelled) {
+        Some((scene, view)) => rated(&scene, &view, &pool, &cancel)?,
+        None => None,
     };
     for reading in readings.iter().filter(|reading| reading.is_buried) {
         let name = &reading.name;
@@ -60,6 +68,7 @@ pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
     }
     let results = Results {
         readings,
+        glare,
         is_daylight: args.daylight_factor,
         noise: args.end().noise,
         seconds,
@@ -100,16 +109,39 @@ fn loaded(args: &MeasureArgs, cancel: &Arc<AtomicBool>) -> Result<Option<App>, F
         cancel: cancel.clone(),
         ..Limits::default()
     };
-    let is_good = load(&mut app, &limits, scene, args.strict)? && is_shown(&app, scene, args.strict);
-    Ok(is_good.then_some(app))
+    if !load(&mut app, &limits, scene, args.strict)? {
+        return Ok(None);
+    }
+    if let Some(camera) = &args.camera {
+        let world = app.world_mut();
+        let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
+        world.insert_resource(ActiveSensor(Some(camera)));
+        // Prepares the scene for the chosen camera.
+        load_to_completion(&mut app, &limits)?;
+    }
+    Ok(is_shown(&app, scene, args.strict).then_some(app))
 }
 
-/// The job of the scene's meters.
-fn prepared(args: &MeasureArgs, mut app: App) -> Result<MeterJob, Failure> {
+/// The glare of the view; None if interrupted.
+fn rated(
+    scene: &RenderScene,
+    view: &View,
+    pool: &rayon::ThreadPool,
+    cancel: &AtomicBool,
+) -> Result<Option<Glare>, Failure> {
+    let camera = view.of_film();
+    if camera.is_orthographic() {
+        return Err("an orthographic camera has no place from which glare could be rated".into());
+    }
+    Ok(pool.install(|| glare(scene, view, &camera, cancel)))
+}
+
+/// The job of the scene's meters, and what --ugr rates, if it is asked for.
+fn prepared(args: &MeasureArgs, mut app: App) -> Result<(MeterJob, Option<(RenderScene, View)>), Failure> {
     let place = args.scene.scene.display();
     let world = app.world_mut();
     let mut asked = asked_meters(world);
-    if asked.is_empty() {
+    if asked.is_empty() && !args.ugr {
         return Err(format!(
             "{place} has no measuring points: add one with Add > Measuring point or Measuring grid in the window, or to \
              the file, such as\n  {}\nwhich measures the light on the side of its +z",
@@ -129,7 +161,8 @@ fn prepared(args: &MeasureArgs, mut app: App) -> Result<MeterJob, Failure> {
         // What is asked for is asked of the lights of the scene.
         asked.iter_mut().for_each(|asked| asked.limits = MeterLimits::default());
     }
-    Ok(MeterJob::new(scene, &view, asked)?)
+    let seen = args.ugr.then(|| (scene.clone(), view.clone()));
+    Ok((MeterJob::new(scene, &view, asked)?, seen))
 }
 
 /// Measures, and shows the progress. Returns the seconds too.

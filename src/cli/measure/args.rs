@@ -26,6 +26,12 @@ pub struct MeasureArgs {
     /// of all lights of the scene
     #[arg(long)]
     pub daylight_factor: bool,
+    /// Rate the glare of a camera's view by UGR (CIE 117), as well
+    #[arg(long)]
+    pub ugr: bool,
+    /// Camera of --ugr, by its id or its index from 0 on [default: the first]
+    #[arg(long, value_name = "NAME|INDEX", requires = "ugr")]
+    pub camera: Option<String>,
     /// Print the values as JSON
     #[arg(long)]
     pub json: bool,

@@ -5,12 +5,15 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 use sunroom::meter::daylight::{OPEN_GROUND, daylight_factor};
 use sunroom::meter::estimate::Estimate;
+use sunroom::meter::glare::Glare;
 use sunroom::meter::job::{Judgement, MeterEnding, MeterReading};
-use sunroom::photometry::units::{Lux, short};
+use sunroom::photometry::units::{Lux, Nit, short};
 
 /// The values of all meters.
 pub struct Results {
     pub readings: Vec<MeterReading>,
+    /// The glare of the view, if it was asked for.
+    pub glare: Option<Glare>,
     /// Whether they are those of daylight factors.
     pub is_daylight: bool,
     /// The relative error asked for.
@@ -64,6 +67,9 @@ impl Results {
                 let _ = writeln!(text, "{:width$}  {}", "", sentence(&judgement));
             }
         }
+        if let Some(glare) = &self.glare {
+            let _ = writeln!(text, "{}", glare_sentence(glare));
+        }
         if self.missed_noise() {
             let percent = short(100.0 * self.noise);
             let _ = writeln!(
@@ -92,6 +98,7 @@ impl Results {
         };
         json!({
             "meters": self.readings.iter().map(|reading| self.meter(reading)).collect::<Vec<_>>(),
+            "glare": self.glare.as_ref().map(glare_values),
             "passes": self.passes(),
             "ending": ending,
             "seconds": self.seconds,
@@ -180,6 +187,31 @@ fn percents(measured: &Estimate) -> Estimate {
 
 fn plain(measured: &Estimate) -> Value {
     json!({"value": measured.value, "error": measured.error})
+}
+
+fn glare_sentence(glare: &Glare) -> String {
+    let background = glare.background.in_unit(Nit::SYMBOL);
+    match &glare.rating {
+        Some(rating) => format!(
+            "UGR {}  background {background}  sources above {}, {} sr",
+            rating.in_unit("").trim_end(),
+            Nit(glare.threshold),
+            short(glare.solid_angle),
+        ),
+        None => format!(
+            "no UGR: nothing is brighter than {}, or nothing else is lit",
+            Nit(glare.threshold)
+        ),
+    }
+}
+
+fn glare_values(glare: &Glare) -> Value {
+    json!({
+        "ugr": glare.rating.as_ref().map(plain),
+        "background": plain(&glare.background),
+        "threshold": glare.threshold,
+        "solid_angle": glare.solid_angle,
+    })
 }
 
 /// A limit with what has become of it.

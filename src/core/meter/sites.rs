@@ -127,7 +127,10 @@ impl Sites {
 /// The columns and rows of a grid of this size.
 fn grid_size(size: [f32; 2], spacing: f32) -> Result<UVec2, SitesError> {
     // Rounding errors just above a whole number do not add a point.
-    let points = size.map(|side| (side / spacing - 1e-3).ceil().max(1.0));
+    let points = match spacing > 0.0 {
+        true => size.map(|side| (side / spacing - 1e-3).ceil().max(1.0)),
+        false => [f32::INFINITY; 2],
+    };
     let is_possible = points[0] * points[1] <= MOST_POINTS as f32;
     match is_possible {
         true => Ok(UVec2::new(points[0] as u32, points[1] as u32)),
