@@ -47,7 +47,6 @@ use sunroom::meter::estimate::{Estimate, GridEstimate};
 use sunroom::meter::job::MeterReading;
 use sunroom::meter::sites::MeterLimits;
 use sunroom::render::breakdown::{Advice, Area, Destination, Portion, Trouble};
-use sunroom::render::breakdown::{Advice, Area, Portion, Trouble};
 use sunroom::scene::KeyPath;
 
 use super::panel;

@@ -16,7 +16,7 @@ pub mod lamp_solid;
 pub(crate) mod legend;
 pub mod light_brush;
 pub mod marks;
-mod material_drop;
+pub mod material_drop;
 pub mod model;
 pub(crate) mod outlining;
 mod over_picture;
