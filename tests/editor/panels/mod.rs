@@ -6,6 +6,7 @@ mod assets;
 mod inspector;
 mod keys;
 mod lengths;
+mod light_painting;
 mod light_units;
 mod lights;
 mod materials;

@@ -17,6 +17,7 @@ use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::inspected_paths::InspectedPaths;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::light_mix::LightMix;
+use sunroom::app::editor::command::light_paint::{Answer, Brush, LampChoice};
 use sunroom::app::editor::command::presets;
 use sunroom::app::editor::command::resolution::Resolution;
 use sunroom::app::editor::command::selection::Selection;
@@ -25,7 +26,7 @@ use sunroom::app::editor::model::assets::{AssetEntry, AssetPicture, AssetPlace, 
 use sunroom::app::editor::model::baking::{BakeModel, ShownBake};
 use sunroom::app::editor::model::timeline::{Tick, TickTime, Ticks, TimelineModel, values_of};
 use sunroom::app::editor::model::{
-    ComparisonModel, HistoryModel, MixingModel, Model, Notice, RenderModel, StatusModel,
+    ComparisonModel, HistoryModel, MixingModel, Model, Notice, PaintingModel, RenderModel, StatusModel,
 };
 use sunroom::app::editor::panels;
 use sunroom::app::editor::panels::assets::AssetsState;
@@ -177,6 +178,36 @@ pub fn mixing_and_comparison() -> RgbImage {
         ..render_model()
     };
     render_panel(RIGHT, model, |_| ())
+}
+
+pub fn light_painting() -> RgbImage {
+    let colored = LampChoice {
+        colored: true,
+        most: 4.0,
+        ..LampChoice::default()
+    };
+    let fixed = LampChoice {
+        chosen: false,
+        ..LampChoice::default()
+    };
+    let model = PaintingModel {
+        strokes: [Brush::default().stroke(vec![Vec2::splat(0.5)])].into(),
+        lamps: vec![(entity(51), colored), (entity(53), fixed)],
+        answer: Some(Arc::new(Answer {
+            notes: vec![
+                "Stroke 1 (brighter 2) is missed by 12 %.".to_owned(),
+                "reading lamp is at its upper limit, 4.".to_owned(),
+            ],
+            milliseconds: 5.0,
+        })),
+        ..PaintingModel::default()
+    };
+    let show = |ui: &mut Ui, model: &mut PaintingModel| {
+        let lights = [(51, "reading lamp"), (52, "bulb"), (53, "sky")];
+        let lights = lights.map(|(light, name)| (entity(light), name.to_owned()));
+        panels::light_painting::light_painting(ui, model, &lights, &mut Vec::new());
+    };
+    panel([RIGHT, 600], model, show, |_| ())
 }
 
 pub fn library() -> RgbImage {

@@ -124,7 +124,7 @@ fn lamp_rows(ui: &mut Ui, name: &str, choice: &mut LampChoice) -> bool {
         ..NumberStyle::new(letter, 0.02)
     };
     let styles = [style("≥", 0.0..=limits[1]), style("≤", limits[0]..=1e6)];
-    if fields::numbers(ui, "Strength", &mut limits, styles) {
+    if fields::numbers(ui, "Limits", &mut limits, styles) {
         [choice.least, choice.most] = limits;
         changed = true;
     }

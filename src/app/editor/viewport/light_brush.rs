@@ -1,5 +1,7 @@
 //! The tool that paints the light you want: a brush over the picture.
 
+use std::f32::consts::PI;
+
 use bevy::math::Vec2;
 use bevy_egui::egui::{self, Color32, Painter, PointerButton, Pos2, Response, Shape, Ui};
 
@@ -143,12 +145,29 @@ fn paint_stroke(painter: &Painter, screen: &Screen, model: &ViewportModel, strok
     let radius = stroke.radius * film_height(screen, model);
     let color = color(stroke.wish);
     let tint = Color32::from_rgba_unmultiplied(color.r(), color.g(), color.b(), TINT);
-    // Ends and joints of the wide line would be counted twice where they are transparent: it is one line without them.
+    // What overlaps would be tinted twice: the line has half disks at its ends.
     match points[..] {
-        [point] => painter.circle_filled(point, radius, tint),
-        _ => painter.add(Shape::line(points.clone(), egui::Stroke::new(2.0 * radius, tint))),
-    };
+        [point] => {
+            painter.circle_filled(point, radius, tint);
+        }
+        [first, second, ..] => {
+            painter.add(Shape::line(points.clone(), egui::Stroke::new(2.0 * radius, tint)));
+            painter.add(half_disk(first, first - second, radius, tint));
+            if let [.., before, last] = points[..] {
+                painter.add(half_disk(last, last - before, radius, tint));
+            }
+        }
+        [] => {}
+    }
     painter.add(Shape::line(points, egui::Stroke::new(1.0, color)));
+}
+
+/// The half of a disk in a direction from its middle.
+fn half_disk(middle: Pos2, towards: egui::Vec2, radius: f32, color: Color32) -> Shape {
+    const STEPS: usize = 16;
+    let angle = |step: usize| towards.angle() + PI * (step as f32 / STEPS as f32 - 0.5);
+    let rim = (0..=STEPS).map(|step| middle + radius * egui::Vec2::angled(angle(step)));
+    Shape::convex_polygon(rim.collect(), color, egui::Stroke::NONE)
 }
 
 /// The colour in which strokes of a wish are drawn.

@@ -14,7 +14,7 @@ pub mod grid;
 pub mod icons;
 pub mod lamp_solid;
 pub(crate) mod legend;
-pub mod light_brush;
+mod light_brush;
 pub mod marks;
 pub mod material_drop;
 pub mod model;
