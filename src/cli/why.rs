@@ -1,6 +1,7 @@
 //! `sunroom why`: where the light of a place in the picture comes from, and where the light of a lamp goes.
 
 mod lamp;
+mod question;
 mod report;
 
 use std::process::ExitCode;
@@ -8,81 +9,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
-use clap::Args;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::app::threads::worker_count;
 use sunroom::engine::reasons::Things;
 use sunroom::engine::{Limits, PackedScene, load_to_completion};
-use sunroom::render::breakdown::{Area, Batches, LEAST_SAMPLES, break_down};
-use sunroom::render::part::Crop;
-use sunroom::render::scene::RenderScene;
-use sunroom::render::view::View;
 
-use super::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
+pub use self::question::WhyArgs;
+
+use self::question::Question;
 use super::check::{is_shown, load, open};
 use super::ending::INTERRUPTED;
+use super::outputs;
 use super::render::{choose_camera, set_size};
 use super::report::Failure;
-use super::{outputs, parse};
-
-#[derive(Args)]
-pub struct WhyArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    #[command(flatten)]
-    subject: Subject,
-    /// Samples per pixel; with --lamp paths from the lamp [default: 65536 in all, at least 64 per pixel; 262144 paths]
-    #[arg(short, long, value_parser = clap::value_parser!(u32).range(i64::from(LEAST_SAMPLES)..))]
-    spp: Option<u32>,
-    /// Camera of the picture, by its id or its index from 0 on [default: the first]
-    #[arg(long, value_name = "NAME|INDEX")]
-    camera: Option<String>,
-    /// Both sides of the picture in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
-    size: Option<(u32, u32)>,
-    /// Width of the picture in pixels; the other side follows if it is not given
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    width: Option<u32>,
-    /// Height in pixels
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    height: Option<u32>,
-    /// Seed of the random numbers; the same seed gives the same figures on any number of threads
-    #[arg(long)]
-    seed: Option<u32>,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    threads: ThreadArgs,
-    #[command(flatten)]
-    memory: MemoryArgs,
-    #[command(flatten)]
-    trust: TrustArgs,
-    #[command(flatten)]
-    missing: MissingArgs,
-    /// Treat warnings about the scene as errors
-    #[arg(long)]
-    strict: bool,
-}
-
-/// The subject of the question: a pixel, a rectangle of pixels, or a lamp.
-#[derive(Args)]
-#[group(required = true, multiple = false)]
-struct Subject {
-    /// Pixel of the picture, (0, 0) at the upper left
-    #[arg(long, value_name = "X,Y", value_parser = parse::pixel)]
-    at: Option<UVec2>,
-    /// Rectangle of pixels
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse::crop)]
-    region: Option<Crop>,
-    /// Lamp whose light is followed, by its id or name
-    #[arg(long, value_name = "NAME")]
-    lamp: Option<String>,
-}
-
-/// The samples of all pixels by default, and the least samples of a pixel.
-const SAMPLES: u64 = 1 << 16;
-const SAMPLES_OF_PIXEL: u64 = 64;
 
 pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
@@ -110,7 +49,7 @@ pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
         return Err(format!("{}: there is nothing to see", scene.display()).into());
     };
     view.seed = args.seed.unwrap_or(view.seed);
-    let subject = Question {
+    let question = Question {
         args,
         world: app.world(),
         things: Things::of(packed),
@@ -121,8 +60,8 @@ pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
     let threads = worker_count(args.threads.threads, false).get();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let text = match &args.subject.lamp {
-        Some(name) => subject.lamp(name, &pool)?,
-        None => subject.area(&pool)?,
+        Some(name) => question.lamp(name, &pool)?,
+        None => question.area(&pool)?,
     };
     match text {
         Some(text) => outputs::print(text.as_bytes())?,
@@ -141,42 +80,4 @@ fn cancelled_by_interrupt() -> Result<Arc<AtomicBool>, Failure> {
         }
     })?;
     Ok(cancel)
-}
-
-/// A loaded scene and what is asked about it.
-struct Question<'a> {
-    args: &'a WhyArgs,
-    world: &'a World,
-    things: Things,
-    scene: RenderScene,
-    view: View,
-    cancel: &'a AtomicBool,
-}
-
-impl Question<'_> {
-    /// The report on the light of an area; None if interrupted.
-    fn area(&self, pool: &rayon::ThreadPool) -> Result<Option<String>, Failure> {
-        let area = match (self.args.subject.at, self.args.subject.region) {
-            (Some(pixel), _) => Area::pixel(pixel),
-            (None, Some(Crop { x, y, width, height })) => Area { x, y, width, height },
-            (None, None) => return Err(Failure::Usage("expected --at, --region or --lamp".to_owned())),
-        };
-        let View { width, height, .. } = self.view;
-        if !area.is_within(width, height) {
-            return Err(Failure::Usage(format!(
-                "the place is outside of the picture, which has {width} x {height} pixels"
-            )));
-        }
-        let usual = (SAMPLES / area.pixels()).clamp(SAMPLES_OF_PIXEL, SAMPLES) as u32;
-        let batches = Batches::of(self.args.spp.unwrap_or(usual));
-        let found = pool.install(|| break_down(&self.scene, &self.view, area, batches, self.cancel));
-        let Some(breakdown) = found else {
-            return Ok(None);
-        };
-        let report = report::Report::new(self, &breakdown);
-        Ok(Some(match self.args.json {
-            true => format!("{}\n", serde_json::to_string_pretty(&report)?),
-            false => report.text(),
-        }))
-    }
 }

@@ -243,8 +243,8 @@ pub fn thing_name(world: &World, entity: Entity) -> String {
     name_of(world, entity, "thing")
 }
 
-/// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is rounded
-/// up; none is written if it is 0.
+/// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is
+/// rounded up; none is written if it is 0.
 pub fn percent(share: f32, error: f32) -> String {
     let [share, error] = [share, error].map(|part| 100.0 * f64::from(part));
     match error {

@@ -9,7 +9,7 @@ use sunroom::engine::reasons::{percent, thing_name};
 use sunroom::photometry::units::Lumen;
 use sunroom::render::breakdown::{Destination, destinations};
 
-use super::Question;
+use super::question::Question;
 use super::report::rest_percent;
 use crate::cli::report::{Failure, counted};
 

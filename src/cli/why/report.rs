@@ -5,15 +5,17 @@ use std::path::PathBuf;
 use serde::Serialize;
 use sunroom::engine::reasons::{Group, Grouping, percent, thing_name};
 use sunroom::photometry::units::Nit;
-use sunroom::render::breakdown::{Breakdown, Portion};
+use sunroom::render::breakdown::{Area, Batches, Breakdown, Portion, break_down};
+use sunroom::render::part::Crop;
+use sunroom::render::view::View;
 
-use super::Question;
-use crate::cli::report::counted;
+use super::question::Question;
+use crate::cli::report::{Failure, counted};
 
 /// The light of an area of the picture. Radiances are in W/(m^2 sr) of linear Rec. 709, luminances their Y; shares and
 /// noise are parts of the whole.
 #[derive(Serialize)]
-pub struct Report {
+struct Report {
     scene: PathBuf,
     width: u32,
     height: u32,
@@ -57,13 +59,44 @@ struct Cause {
     remedy: &'static str,
 }
 
+/// The samples of all pixels by default, and the least samples of a pixel.
+const SAMPLES: u64 = 1 << 16;
+const SAMPLES_OF_PIXEL: u64 = 64;
 /// Groups with a smaller share are left out of the text.
 const LEAST_SHARE: f32 = 0.002;
 /// The most groups of a grouping in the text.
 const MOST_GROUPS: usize = 12;
 
+impl Question<'_> {
+    /// The report on the light of an area; None if interrupted.
+    pub fn area(&self, pool: &rayon::ThreadPool) -> Result<Option<String>, Failure> {
+        let area = match (self.args.subject.at, self.args.subject.region) {
+            (Some(pixel), _) => Area::pixel(pixel),
+            (None, Some(Crop { x, y, width, height })) => Area { x, y, width, height },
+            (None, None) => return Err(Failure::Usage("expected --at, --region or --lamp".to_owned())),
+        };
+        let View { width, height, .. } = self.view;
+        if !area.is_within(width, height) {
+            return Err(Failure::Usage(format!(
+                "the place is outside of the picture, which has {width} x {height} pixels"
+            )));
+        }
+        let usual = (SAMPLES / area.pixels()).clamp(SAMPLES_OF_PIXEL, SAMPLES) as u32;
+        let batches = Batches::of(self.args.spp.unwrap_or(usual));
+        let found = pool.install(|| break_down(&self.scene, &self.view, area, batches, self.cancel));
+        let Some(breakdown) = found else {
+            return Ok(None);
+        };
+        let report = Report::new(self, &breakdown);
+        Ok(Some(match self.args.json {
+            true => format!("{}\n", serde_json::to_string_pretty(&report)?),
+            false => report.text(),
+        }))
+    }
+}
+
 impl Report {
-    pub fn new(of: &Question, breakdown: &Breakdown) -> Self {
+    fn new(of: &Question, breakdown: &Breakdown) -> Self {
         let name = |entity| thing_name(of.world, entity);
         let part = |portion: Portion<Group>| Part {
             text: portion.key.text(&name),
@@ -103,7 +136,7 @@ impl Report {
         }
     }
 
-    pub fn text(&self) -> String {
+    fn text(&self) -> String {
         let [x, y, width, height] = self.area;
         let place = match (width, height) {
             (1, 1) => format!("Pixel {x}, {y}"),

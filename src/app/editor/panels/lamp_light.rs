@@ -63,7 +63,8 @@ fn rows(ui: &mut Ui, follower: &LampFollower, light: &LampLight, commands: &mut 
     let rest = &light.receivers[told.len()..];
     let share: f32 = rest.iter().map(|receiver| receiver.destination.share).sum();
     if share > 0.0 {
-        ui.weak(format!("{:.1} % at {} others", 100.0 * share, rest.len()));
+        let things = if rest.len() == 1 { "thing" } else { "things" };
+        ui.weak(format!("{:.1} % at {} other {things}", 100.0 * share, rest.len()));
     }
     let [escaped, error] = light.escaped;
     if escaped > 0.0 {

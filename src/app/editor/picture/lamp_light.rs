@@ -1,5 +1,5 @@
-//! Where the light of a lamp goes: by the things that it arrives at, found on threads of its own whenever the lamp or the
-//! scene has changed.
+//! Where the light of a lamp goes: by the things that it arrives at, found on threads of its own whenever the lamp or
+//! the scene has changed.
 
 use std::sync::Arc;
 

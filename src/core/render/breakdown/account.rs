@@ -159,8 +159,8 @@ impl Breakdown {
         }
     }
 
-    /// At most `most` of the paths that have found light on routes of a group, with few of each route. `scene` and `view`
-    /// are those that were broken down.
+    /// At most `most` of the paths that have found light on routes of a group, with few of each route. `scene` and
+    /// `view` are those that were broken down.
     pub fn example_paths(
         &self,
         scene: &RenderScene,

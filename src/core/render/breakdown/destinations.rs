@@ -90,8 +90,8 @@ pub struct Destination<K> {
     pub share_error: f32,
 }
 
-/// Traces about `paths` light paths of all lamps of `scene`, at least one for each batch. Tasks run on the threads of the
-/// current `rayon` pool; the result does not depend on their number. None if cancelled.
+/// Traces about `paths` light paths of all lamps of `scene`, at least one for each batch. Tasks run on the threads of
+/// the current `rayon` pool; the result does not depend on their number. None if cancelled.
 pub fn destinations(scene: &RenderScene, view: &View, paths: u32, cancel: &AtomicBool) -> Option<Destinations> {
     let mut unbounded = view.clone();
     // Light goes on where the paths of a picture end.

@@ -1,13 +1,14 @@
-//! The light of a pixel or of a rectangle of pixels by the routes on which it has come: from which lamp, by way of which
-//! surface, after how many bounces, and by what kind of scattering.
+//! The light of a pixel or of a rectangle of pixels by the routes on which it has come: from which lamp, by way of
+//! which surface, after how many bounces, and by what kind of scattering.
 //!
 //! The samples are those of the picture by path tracing, as [`record_paths`] records them: every contribution of every
-//! path is put to the account of its [`Route`]. Portions of one grouping therefore sum up to the value of the pixel. The
-//! reconstruction filter counts as in the picture; clamps, guides and layers are left out.
+//! path is put to the account of its [`Route`]. Portions of one grouping therefore sum up to the value of the pixel.
+//! The reconstruction filter counts as in the picture; clamps, guides and layers are left out.
 //!
-//! Standard errors are those of batch means: the samples are split into [`BATCHES`] batches with random numbers that are
-//! independent of each other (Owen, Monte Carlo theory, methods and examples, 2013, section 17.7: replicates of randomised
-//! quasi-Monte Carlo). So the error of well spread points is not overestimated, as it would be by their spread.
+//! Standard errors are those of batch means: the samples are split into [`BATCHES`] batches with random numbers that
+//! are independent of each other (Owen, Monte Carlo theory, methods and examples, 2013, section 17.7: replicates of
+//! randomised quasi-Monte Carlo). So the error of well spread points is not overestimated, as it would be by their
+//! spread.
 
 mod account;
 mod destinations;
@@ -83,8 +84,8 @@ impl Area {
             && end(self.y, self.height) <= u64::from(height)
     }
 
-    /// At most `count` of its pixels, spread over it evenly by the sequence R2 (Roberts, The unreasonable effectiveness of
-    /// quasirandom sequences, 2018), row by row.
+    /// At most `count` of its pixels, spread over it evenly by the sequence R2 (Roberts, The unreasonable effectiveness
+    /// of quasirandom sequences, 2018), row by row.
     pub fn spread(&self, count: u32) -> Vec<UVec2> {
         let size = DVec2::new(self.width.into(), self.height.into());
         let place = |index: u32| (0.5 + f64::from(index) * DVec2::new(0.754_877_666_2, 0.569_840_290_9)).fract();
@@ -142,8 +143,8 @@ pub fn followed(view: &View) -> View {
     }
 }
 
-/// The view of batch number `batch`, whose random numbers are independent of those of other batches; the first batch has
-/// those of `view`.
+/// The view of batch number `batch`, whose random numbers are independent of those of other batches; the first batch
+/// has those of `view`.
 pub fn of_batch(view: &View, batch: u32) -> View {
     View {
         seed: view.seed.wrapping_add(batch.wrapping_mul(0x9e37_79b9)),
@@ -220,8 +221,8 @@ fn trace_pixels(
     Some(account)
 }
 
-/// The contributions of a path to its pixel, which the filter weighs; values that are not finite are left out, as in the
-/// picture.
+/// The contributions of a path to its pixel, which the filter weighs; values that are not finite are left out, as in
+/// the picture.
 fn weighted_contributions(scene: &RenderScene, path: &RecordedPath, found: &mut Vec<(Route, DVec3)>) {
     found.clear();
     if path.radiance.is_finite() {

@@ -87,8 +87,8 @@ pub struct Contribution {
     pub light: Rgb,
 }
 
-/// The density per solid angle from which on a scattering counts as glossy: a diffuse surface scatters nowhere with more
-/// than 1 / pi.
+/// The density per solid angle from which on a scattering counts as glossy: a diffuse surface scatters nowhere with
+/// more than 1 / pi.
 const GLOSSY_DENSITY: f32 = 1.0;
 
 /// What is known of a route while a path is followed from the camera on.
@@ -115,7 +115,8 @@ impl Trail {
         is_caustic: false,
     };
 
-    /// The trail behind a scattering at `vertex`, to which the path came in direction `dir` and which it leaves to `wi`.
+    /// The trail behind a scattering at `vertex`, to which the path came in direction `dir` and which it leaves to
+    /// `wi`.
     fn scattered(mut self, vertex: &RecordedVertex, dir: Vec3, wi: Vec3, is_glossy: bool) -> Self {
         self.bounces += 1;
         let second = match vertex.place {
