@@ -72,8 +72,8 @@ pub fn position_index(direction: Vec3) -> f64 {
     (1e-3 * first * off + 1e-5 * second * off * off).exp()
 }
 
-/// The glare of a scene for an eye in the place of a camera. None if `cancel` was set meanwhile, or if the camera has no
-/// place, as an orthographic one.
+/// The glare of a scene for an eye in the place of a camera. None if `cancel` was set meanwhile, or if the camera has
+/// no place, as an orthographic one.
 pub fn glare(scene: &RenderScene, view: &View, camera: &Camera, cancel: &AtomicBool) -> Option<Glare> {
     let eye = camera.eye()?;
     let from_world = Mat3::from_cols(

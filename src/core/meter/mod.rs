@@ -6,8 +6,8 @@
 //! mean illuminance and by the uniformity, the ratio of both.
 //!
 //! [`sites`] places the points, [`job`] gathers light until it is as certain as asked for, and [`estimate`] has values
-//! with their errors. [`daylight`] replaces the lights of a scene by an overcast sky, and [`glare`] rates the glare of a
-//! view.
+//! with their errors. [`daylight`] replaces the lights of a scene by an overcast sky, and [`glare`] rates the glare of
+//! a view.
 
 pub mod daylight;
 pub mod estimate;

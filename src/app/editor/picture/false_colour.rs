@@ -39,8 +39,8 @@ pub(super) fn depth_range(film: &Film) -> [f32; 2] {
     }
 }
 
-/// The luminance in cd/m², or the illuminance in lux, of the hottest colour: few pixels exceed it. It is a round number,
-/// so that it seldom changes while a picture is rendered.
+/// The luminance in cd/m², or the illuminance in lux, of the hottest colour: few pixels exceed it. It is a round
+/// number, so that it seldom changes while a picture is rendered.
 pub(super) fn brightest(film: &Film) -> f32 {
     let mut values: Vec<f32> = some_pixels(film).map(|pixel| photometric(&pixel)).collect();
     values.sort_unstable_by(f32::total_cmp);
