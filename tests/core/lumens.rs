@@ -1,4 +1,5 @@
-//! Lights that are given in lumens, lux or nits: what they send, sampled as the renderer samples it, integrates to that.
+//! Lights that are given in lumens, lux or nits: what they send, sampled as the renderer samples it, integrates to
+//! that.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::fs;

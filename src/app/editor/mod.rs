@@ -128,7 +128,7 @@ fn order_frame(app: &mut App) {
                 picture::paths::follow_paths,
                 (
                     model::inspection::gather_selection,
-                    model::light_figures::gather_light_figures,
+                    model::gather_light::gather_light_figures,
                 )
                     .chain(),
                 model::thumbnails::update_thumbnails,

@@ -1,7 +1,7 @@
 //! The area of a placed shape.
 //!
-//! An affine map with the matrix M stretches an area element of the normal n by |cof(M) n| with the cofactors of M. What
-//! has no closed form, as for ellipsoids, is integrated.
+//! An affine map with the matrix M stretches an area element of the normal n by |cof(M) n| with the cofactors of M.
+//! What has no closed form, as for ellipsoids, is integrated.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,8 +13,8 @@ use super::{Instance, Primitive};
 const STEPS: usize = 256;
 
 impl Instance {
-    /// The area of one side of the surface in world space, in f64 to within 0.01 %. Curves, which cannot be lights, have
-    /// none.
+    /// The area of one side of the surface in world space, in f64 to within 0.01 %. Curves, which cannot be lights,
+    /// have none.
     pub fn area(&self) -> f64 {
         let matrix = self.world_from_local.matrix3.as_dmat3();
         let cofactors = DMat3::from_cols(

@@ -1,9 +1,9 @@
 //! Colours of light by temperature: chromaticities of black bodies, and of light beside them by its Duv.
 //!
-//! The chromaticities are those of M. Krystek, "An algorithm to calculate correlated colour temperature", Color Research
-//! & Application 10, 1985: within 9e-5 of Planck's law in the CIE 1960 diagram from 1000 to 15,000 K. Duv is the distance
-//! from there in the same diagram, positive above the curve, on the side of green (ANSI C78.377; Ohno, "Practical use and
-//! calculation of CCT and Duv", LEUKOS 10, 2014).
+//! The chromaticities are those of M. Krystek, "An algorithm to calculate correlated colour temperature", Color
+//! Research & Application 10, 1985: within 9e-5 of Planck's law in the CIE 1960 diagram from 1000 to 15,000 K. Duv is
+//! the distance from there in the same diagram, positive above the curve, on the side of green (ANSI C78.377; Ohno,
+//! "Practical use and calculation of CCT and Duv", LEUKOS 10, 2014).
 
 use std::ops::RangeInclusive;
 

@@ -2,8 +2,8 @@
 //!
 //! A picture of exposure value `EV100` shows white, the value 1, for a luminance of 1.2 * 2^EV100 nits. That is the
 //! luminance that saturates a sensor whose saturation-based speed is S: it takes `H = 78 / S` lux seconds (ISO
-//! 12232:2019), a lens brings `H = q L t / N^2` to the sensor with `q = 0.65`, and `EV100 = log2(N^2 / t * 100 / S)`, so
-//! that `L = 78 / (0.65 * 100) * 2^EV100` (Lagarde and de Rousiers, Moving Frostbite to Physically Based Rendering,
+//! 12232:2019), a lens brings `H = q L t / N^2` to the sensor with `q = 0.65`, and `EV100 = log2(N^2 / t * 100 / S)`,
+//! so that `L = 78 / (0.65 * 100) * 2^EV100` (Lagarde and de Rousiers, Moving Frostbite to Physically Based Rendering,
 //! SIGGRAPH 2014, section 5.1.2). Radiance times 683 is luminance in nits.
 
 use super::LUMENS_PER_WATT;

@@ -8,7 +8,8 @@ declare_names! {
     pub enum LightUnit {
         /// The luminous flux, in all directions and of the whole surface.
         Lumen = "lm" => "lumens",
-        /// The luminous intensity; of lights with a beam along its axis, of measured lamps in their brightest direction.
+        /// The luminous intensity; of lights with a beam along its axis, of measured lamps in their brightest
+        /// direction.
         Candela = "cd" => "candela",
         /// The illuminance on a surface that faces the light, or for lights from many directions on one that lies
         /// under them.

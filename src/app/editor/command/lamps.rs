@@ -1,5 +1,5 @@
-//! Lights given in photometric units and by the temperature of their colour: real lamps of the table, and values such as
-//! `800lm 2700K`.
+//! Lights given in photometric units and by the temperature of their colour: real lamps of the table, and values such
+//! as `800lm 2700K`.
 
 use crate::color::temperature::{DUVS, TEMPERATURES, Temperature};
 use crate::color::{Rgb, luminance};
@@ -57,8 +57,8 @@ impl PhotometricValue {
         (words.next().is_none() && (amount.is_some() || color.is_some())).then_some(Self { amount, color })
     }
 
-    /// Gives a light the value, by its measures. With a name only that parameter is set, else the one that has a measure
-    /// in the unit. The error is a sentence without a full stop.
+    /// Gives a light the value, by its measures. With a name only that parameter is set, else the one that has a
+    /// measure in the unit. The error is a sentence without a full stop.
     pub(crate) fn apply(
         &self,
         light: &mut impl Declared,

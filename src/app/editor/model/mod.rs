@@ -7,6 +7,7 @@ pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
 pub(crate) mod gather_bake;
+pub(crate) mod gather_light;
 pub(crate) mod gather_meters;
 pub(crate) mod inspected_media;
 pub(crate) mod inspection;

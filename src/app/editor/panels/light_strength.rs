@@ -93,7 +93,6 @@ impl<'a> StrengthUnits<'a> {
         response.on_hover_text("The unit of this row");
         if let Some(unit) = wanted {
             ui.data_mut(|data| data.insert_temp::<Option<LightUnit>>(id, unit));
-            ui.close();
         }
     }
 }

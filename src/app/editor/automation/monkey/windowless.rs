@@ -12,7 +12,7 @@ use super::state::{Monkey, settings_folder};
 use crate::app::allocator::keep_memory_low;
 use crate::app::editor::command::{light_mix, selection};
 use crate::app::editor::commands::{self, flight, full_film, scene_watch};
-use crate::app::editor::model::{EditorModel, gather, inspection, leaks, light_figures, outline};
+use crate::app::editor::model::{EditorModel, gather, gather_light, inspection, leaks, outline};
 use crate::app::editor::picture::frame_times::{self, FrameTimes};
 use crate::app::editor::picture::{compare, denoiser, lamp_light, motion, noise_trend, pacing, paths};
 use crate::app::editor::session::requests::{CommandQueue, Requests};
@@ -93,7 +93,7 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
                     outline::gather_outline,
                     leaks::find_leaks,
                     paths::follow_paths,
-                    (inspection::gather_selection, light_figures::gather_light_figures).chain(),
+                    (inspection::gather_selection, gather_light::gather_light_figures).chain(),
                     gather::gather_status,
                 )
                     .chain()

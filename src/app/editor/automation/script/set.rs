@@ -10,7 +10,7 @@ use crate::app::editor::command::ValueEdit;
 use crate::app::editor::command::lamps::PhotometricValue;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::commands::things::pose_of;
-use crate::app::editor::model::light_figures::measures_of;
+use crate::app::editor::model::gather_light::measures_of;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document::suggest::did_you_mean;
 use crate::photometry::lamps::{LAMPS, Lamp};
