@@ -72,7 +72,7 @@ impl LampLight for Floor {
 }
 
 fn albedo(pixel: u32) -> Rgb {
-    let is_dark = (pixel % SIZE[0] / 20 + pixel / SIZE[0] / 20) % 2 == 0;
+    let is_dark = (pixel % SIZE[0] / 20 + pixel / SIZE[0] / 20).is_multiple_of(2);
     Rgb::splat(if is_dark { 0.2 } else { 0.7 })
 }
 
