@@ -323,6 +323,12 @@ fn folders_become_nodes_with_their_transforms() {
     assert_near(house.to_world.transform_point3(Vec3::ONE), Vec3::new(12.0, 2.0, 2.0));
 }
 
+/// The number at the beginning of a text of JSON.
+fn leading_number(text: &str) -> f32 {
+    let end = text.find([',', '}']).unwrap_or(text.len());
+    text[..end].parse().expect("a number")
+}
+
 #[test]
 fn lights_and_cameras_keep_what_they_are() {
     let shop = Workshop::new();
@@ -345,6 +351,14 @@ fn lights_and_cameras_keep_what_they_are() {
     shop.put("before.xml", &text);
     let before = shop.describe("before.xml");
     let after = shop.round_trip(&text, "level.glb");
+    // The file has candela and lux, at 683 lm/W.
+    let bytes = shop.read("level.glb");
+    let json = String::from_utf8_lossy(&bytes);
+    let intensities: Vec<f32> = json.split("\"intensity\":").skip(1).map(leading_number).collect();
+    assert!(
+        intensities.contains(&(20.0 * 683.0)) && intensities.contains(&(3.0 * 683.0)),
+        "{intensities:?}"
+    );
     assert_eq!(before.emitters.len(), after.emitters.len());
     for (old, new) in before.emitters.iter().zip(&after.emitters) {
         assert_eq!(old.identity.name, new.identity.name);

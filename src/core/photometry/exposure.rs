@@ -64,7 +64,7 @@ pub fn ev100_of_stops(stops: f32) -> f32 {
 }
 
 /// The exposure value that a reflected-light meter shows for a luminance in nits: `log2(100 L / K)`. Middle grey of
-/// that luminance is then shown at 0.13.
+/// that luminance is then shown at 0.104.
 pub fn ev100_of_luminance(nits: f32) -> f32 {
     (100.0 * nits / METER_CALIBRATION).log2()
 }
@@ -127,6 +127,9 @@ mod tests {
         assert_near(ev100_of_stops(stops_of_ev100(7.25)), 7.25);
         // A meter on 4000 nits: 2^15 = 100 * 4096 / 12.5.
         assert_near(ev100_of_luminance(4096.0), 15.0);
+        let nits = 4096.0;
+        let shown = nits / LUMENS_PER_WATT * stops_of_ev100(ev100_of_luminance(nits)).exp2();
+        assert_near(shown, 1.0 / 9.6);
     }
 
     #[test]

@@ -86,9 +86,10 @@ const SODIUM: &str =
     "Regulation (EC) 245/2009, annex III: least efficacy of high-pressure sodium lamps, 90 lm/W at 70 W; about 2000 K";
 const REFLECTOR: &str = "Regulation (EU) 1194/2012, annex III: light within 90 degrees of a reflector lamp PAR16 of 50 W; beams of 36 degrees are usual";
 
+/// Half of the intensity is 18 degrees beside the axis, since it falls linearly with the angle.
 const DOWNLIGHT: LampForm = LampForm::Spot {
-    cutoff: 36.0,
-    beam: 18.0,
+    cutoff: 27.0,
+    beam: 9.0,
 };
 
 lamps! {

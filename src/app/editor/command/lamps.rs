@@ -2,10 +2,10 @@
 //! as `800lm 2700K`.
 
 use crate::color::temperature::{DUVS, TEMPERATURES, Temperature};
-use crate::color::{Rgb, luminance};
+use crate::color::{BRIGHTEST, Rgb, luminance};
 use crate::engine::MeasureOf;
 use crate::photometry::LightUnit;
-use crate::photometry::lamps::Lamp;
+use crate::photometry::lamps::{Lamp, LampForm};
 use crate::scene::{Declared, Parameter, ParameterMut};
 
 /// A light in photometric units: its amount, its colour or both.
@@ -69,7 +69,10 @@ impl PhotometricValue {
             parameter.is_none_or(|wanted| wanted == *name) && self.amount.is_none_or(|(_, unit)| unit == measure.unit)
         };
         let Some((name, measure)) = measures.iter().find(fits) else {
-            let known: Vec<&str> = measures.iter().map(|(_, measure)| measure.unit.label()).collect();
+            let own = measures
+                .iter()
+                .filter(|(name, _)| parameter.is_none_or(|wanted| wanted == *name));
+            let known: Vec<&str> = own.map(|(_, measure)| measure.unit.label()).collect();
             return Err(match (self.amount, &known[..]) {
                 (_, []) => "the light has no strength in photometric units".to_owned(),
                 (Some((_, unit)), known) => {
@@ -79,18 +82,39 @@ impl PhotometricValue {
             });
         };
         let strength = self.amount.map(|(amount, _)| amount / measure.per_strength);
+        let mut result = Ok(());
         light.visit_mut(&mut |info, value| {
             if info.name != *name {
                 return;
             }
             match value {
-                ParameterMut::Emission(value) => *value = self.shone(*value, strength),
-                ParameterMut::TexturedEmission(Parameter::Constant(value)) => *value = self.shone(*value, strength),
-                ParameterMut::Factor(value) => *value = strength.unwrap_or(*value),
+                ParameterMut::Emission(value) | ParameterMut::TexturedEmission(Parameter::Constant(value)) => {
+                    match self.shone(*value, strength) {
+                        shone if shone.max_element() <= BRIGHTEST => *value = shone,
+                        _ => result = Err(TOO_BRIGHT.to_owned()),
+                    }
+                }
+                ParameterMut::Factor(_) if self.color.is_some() => {
+                    result = Err(format!("{name} is a factor and has no colour"));
+                }
+                ParameterMut::Factor(value) => match strength.filter(|strength| *strength <= BRIGHTEST) {
+                    Some(strength) => *value = strength,
+                    None => result = Err(TOO_BRIGHT.to_owned()),
+                },
                 _ => {}
             }
         });
-        Ok(())
+        result
+    }
+
+    /// Gives a light the strength and the colour of a lamp, by its measures. Lights with the colours of a picture keep
+    /// them. The error is a sentence without a full stop.
+    pub(crate) fn apply_lamp(lamp: &Lamp, light: &mut impl Declared, measures: &[MeasureOf]) -> Result<(), String> {
+        let parameter = strength_of(lamp, measures).ok_or("the lamp is of another kind than the light")?;
+        let value = Self::from(lamp);
+        let alone = Self { color: None, ..value };
+        let applied = value.apply(light, measures, Some(parameter));
+        applied.or_else(|_| alone.apply(light, measures, Some(parameter)))
     }
 
     /// The radiometric value of this luminance; None for that which it has.
@@ -103,6 +127,23 @@ impl PhotometricValue {
         color * (wanted.unwrap_or_else(|| luminance(before)) / luminance(color))
     }
 }
+
+/// The parameter of a light with the strength that a lamp gives; None if the lamp is of another kind. Skies and parallel
+/// light, which both have lux, are told apart.
+pub(crate) fn strength_of(lamp: &Lamp, measures: &[MeasureOf]) -> Option<&'static str> {
+    let fits = |(name, measure): &&MeasureOf| {
+        let is_of_kind = match lamp.form {
+            LampForm::Sky => ["radiance", "scale", "sky_scale"].contains(name),
+            LampForm::Parallel => ["irradiance", "sun_scale"].contains(name),
+            LampForm::Point | LampForm::Spot { .. } | LampForm::Rectangle { .. } | LampForm::Tube { .. } => true,
+        };
+        is_of_kind && measure.unit == lamp.unit
+    };
+    measures.iter().find(fits).map(|(name, _)| *name)
+}
+
+/// The message about a strength beyond the brightest one.
+const TOO_BRIGHT: &str = "the light would be brighter than lights can be";
 
 #[cfg(test)]
 mod tests {
@@ -167,5 +208,33 @@ mod tests {
             error,
             Err("nits do not fit the light, only lumens and candela".to_owned())
         );
+    }
+    #[test]
+    fn skies_and_parallel_light_take_the_lamps_of_their_kind() {
+        let [sun, sky] = ["noon-sun", "overcast-sky"].map(|name| Lamp::of_name(name).expect("a lamp"));
+        let measures = |plugin| {
+            let light = Emitter::of_plugin(plugin).expect("a plugin");
+            (
+                light.clone(),
+                measures_of_emitter(&light, Default::default(), None, 1.0),
+            )
+        };
+        let (mut both, of_both) = measures("sunsky");
+        assert_eq!(strength_of(sun, &of_both), Some("sun_scale"));
+        assert_eq!(strength_of(sky, &of_both), Some("sky_scale"));
+        let before = both.clone();
+        PhotometricValue::apply_lamp(sky, &mut both, &of_both).expect("a sky");
+        let (EmitterKind::SunSky(before), EmitterKind::SunSky(after)) = (before.kind, &both.kind) else {
+            panic!("{both:?}")
+        };
+        assert!(after.sun_scale == before.sun_scale && after.sky_scale != before.sky_scale);
+        let colored = PhotometricValue::parse("4000K").expect("a colour");
+        let error = colored.apply(&mut both, &of_both, Some("sky_scale"));
+        assert_eq!(error, Err("sky_scale is a factor and has no colour".to_owned()));
+        let (mut constant, of_constant) = measures("constant");
+        assert_eq!(strength_of(sun, &of_constant), None);
+        assert!(PhotometricValue::apply_lamp(sun, &mut constant, &of_constant).is_err());
+        let far = PhotometricValue::parse("1e30nit").expect("an amount");
+        assert_eq!(far.apply(&mut constant, &of_constant, None), Err(TOO_BRIGHT.to_owned()));
     }
 }

@@ -75,10 +75,15 @@ pub fn colored(
     let id = ui.make_persistent_id((colour.text, "of nothing"));
     let edited = || ui.data(|data| data.get_temp(id)).unwrap_or(Rgb::ONE);
     let mut hue = if strength > 0.0 { *value / strength } else { edited() };
+    let before = luminance(hue);
     let recolored = color(ui, colour, &mut hue);
     if recolored && hue.max_element() > 0.0 {
         // The strength has a row of its own, and a press that lasts must not lower it from frame to frame.
         hue /= hue.max_element();
+        // Photometric amounts are of the luminance, which a colour or temperature leaves as it is.
+        if units.chosen(ui).is_some() && luminance(hue) > 0.0 && before > 0.0 {
+            strength *= before / luminance(hue);
+        }
     }
     // The row extends beyond this column without widening it.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);

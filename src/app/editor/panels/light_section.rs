@@ -10,7 +10,7 @@ use super::lamps::lamps_menu;
 use super::material::Edit;
 use super::polar_curve::polar_curve;
 use super::{emission, fields};
-use crate::app::editor::command::lamps::PhotometricValue;
+use crate::app::editor::command::lamps::{PhotometricValue, strength_of};
 use crate::app::editor::command::{Command, FileCommand, FileDialogKind, SceneEdit, ValueEdit};
 use crate::app::editor::model::light_figures::LightFigures;
 use crate::app::editor::model::{Inspected, Model};
@@ -64,15 +64,14 @@ pub(super) fn light_rows(
 /// Shows the menu of the real lamps that fit a light in photometric units, and gives it the chosen one's strength and
 /// colour. Returns true if edited.
 fn real_lamp(ui: &mut Ui, light: &mut impl Declared, figures: &LightFigures) -> bool {
-    let fits = |lamp: &Lamp| figures.measures.iter().any(|(_, measure)| measure.unit == lamp.unit);
+    let fits = |lamp: &Lamp| strength_of(lamp, &figures.measures).is_some();
     if !LAMPS.iter().any(&fits) {
         return false;
     }
     let Some(lamp) = fields::buttons(ui, |ui| lamps_menu(ui, "As a real lamp", fits)) else {
         return false;
     };
-    let value = PhotometricValue::from(lamp);
-    value.apply(light, &figures.measures, None).is_ok()
+    PhotometricValue::apply_lamp(lamp, light, &figures.measures).is_ok()
 }
 
 /// Shows buttons for the environments that are shipped with the program.

@@ -12,6 +12,11 @@ use crate::photometry::{LightUnit, Measure};
 /// The width of the button with the unit, in points.
 const BUTTON: f32 = 34.0;
 
+/// The largest radiometric strength on a slider.
+const RADIOMETRIC_END: f32 = 1000.0;
+/// The decimals that strengths are rounded to, below the precision of the dimmest lamps.
+const DECIMALS: usize = 9;
+
 /// The units of a row.
 #[derive(Clone, Copy)]
 pub struct StrengthUnits<'a> {
@@ -128,8 +133,8 @@ pub(crate) fn light_strength<'a>(
     let mut shown = *strength * factor;
     let scale = StrengthScale {
         ends: match measure.unit {
-            LightUnit::Lumen | LightUnit::Lux => [0.1, 1e6],
-            LightUnit::Candela | LightUnit::Nit => [0.1, 1e7],
+            LightUnit::Lumen | LightUnit::Lux => [0.1, 1e6_f32.max(RADIOMETRIC_END * factor)],
+            LightUnit::Candela | LightUnit::Nit => [0.1, 1e7_f32.max(RADIOMETRIC_END * factor)],
         },
         beside,
         decimals: match shown {
@@ -156,7 +161,7 @@ struct StrengthScale<'a> {
     ends: [f32; 2],
     /// The width of the control beside it in points.
     beside: f32,
-    /// The most decimals of the number.
+    /// The most decimals that are shown.
     decimals: usize,
 }
 
@@ -164,7 +169,7 @@ impl Default for StrengthScale<'_> {
     fn default() -> Self {
         Self {
             unit: "",
-            ends: [0.01, 1000.0],
+            ends: [0.01, RADIOMETRIC_END],
             beside: 0.0,
             decimals: 3,
         }
@@ -188,11 +193,11 @@ fn strength_beside<'a>(
     let range = 0.0..=ends[1];
     let slider = egui::Slider::new(&mut copy, range.clone())
         .clamping(egui::SliderClamping::Edits)
-        .max_decimals(decimals)
+        .max_decimals(DECIMALS)
         .logarithmic(true)
         .smallest_positive(ends[0].into())
         .suffix(unit);
-    let slider = typed::slider(ui, slider, caption.text, unit, range);
+    let slider = typed::slider_shown_to(ui, slider, caption.text, unit, range, decimals);
     let changed = row(ui, caption, |ui| {
         fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32 + beside);
         ui.spacing_mut().interact_size.x -= beside;

@@ -30,8 +30,23 @@ pub(super) fn slider<'a, N: Numeric>(
     unit: &'a str,
     range: RangeInclusive<N>,
 ) -> SliderField<'a> {
+    slider_shown_to(ui, slider, name, unit, range, usize::MAX)
+}
+
+/// [`slider`] that shows so many decimals at most. Typed numbers keep all of theirs.
+pub(super) fn slider_shown_to<'a, N: Numeric>(
+    ui: &Ui,
+    slider: Slider<'a>,
+    name: impl AsId,
+    unit: &'a str,
+    range: RangeInclusive<N>,
+    most: usize,
+) -> SliderField<'a> {
     let about = (owner(ui), name);
-    let format = move |number, decimals| tidy(unit, number, decimals);
+    let format = move |number, decimals: RangeInclusive<usize>| {
+        let (fewest, known) = decimals.into_inner();
+        tidy(unit, number, fewest.min(most)..=known.min(most))
+    };
     number_field::slider(ui, slider, about, range, meaning(ui), format)
 }
 

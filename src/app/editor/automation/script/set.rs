@@ -7,7 +7,7 @@ use super::error::ScriptError;
 use super::names::{material_of, medium_of, named};
 use super::verb::verbs;
 use crate::app::editor::command::ValueEdit;
-use crate::app::editor::command::lamps::PhotometricValue;
+use crate::app::editor::command::lamps::{PhotometricValue, strength_of};
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::commands::things::pose_of;
 use crate::app::editor::model::gather_light::measures_of;
@@ -27,7 +27,13 @@ verbs! {
         [name, lamp] => {
             let entity = named(world, name)?;
             let lamp = Lamp::of_name(lamp).ok_or_else(|| unknown_lamp(lamp))?;
-            shine(world, entity, &lamp.into(), None)?.ok_or("it is no light")?
+            let parameter = strength_of(lamp, &measures_of(world, entity));
+            let parameter = parameter.ok_or("the lamp is of another kind than the thing")?;
+            let value = PhotometricValue::from(lamp);
+            // Lights with the colours of a picture keep them.
+            let alone = PhotometricValue { color: None, ..value };
+            let shone = shine(world, entity, &value, Some(parameter));
+            shone.or_else(|_| shine(world, entity, &alone, Some(parameter)))?.ok_or("it is no light")?
         };
 }
 
