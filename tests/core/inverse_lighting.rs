@@ -346,6 +346,29 @@ fn a_lamp_that_limits_is_named() {
     );
 }
 
+#[test]
+fn a_wide_range_does_not_turn_off_a_lamp() {
+    let floor = Floor::new(2, 1);
+    let darker = stroke(Wish::Darker(2.0), Vec2::splat(0.5));
+    let wide = vec![LampLimits::of_strength(1e6); 2];
+    let fit = floor.fit(&[Target::Stroke(&darker)], &wide).expect("an answer");
+    assert!(
+        fit.gains.iter().all(|gain| gain.x > 0.1 && gain.x < 1.0),
+        "{:?}",
+        fit.gains
+    );
+}
+
+#[test]
+fn errors_of_colours_are_relative_to_their_light() {
+    let mut floor = Floor::new(1, 1);
+    (floor.layers, floor.rest) = (vec![vec![Rgb::ZERO; floor.layers[0].len()]], Rgb::Z);
+    let blue: Vec<Option<Rgb>> = vec![Some(2.0 * Rgb::Z); floor.layers[0].len()];
+    let limits = vec![LampLimits::of_strength(1.0)];
+    let fit = floor.fit(&[Target::Picture(&blue)], &limits).expect("an answer");
+    assert!((fit.error - 0.5).abs() < 1e-3, "{}", fit.error);
+}
+
 /// A dark lamp has nothing to say, and two lamps with the same light share the change.
 #[test]
 fn what_the_target_does_not_decide_stays() {

@@ -49,7 +49,7 @@ struct Means {
     weight: f64,
     wanted: [f64; 3],
     is_color: bool,
-    present: f64,
+    present: [f64; 3],
     rest: [f64; 3],
     light: Vec<[f64; 3]>,
 }
@@ -101,8 +101,13 @@ impl Painting<'_> {
             let of_rows: Vec<_> = rows.into_par_iter().map(of_row).collect();
             of_rows.into_iter().for_each(|found| all.append(found));
         }
-        let brightest = all.list().iter().map(|one| one.level).fold(0.0, f32::max);
-        let least = (DARKEST * brightest).max(f32::MIN_POSITIVE);
+        let mut levels: Vec<f32> = all.list().iter().map(|one| one.level).collect();
+        let middle = levels.len() / 2;
+        let usual = match levels.is_empty() {
+            true => 0.0,
+            false => *levels.select_nth_unstable_by(middle, f32::total_cmp).1,
+        };
+        let least = (DARKEST * usual).max(f32::MIN_POSITIVE);
         for observation in all.list_mut() {
             observation.level = observation.level.max(least);
         }
@@ -183,7 +188,7 @@ impl Means {
             weight: 0.0,
             wanted: [0.0; 3],
             is_color: false,
-            present: 0.0,
+            present: [0.0; 3],
             rest: [0.0; 3],
             light: vec![[0.0; 3]; lamps],
         }
@@ -191,7 +196,6 @@ impl Means {
 
     fn add(&mut self, weight: f64, wanted: Wanted, present: Rgb, rest: Rgb, light: &[Rgb]) {
         self.weight += weight;
-        self.present += weight * f64::from(luminance(present));
         let wanted = match wanted {
             Wanted::Color(color) => {
                 self.is_color = true;
@@ -199,8 +203,10 @@ impl Means {
             }
             Wanted::Luminance(luminance) => Rgb::splat(luminance),
         };
-        let sums = [&mut self.wanted, &mut self.rest].into_iter().chain(&mut self.light);
-        for (sum, value) in sums.zip([&wanted, &rest].into_iter().chain(light)) {
+        let sums = [&mut self.wanted, &mut self.present, &mut self.rest]
+            .into_iter()
+            .chain(&mut self.light);
+        for (sum, value) in sums.zip([&wanted, &present, &rest].into_iter().chain(light)) {
             for (sum, value) in sum.iter_mut().zip(value.to_array()) {
                 *sum += weight * f64::from(value);
             }
@@ -217,11 +223,13 @@ impl Means {
             true => Wanted::Color(mean(self.wanted)),
             false => Wanted::Luminance(mean(self.wanted).x),
         };
+        // The size of light is measured as its errors are: of a colour by the mean square of its components.
+        let size = |color: Rgb| color.length() / 3.0_f32.sqrt();
+        let present = mean(self.present);
         let level = match wanted {
-            Wanted::Color(color) => luminance(color),
-            Wanted::Luminance(luminance) => luminance,
+            Wanted::Color(color) => size(color).max(size(present)),
+            Wanted::Luminance(wanted) => wanted.max(luminance(present)),
         };
-        let level = level.max((self.present / self.weight) as f32);
         let light = self.light.iter().copied().map(mean).collect();
         let observation = Observation {
             wanted,

@@ -284,16 +284,16 @@ fn minimise(equations: &NormalEquations, bounds: &[[f64; 2]]) -> Result<Vec<f64>
 /// Puts the values into the bounds, those next to a bound onto it, and says which bounds hold back a value.
 fn snap(equations: &NormalEquations, bounds: &[[f64; 2]], values: &mut [f64]) -> Vec<Option<Limit>> {
     for (value, [least, most]) in values.iter_mut().zip(bounds) {
-        let near = AT_LIMIT * most.max(1.0);
-        if *value < least + near {
+        // A wide range must not turn off a lamp whose strength is small beside its upper limit.
+        if *value < least + AT_LIMIT * least.max(1.0) {
             *value = *least;
-        } else if *value > most - near {
+        } else if *value > most - AT_LIMIT * most.max(1.0) {
             *value = *most;
         }
     }
     let held = |(place, [least, most]): (usize, &[f64; 2])| {
         // The pull alone does not count: a lamp that changes nothing is held back by nothing.
-        let enough = PULL * AT_LIMIT + AT_LIMIT * equations.at(place, place) * most.max(1.0);
+        let enough = PULL * AT_LIMIT + AT_LIMIT * equations.at(place, place) * values[place].max(1.0);
         let slope = equations.slope(place, values);
         match values[place] {
             value if value == *most && slope < -enough => Some(Limit::Most),

@@ -80,6 +80,11 @@ impl LightMix {
         found.map_or_else(Channel::default, |(_, channel)| *channel)
     }
 
+    /// The lights whose channels are not neutral.
+    pub(crate) fn lamps(&self) -> impl Iterator<Item = Entity> {
+        self.channels.iter().map(|(lamp, _)| *lamp)
+    }
+
     /// Replaces the channel of a light.
     pub fn set(&mut self, light: Entity, channel: Channel) {
         self.channels.retain(|(entity, _)| *entity != light);

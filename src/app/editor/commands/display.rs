@@ -18,8 +18,10 @@ use crate::engine::ViewMode;
 pub fn apply(world: &mut World, command: DisplayCommand) -> Result<(), CommandError> {
     match command {
         DisplayCommand::SetLightMix(mix) => {
-            let mix = world.get_resource_or_init::<LightMix>().with_channels(mix);
-            set_resource(world, mix);
+            let before = world.get_resource_or_init::<LightMix>().clone();
+            let mix = before.with_channels(mix);
+            set_resource(world, mix.clone());
+            light_paint::follow_desk(world, &before, &mix);
         }
         DisplayCommand::PaintLight(command) => light_paint::apply(world, command)?,
         DisplayCommand::ExposeAutomatically => finished::expose(world)?,

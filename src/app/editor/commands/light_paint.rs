@@ -42,7 +42,9 @@ pub fn apply(world: &mut World, command: LightPaintCommand) -> Result<(), Comman
         LightPaintCommand::SetStrokes(strokes) => set_strokes(world, strokes)?,
         LightPaintCommand::SetTarget(path) => {
             let picture = path.map(|path| read(&path)).transpose()?;
-            begin(world);
+            if picture.is_some() {
+                begin(world);
+            }
             let mut painting = world.resource_mut::<LightPainting>();
             painting.picture = picture.map(Arc::new);
             painting.revision += 1;
@@ -64,6 +66,18 @@ fn set_strokes(world: &mut World, strokes: Vec<Stroke>) -> Result<(), CommandErr
     if !strokes.iter().all(Stroke::is_valid) {
         return Err("A stroke has numbers out of range.".into());
     }
+    // Strokes of another view end with the first stroke of this one.
+    let is_elsewhere = is_elsewhere(world);
+    let known = world.resource::<LightPainting>().strokes.clone();
+    let old = match is_elsewhere {
+        true => strokes
+            .iter()
+            .zip(known.iter())
+            .take_while(|(new, old)| new == old)
+            .count(),
+        false => 0,
+    };
+    let strokes = strokes[old..].to_vec();
     if !strokes.is_empty() {
         begin(world);
     }
@@ -82,11 +96,13 @@ fn begin(world: &mut World) {
     }
     let camera = camera(world);
     let is_elsewhere = is_elsewhere(world);
+    if is_elsewhere {
+        let base = world.resource::<LightPainting>().base.clone();
+        world.resource_mut::<LightPainting>().clear();
+        show(world, base);
+    }
     let mix = world.get_resource_or_init::<LightMix>().clone();
     let mut painting = world.resource_mut::<LightPainting>();
-    if is_elsewhere {
-        painting.clear();
-    }
     if painting.is_empty() {
         painting.base = mix;
         painting.camera = camera;
@@ -105,6 +121,27 @@ fn end_if_empty(world: &mut World) {
     let base = painting.base.clone();
     world.resource_mut::<LightPainting>().clear();
     show(world, base);
+}
+
+/// Takes channels that were changed at the mixing desk over into the mix that the painting refers to.
+pub(super) fn follow_desk(world: &mut World, before: &LightMix, after: &LightMix) {
+    let Some(mut painting) = world
+        .get_resource_mut::<LightPainting>()
+        .filter(|painting| !painting.is_empty())
+    else {
+        return;
+    };
+    let mut base = painting.base.clone();
+    for lamp in before.lamps().chain(after.lamps()) {
+        let channel = after.channel(lamp);
+        if before.channel(lamp) != channel {
+            base.set(lamp, channel);
+        }
+    }
+    if base != painting.base {
+        painting.base = base;
+        painting.revision += 1;
+    }
 }
 
 /// Shows a mix; factors that are baked stay.
