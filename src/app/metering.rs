@@ -72,7 +72,7 @@ pub fn under_overcast_sky(world: &mut World, scene: &RenderScene, view: &View) -
 
 /// The direction that is up: that of a sky of the scene, or else the axis of the world nearest to the camera's.
 fn up(world: &mut World, view: &View) -> Vec3 {
-    let mut emitters = world.query_filtered::<(&Emitter, &ToWorld), Without<Hidden>>();
+    let mut emitters = world.query_filtered::<(&DocumentOrder, &Emitter, &ToWorld), Without<Hidden>>();
     let of_sky = |emitter: &Emitter, to_world: &ToWorld| {
         let axes = to_world.0.matrix3;
         match emitter.kind {
@@ -81,11 +81,12 @@ fn up(world: &mut World, view: &View) -> Vec3 {
             _ => None,
         }
     };
-    let mut skies = emitters
+    let skies = emitters
         .iter(world)
-        .filter_map(|(emitter, to_world)| of_sky(emitter, to_world));
+        .filter_map(|(order, emitter, to_world)| Some((*order, of_sky(emitter, to_world)?)));
+    let first = skies.min_by_key(|(order, _)| *order).map(|(_, up)| up);
     let axes = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
     let upward = |axis: &Vec3| view.camera.direction_in_camera(*axis).y;
     let nearest = axes.max_by(|a, b| upward(a).total_cmp(&upward(b)));
-    skies.next().or(nearest).unwrap_or(Vec3::Y)
+    first.or(nearest).unwrap_or(Vec3::Y)
 }

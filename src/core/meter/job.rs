@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::estimate::{Estimate, GridEstimate, REPLICATES};
 use super::sites::{AskedMeter, MOST_POINTS_OF_SCENE, MeterKind, MeterLimits, Sites, SitesError};
+use crate::accel::Tlas;
 use crate::bake::lightmap::Lightmaps;
 use crate::bake::progress::Pace;
 use crate::color::luminance;
@@ -27,6 +28,12 @@ use crate::sampling::hash::pcg3d;
 
 /// The fewest samples of each set by which a value is judged.
 const LEAST_SAMPLES: u32 = 16;
+/// The sets that have to find light at a point before their spread tells the error, unless each has as many samples as
+/// [`SAMPLES_IN_THE_DARK`].
+const LEAST_LIT: usize = 24;
+/// The samples of each set after which a single point without light counts as dark. Of a grid with many points one point
+/// weighs less, and the samples are fewer.
+const SAMPLES_IN_THE_DARK: u32 = 64 * LEAST_SAMPLES;
 
 /// The limits that end measuring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,11 +172,12 @@ impl MeterReading {
 }
 
 impl Metering {
-    fn new(asked: AskedMeter) -> Result<Self, MeterError> {
-        let sites = asked.sites().map_err(|source| MeterError::Sites {
+    fn new(asked: AskedMeter, geometry: &Tlas) -> Result<Self, MeterError> {
+        let mut sites = asked.sites().map_err(|source| MeterError::Sites {
             name: asked.name.clone(),
             source,
         })?;
+        sites.settle(geometry);
         let count = sites.texels.texels.len();
         Ok(Self {
             asked,
@@ -191,9 +199,19 @@ impl Metering {
         self.replicates.iter().map(of_set).collect()
     }
 
-    /// The largest relative error of the values that are reported of the meter as a whole.
+    /// The largest relative error of the values that are reported of the meter as a whole; infinite as long as light
+    /// is so rare that its spread is not known.
     fn noise(&self) -> f64 {
         let values = self.values();
+        let is_rare = |point: usize| {
+            let found = values.iter().filter(|set| set[point] > 0.0).count();
+            found < LEAST_LIT && !self.replicates.iter().all(|light| light.are_buried(point..point + 1))
+        };
+        let points = self.sites.texels.texels.len();
+        let in_the_dark = (SAMPLES_IN_THE_DARK / (points as u32).isqrt().max(1)).max(4 * LEAST_SAMPLES);
+        if self.reached() < in_the_dark && (0..points).any(is_rare) {
+            return f64::INFINITY;
+        }
         match self.asked.kind {
             MeterKind::Point => Estimate::of(&values.iter().map(|set| set[0]).collect::<Vec<_>>()).relative_error(),
             MeterKind::Grid { .. } => {
@@ -235,7 +253,7 @@ impl MeterJob {
         let mut meters = Vec::with_capacity(asked.len());
         let mut points = 0;
         for asked in asked {
-            let metering = Metering::new(asked)?;
+            let metering = Metering::new(asked, &scene.geometry)?;
             points += metering.sites.texels.texels.len();
             if points > MOST_POINTS_OF_SCENE {
                 return Err(MeterError::TooManyPoints(points));

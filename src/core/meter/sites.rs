@@ -2,7 +2,9 @@
 
 use glam::{Affine3A, UVec2, Vec3};
 
+use crate::accel::{Detail, Tlas};
 use crate::bake::texels::{Texel, Texels};
+use crate::math::Ray;
 use crate::render::irradiance::Receiver;
 
 /// The most points of a grid.
@@ -118,6 +120,29 @@ impl AskedMeter {
 }
 
 impl Sites {
+    /// Puts points that lie in a surface of the scene, up to rounding, onto it: the rounding of a surface goes with its
+    /// own size and place, and a point may be just below it.
+    pub fn settle(&mut self, geometry: &Tlas) {
+        let bounds = geometry.bounds();
+        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
+        for texel in &mut self.texels.texels {
+            let receiver = &mut texel.receiver;
+            let slack = 2.0 * ROUNDING * receiver.position.abs().max_element().max(extent);
+            if !(slack > 0.0 && slack.is_finite()) {
+                continue;
+            }
+            let ray = Ray {
+                t_max: 2.0 * slack,
+                ..Ray::new(receiver.position + slack * receiver.normal, -receiver.normal)
+            };
+            if let Some(hit) = geometry.intersect(&ray) {
+                let surface = geometry.surface_in(&ray, &hit, Detail::Plain);
+                receiver.position = surface.position;
+                receiver.error = receiver.error.max(surface.error);
+            }
+        }
+    }
+
     /// The positions in the world, row by row.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> {
         self.texels.texels.iter().map(|texel| texel.receiver.position)

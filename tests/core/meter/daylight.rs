@@ -182,3 +182,59 @@ fn the_glare_of_a_lamp_follows_from_its_place_and_luminance() {
     let found = glare(&dull.build(), &settings(3), &sight, &AtomicBool::new(false)).expect("a place");
     assert_eq!(found.rating, None);
 }
+
+#[test]
+fn meters_in_a_surface_near_the_origin_are_not_shadowed_by_it() {
+    for turn in 0..24 {
+        let turned = Quat::from_euler(glam::EulerRot::XYZ, 0.37 * turn as f32, 0.11 + 0.23 * turn as f32, 0.7);
+        let mut scene = SceneBuilder::default();
+        scene.light(LightSource::Constant { radiance: Rgb::ONE });
+        let floor = Affine3A::from_scale_rotation_translation(Vec3::new(200.0, 200.0, 1.0), turned, Vec3::ZERO);
+        scene.add(Primitive::Rectangle, floor, diffuse(0.0), None);
+        let meter = asked(MeterKind::Point, Affine3A::from_quat(turned));
+        let reading = &measure(&scene.build(), vec![meter], &exactly(1024), 3)[0];
+        off("in the floor", reading.points[0], K * PI);
+    }
+}
+
+#[test]
+fn light_through_a_pinhole_is_not_taken_for_darkness() {
+    // A closed box but for a hole of 10 x 10 cm in the middle of its roof.
+    let mut scene = SceneBuilder::default();
+    scene.light(LightSource::Constant {
+        radiance: Rgb::splat(100.0),
+    });
+    for (normal, middle) in [
+        (Vec3::X, Vec3::new(-2.0, 2.0, 0.0)),
+        (Vec3::NEG_X, Vec3::new(2.0, 2.0, 0.0)),
+        (Vec3::Z, Vec3::new(0.0, 2.0, -2.0)),
+        (Vec3::NEG_Z, Vec3::new(0.0, 2.0, 2.0)),
+        (Vec3::Y, Vec3::new(0.0, 0.0, 0.0)),
+    ] {
+        scene.add(
+            Primitive::Rectangle,
+            rectangle(Vec2::splat(2.0), normal, middle),
+            diffuse(0.0),
+            None,
+        );
+    }
+    for (x, z, half) in [
+        (-1.025, 0.0, Vec2::new(0.975, 2.0)),
+        (1.025, 0.0, Vec2::new(0.975, 2.0)),
+        (0.0, -1.025, Vec2::new(0.05, 0.975)),
+        (0.0, 1.025, Vec2::new(0.05, 0.975)),
+    ] {
+        let roof = rectangle(half, Vec3::NEG_Y, Vec3::new(x, 4.0, z));
+        scene.add(Primitive::Rectangle, roof, diffuse(0.0), None);
+    }
+    let scene = scene.build();
+    let end = MeterEnd {
+        noise: 0.2,
+        ..exactly(1 << 20)
+    };
+    let meter = || vec![facing(Vec3::Y, 0.01 * Vec3::Y)];
+    for seed in 0..5 {
+        let reading = &measure(&scene, meter(), &end, seed)[0];
+        assert!(reading.points[0].value > 0.0, "seed {seed}: {:?}", reading.points[0]);
+    }
+}
