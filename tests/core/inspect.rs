@@ -227,7 +227,7 @@ fn what_is_recorded_fits_together() {
             let weight = if delta {
                 1.0
             } else {
-                power_heuristic(sampled.sample.pdf, sampled.bsdf_pdf)
+                power_heuristic(sampled.sample.pdf, sampled.bsdf_pdf * sampled.passed)
             };
             assert_eq!(sampled.weight, weight);
             match sampled.arriving {

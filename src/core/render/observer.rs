@@ -146,11 +146,16 @@ pub struct SampledLight {
     pub sample: LightSample,
     /// Density per solid angle with which the BSDF would have sampled the direction.
     pub bsdf_pdf: f32,
+    /// The probability with which media would have let the path reach the light in that direction, from 0 to 1.
+    pub passed: f32,
     /// The weight of multiple importance sampling.
     pub weight: f32,
     /// The share of the light that reaches the vertex; zero if occluded, None if the surface would not have reflected
     /// it anyway.
     pub arriving: Option<Rgb>,
+    /// The first surface, seen from the vertex, that has let the light pass straight on, by its instance as
+    /// [`crate::accel::Hit::instance`] counts them. Invisible borders of media are left out.
+    pub through: Option<u32>,
     /// The contribution to the path's radiance.
     pub contribution: Rgb,
 }

@@ -12,7 +12,7 @@ use super::observer::{Bounce, PathEnd, PathObserver, PathVertex, SampledLight, S
 use super::path_state::{Arrival, PathState};
 use super::roulette;
 use super::scene::{RenderScene, SurfaceSlot};
-use super::transmittance::{EmptySpace, Media, ShadowRay, transmittance};
+use super::transmittance::{Arriving, EmptySpace, Media, Noting, ShadowRay, transmittance};
 use super::view::{LONGEST_PATH, PathSettings};
 use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
@@ -367,31 +367,31 @@ impl PathState {
         if !counts {
             return;
         }
-        let (value, mut bsdf_pdf) = vertex.eval_and_pdf(light.wi);
+        let (value, bsdf_pdf) = vertex.eval_and_pdf(light.wi);
         let carried = self.throughput * value * raised;
-        let mut arriving = None;
+        let (mut arriving, mut passed, mut through) = (None, 1.0, None);
         if carried * light.radiance != Rgb::ZERO {
             let departure = vertex.leave(light.wi, self.medium);
-            let (share, passed) = self.trace_shadow_ray(scene, settings, departure, carried, &light);
-            arriving = Some(share);
-            bsdf_pdf *= passed;
+            let arrival = self.trace_shadow_ray(scene, settings, departure, carried, &light);
+            (arriving, passed, through) = (Some(arrival.share), arrival.passed, arrival.through);
         }
-        let weight = strategy.light_weight(light.is_delta, light.pdf, bsdf_pdf);
+        let weight = strategy.light_weight(light.is_delta, light.pdf, bsdf_pdf * passed);
         let reflected = carried * light.radiance * (weight / light.pdf);
         let sampled = SampledLight {
             light: id,
             sample: light,
             bsdf_pdf,
+            passed,
             weight,
             arriving,
+            through,
             contribution: reflected * arriving.unwrap_or(Rgb::ZERO),
         };
         self.radiance += sampled.contribution;
         observer.light_sampled(&sampled);
     }
 
-    /// The share of a light's radiance that arrives at the path's vertex, and the probability with which media would
-    /// have let the path reach the light with the throughput `carried`.
+    /// Traces the light that arrives at the path's vertex, which the path would scatter with the throughput `carried`.
     fn trace_shadow_ray(
         &mut self,
         scene: &RenderScene,
@@ -399,7 +399,7 @@ impl PathState {
         departure: Departure,
         carried: Rgb,
         light: &LightSample,
-    ) -> (Rgb, f32) {
+    ) -> Arriving {
         let shadow = ShadowRay {
             origin: departure.origin,
             wi: light.wi,
@@ -407,12 +407,21 @@ impl PathState {
             crossings: settings.crossings(self.depth),
         };
         if !settings.media {
-            return (transmittance(scene, &shadow, &mut EmptySpace, &mut self.rays), 1.0);
+            let mut space = Noting::new(EmptySpace);
+            return Arriving {
+                share: transmittance(scene, &shadow, &mut space, &mut self.rays),
+                passed: 1.0,
+                through: space.first,
+            };
         }
         let stream = self.sampler.stream(MediumDraw::Shadow.at(self.depth));
-        let mut media = Media::new(departure.medium, carried, stream);
-        let arriving = transmittance(scene, &shadow, &mut media, &mut self.rays);
-        (arriving, media.passed)
+        let mut space = Noting::new(Media::new(departure.medium, carried, stream));
+        let share = transmittance(scene, &shadow, &mut space, &mut self.rays);
+        Arriving {
+            share,
+            through: space.first,
+            passed: space.space.passed,
+        }
     }
 
     /// Sets the ray of the path to the sampled direction.

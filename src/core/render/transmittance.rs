@@ -32,6 +32,16 @@ impl ShadowRay {
     }
 }
 
+/// The light of a shadow ray.
+pub(super) struct Arriving {
+    /// The share of the light's radiance that arrives.
+    pub share: Rgb,
+    /// The probability with which media would have let the path reach the light.
+    pub passed: f32,
+    /// The first visible surface that was passed, by its instance.
+    pub through: Option<u32>,
+}
+
 /// The share of a light's radiance that arrives at the start of `shadow`. Adds the number of traced rays to `rays`.
 /// `through` attenuates light between surfaces.
 pub(super) fn transmittance(
@@ -85,6 +95,9 @@ pub(super) fn passing(scene: &RenderScene, shadow: &ShadowRay, through: &mut imp
         if arriving == Rgb::ZERO {
             return Rgb::ZERO;
         }
+        if !scene.materials.is_null(slot.material) {
+            through.pane(hit.instance);
+        }
         let normal = point.geometric_normal;
         through.surface(passing, |before| slot.media.entered(before, wi, normal));
         let beyond = offset_origin(point.position, point.error, normal, ray.dir);
@@ -109,6 +122,40 @@ pub(super) trait Between {
 
     /// Passes a surface with the transmittance `passing`. `entered` gives the medium behind it from that in front.
     fn surface(&mut self, passing: Rgb, entered: impl FnOnce(Option<MediumId>) -> Option<MediumId>);
+
+    /// Passes a surface of this instance that is not invisible.
+    #[inline(always)]
+    fn pane(&mut self, _instance: u32) {}
+}
+
+/// A space of which the first surface that is passed is noted, for observers.
+pub(super) struct Noting<B> {
+    pub space: B,
+    /// The instance of the surface, which is not that of an invisible border.
+    pub first: Option<u32>,
+}
+
+impl<B> Noting<B> {
+    pub fn new(space: B) -> Self {
+        Self { space, first: None }
+    }
+}
+
+impl<B: Between> Between for Noting<B> {
+    #[inline(always)]
+    fn medium(&mut self, scene: &RenderScene, ray: &Ray, t: f32) -> Rgb {
+        self.space.medium(scene, ray, t)
+    }
+
+    #[inline(always)]
+    fn surface(&mut self, passing: Rgb, entered: impl FnOnce(Option<MediumId>) -> Option<MediumId>) {
+        self.space.surface(passing, entered);
+    }
+
+    #[inline(always)]
+    fn pane(&mut self, instance: u32) {
+        self.first.get_or_insert(instance);
+    }
 }
 
 /// Empty space, with transmittance 1.

@@ -18,7 +18,7 @@ use crate::render::observer::{
 use crate::render::path_state::PathState;
 use crate::render::roulette;
 use crate::render::splats::Splat;
-use crate::render::transmittance::{EmptySpace, ShadowRay, transmittance};
+use crate::render::transmittance::{EmptySpace, Noting, ShadowRay, transmittance};
 use crate::shading::TransportMode;
 
 /// The relative difference up to which two distances from the camera belong to the same point.
@@ -353,6 +353,7 @@ impl<'a> Sample<'a, '_> {
         let (value, bsdf_pdf) = vertex.scattering.eval_and_pdf(light.wi);
         let carried = vertex.throughput * value;
         let mut arriving = None;
+        let mut space = Noting::new(EmptySpace);
         if carried * light.radiance != Rgb::ZERO {
             let shadow = ShadowRay {
                 origin: vertex.leave(light.wi),
@@ -360,7 +361,7 @@ impl<'a> Sample<'a, '_> {
                 target: light.target,
                 crossings: self.settings.longest_path() - depth - 1,
             };
-            arriving = Some(transmittance(self.scene, &shadow, &mut EmptySpace, &mut self.rays));
+            arriving = Some(transmittance(self.scene, &shadow, &mut space, &mut self.rays));
         }
         let weight = match arriving {
             Some(share) if share != Rgb::ZERO => {
@@ -379,8 +380,10 @@ impl<'a> Sample<'a, '_> {
             light: id,
             sample: light,
             bsdf_pdf,
+            passed: 1.0,
             weight,
             arriving,
+            through: space.first,
             contribution,
         });
     }

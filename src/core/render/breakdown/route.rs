@@ -3,9 +3,8 @@
 use glam::Vec3;
 
 use crate::color::Rgb;
-use crate::light::{LightId, Target};
+use crate::light::LightId;
 use crate::material::Lobe;
-use crate::math::{Ray, offset_origin};
 use crate::medium::MediumId;
 use crate::render::inspect::{RecordedPath, RecordedVertex};
 use crate::render::observer::PathVertex;
@@ -26,7 +25,8 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Way {
     /// None: it has come straight from its source, and perhaps through surfaces that let it pass straight on, such as
-    /// panes. `through` is the instance of the one that is nearest to the seen surface.
+    /// panes. `through` is the instance of the one that is nearest to the seen surface; invisible borders of media do
+    /// not count.
     Straight {
         /// The instance, as [`crate::accel::Hit::instance`] counts them.
         through: Option<u32>,
@@ -143,10 +143,11 @@ impl Trail {
         self
     }
 
-    /// The trail behind a surface that has let the path pass straight on.
-    fn passed(mut self, vertex: &RecordedVertex) -> Self {
+    /// The trail behind a surface that has let the path pass straight on. Invisible borders of media are not told.
+    fn passed(mut self, scene: &RenderScene, vertex: &RecordedVertex) -> Self {
         if self.bounces == 1
             && let (Way::Straight { through: None }, PathVertex::Surface(surface)) = (self.way, vertex.place)
+            && !scene.materials.is_null(surface.material)
         {
             self.way = Way::Straight {
                 through: Some(surface.instance),
@@ -204,8 +205,9 @@ pub fn contributions(scene: &RenderScene, path: &RecordedPath) -> Vec<Contributi
             let wi = sampled.sample.wi;
             let mut trail = trail.scattered(vertex, dir, wi, sampled.bsdf_pdf > GLOSSY_DENSITY);
             if trail.bounces == 1 {
-                let through = first_passed(scene, vertex, wi, sampled.sample.target);
-                trail.way = Way::Straight { through };
+                trail.way = Way::Straight {
+                    through: sampled.through,
+                };
             }
             add(&trail, source(sampled.light, wi), sampled.contribution);
         }
@@ -214,7 +216,7 @@ pub fn contributions(scene: &RenderScene, path: &RecordedPath) -> Vec<Contributi
         }
         if let Some(bounce) = &vertex.bounce {
             trail = match bounce.lobe {
-                Lobe::Null => trail.passed(vertex),
+                Lobe::Null => trail.passed(scene, vertex),
                 Lobe::Delta => trail.scattered(vertex, dir, bounce.wi, true),
                 Lobe::Smooth => trail.scattered(vertex, dir, bounce.wi, bounce.pdf > GLOSSY_DENSITY),
             };
@@ -228,28 +230,4 @@ pub fn contributions(scene: &RenderScene, path: &RecordedPath) -> Vec<Contributi
         add(&trail, source(met.light, dir), met.contribution);
     }
     found
-}
-
-/// The first surface that lets light to `vertex` pass straight on, of light that has arrived from `wi`.
-fn first_passed(scene: &RenderScene, vertex: &RecordedVertex, wi: Vec3, target: Target) -> Option<u32> {
-    if !scene.materials.has_null_lobe() {
-        return None;
-    }
-    let origin = match vertex.place {
-        PathVertex::Surface(surface) => {
-            let error = 16.0 * f32::EPSILON * surface.position.abs().max_element();
-            let side = surface.normal * surface.normal.dot(wi).signum();
-            offset_origin(surface.position, error, side, wi)
-        }
-        PathVertex::Medium(place) => place.position,
-    };
-    let ray = match target {
-        Target::Point(target) => Ray::segment(origin, target),
-        Target::Infinity => Ray::new(origin, wi),
-    };
-    let hit = scene.geometry.intersect(&ray)?;
-    scene
-        .materials
-        .is_clear(scene.slot(&hit).material)
-        .then_some(hit.instance)
 }
