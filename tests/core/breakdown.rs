@@ -37,7 +37,7 @@ fn glass() -> Bsdf {
     })
 }
 
-fn broken_down(scene: &RenderScene, view: &View, area: Area, samples: u32) -> Breakdown {
+pub fn broken_down(scene: &RenderScene, view: &View, area: Area, samples: u32) -> Breakdown {
     let batches = Batches::of(samples);
     break_down(scene, view, area, batches, &AtomicBool::new(false)).expect("it is not cancelled")
 }
@@ -393,6 +393,20 @@ fn caustics_are_advised_against_by_light_paths() {
     );
 }
 
+/// Three samples of a batch, whose sums single precision would round.
+#[test]
+fn samples_that_are_alike_have_no_noise() {
+    let mut scene = SceneBuilder::default();
+    scene.light(LightSource::Constant {
+        radiance: Rgb::new(0.1, 0.7, 0.3),
+    });
+    let look = view(camera(Vec3::ZERO, Vec3::X, 50.0), 4, UNBOUNDED, Strategy::Mis);
+    let found = broken_down(&scene.build(), &look, Area::pixel(UVec2::ONE), 96);
+    let value = found.value();
+    assert!(value.luminance > 0.1 && value.noise == 0.0, "{value:?}");
+    assert!(found.advice().is_empty(), "{:?}", found.advice());
+}
+
 #[test]
 fn areas_outside_of_the_picture_have_no_light() {
     let (scene, look) = two_bulbs();
@@ -430,6 +444,10 @@ fn examples_of_a_group_are_paths_with_its_light() {
         let all = contributions(&scene, path);
         assert!(all.iter().any(|found| is_of_group(&found.route)), "{path:?}");
     }
+    // They are spread over the picture, and do not all come from its first pixels.
+    let most = found.example_paths(&scene, &look, is_of_group, 64);
+    let rows = most.iter().filter(|path| path.camera_ray.dir.y < 0.0).count();
+    assert!(rows > 0 && rows < most.len(), "{rows} of {}", most.len());
     let none = found.example_paths(&scene, &look, |route| route.bounces > 100, 5);
     assert!(none.is_empty());
     let pixels = WHOLE.spread(16);

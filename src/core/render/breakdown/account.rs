@@ -9,11 +9,18 @@ use crate::color::Rgb;
 use crate::render::inspect::{RecordedPath, record_paths};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
+use crate::sampling::hash::pcg3d;
 
 /// The most routes that are told apart. Light on further ones counts as [`Way::Other`].
 const MOST_ROUTES: usize = 1 << 16;
 
-/// The paths of a route that are kept as examples.
+/// The most bounces of those further routes that are told apart.
+const MOST_BOUNCES_OF_OTHERS: u32 = 64;
+
+/// The variance that counts as rounding, as a part of the squared luminances: contributions have single precision.
+const ROUNDING: f64 = 1e-10;
+
+/// The most paths of a route that are kept as examples.
 const EXAMPLES: usize = 8;
 
 /// A path, by what it takes to trace it again.
@@ -24,25 +31,64 @@ pub(super) struct PathId {
     pub sample: u32,
 }
 
-/// The light of one route in some samples of a pixel.
+impl PathId {
+    /// A random number that depends on nothing else, so that paths with the least ones are a fair choice.
+    fn rank(&self) -> [u32; 3] {
+        pcg3d([self.pixel.x, self.pixel.y, self.batch.rotate_right(8) ^ self.sample])
+    }
+}
+
+/// The paths of a route that are kept as examples: those of the least rank.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entry {
+struct Examples(Vec<PathId>);
+
+impl Examples {
+    fn add(&mut self, id: PathId) {
+        let place = self.0.partition_point(|known| known.rank() < id.rank());
+        if place < EXAMPLES {
+            self.0.insert(place, id);
+            self.0.truncate(EXAMPLES);
+        }
+    }
+}
+
+/// The light of one route in the samples of a pixel.
+#[derive(Clone, Debug, Default)]
+struct Entry {
     light: DVec3,
-    /// The first samples with light of the route.
-    samples: Vec<u32>,
-    /// The sum of the products of its luminance with that of all light of the sample.
+    /// The path of the least rank with light of the route.
+    example: Option<PathId>,
+    /// The sum of the products of its luminance with the deviation of all light of the sample.
     products: f64,
 }
 
-impl Entry {
-    /// Adds `light` of sample number `sample`, which has the luminance `whole`.
-    pub fn add(&mut self, light: DVec3, sample: u32, whole: f64) {
-        // A path may find light of a route several times.
-        if self.samples.len() < EXAMPLES && self.samples.last() != Some(&sample) {
-            self.samples.push(sample);
+/// The light in the samples of a pixel. Deviations are those from the luminance of the first sample: far smaller than
+/// the luminances, so that their products lose no digits.
+#[derive(Debug, Default)]
+pub(super) struct PixelSums {
+    entries: BTreeMap<Route, Entry>,
+    first: Option<f64>,
+    samples: u32,
+    deviations: f64,
+    squares: f64,
+}
+
+impl PixelSums {
+    /// Adds a sample with the light that its path has found.
+    pub fn add(&mut self, id: PathId, found: &[(Route, DVec3)]) {
+        let whole: f64 = found.iter().map(|(_, light)| brightness(*light)).sum();
+        let deviation = whole - *self.first.get_or_insert(whole);
+        self.samples += 1;
+        self.deviations += deviation;
+        self.squares += whole * whole;
+        for (route, light) in found {
+            let entry = place(&mut self.entries, *route);
+            if entry.example.is_none_or(|known| id.rank() < known.rank()) {
+                entry.example = Some(id);
+            }
+            entry.light += *light;
+            entry.products += brightness(*light) * deviation;
         }
-        self.light += light;
-        self.products += brightness(light) * whole;
     }
 }
 
@@ -50,7 +96,7 @@ impl Entry {
 #[derive(Clone, Debug, Default)]
 struct Tally {
     light: DVec3,
-    examples: Vec<(UVec2, u32)>,
+    examples: Examples,
     /// The sum of the products of deviations: of its luminance, and of the luminance of all light, from the means of
     /// their pixel.
     noise: f64,
@@ -60,18 +106,20 @@ struct Tally {
 #[derive(Debug, Default)]
 pub(super) struct Account {
     tallies: BTreeMap<Route, Tally>,
+    squares: f64,
 }
 
 impl Account {
-    /// Adds a pixel, of which `samples` samples have the luminance `whole` in sum.
-    pub fn add_pixel(&mut self, pixel: UVec2, routes: BTreeMap<Route, Entry>, whole: f64, samples: u32) {
-        for (route, entry) in routes {
+    /// Adds a pixel.
+    pub fn add_pixel(&mut self, pixel: PixelSums) {
+        self.squares += pixel.squares;
+        let deviation = pixel.deviations / f64::from(pixel.samples.max(1));
+        for (route, entry) in pixel.entries {
             let tally = place(&mut self.tallies, route);
-            let room = EXAMPLES.saturating_sub(tally.examples.len());
-            let examples = entry.samples.iter().take(room);
-            tally.examples.extend(examples.map(|&sample| (pixel, sample)));
+            // One path of each pixel, so that the examples are spread over all of them.
+            entry.example.into_iter().for_each(|id| tally.examples.add(id));
             tally.light += entry.light;
-            tally.noise += entry.products - brightness(entry.light) * whole / f64::from(samples);
+            tally.noise += entry.products - brightness(entry.light) * deviation;
         }
     }
 }
@@ -83,6 +131,7 @@ fn place<T: Default>(all: &mut BTreeMap<Route, T>, route: Route) -> &mut T {
         true => route,
         false => Route {
             way: Way::Other,
+            bounces: route.bounces.min(MOST_BOUNCES_OF_OTHERS),
             ..route
         },
     };
@@ -95,7 +144,7 @@ struct Total {
     /// The sum of each batch; batches beyond the end have none.
     batches: Vec<DVec3>,
     noise: f64,
-    examples: Vec<PathId>,
+    examples: Examples,
 }
 
 /// The light of an area by its routes.
@@ -108,6 +157,8 @@ pub struct Breakdown {
     /// The number of lights of the scene.
     pub lights: usize,
     totals: BTreeMap<Route, Total>,
+    /// The sum of the squared luminances of all samples.
+    squares: f64,
 }
 
 /// The light of one group of routes.
@@ -126,7 +177,7 @@ pub struct Portion<K> {
     /// The standard error of `share`.
     pub share_error: f32,
     /// Its part of the variance of the samples, which is the sum over the groups of their covariances with the whole.
-    /// Groups that vary against the others have a negative one.
+    /// Groups that vary against the others have a negative one. 0 where all samples are alike but for rounding.
     pub noise: f32,
 }
 
@@ -137,11 +188,13 @@ impl Breakdown {
             batches,
             lights,
             totals: BTreeMap::new(),
+            squares: 0.0,
         }
     }
 
     /// Adds the account of a task of batch number `batch`.
     pub(super) fn add(&mut self, batch: usize, account: Account) {
+        self.squares += account.squares;
         for (route, tally) in account.tallies {
             let total = place(&mut self.totals, route);
             if total.batches.len() <= batch {
@@ -149,17 +202,12 @@ impl Breakdown {
             }
             total.batches[batch] += tally.light;
             total.noise += tally.noise;
-            let room = EXAMPLES.saturating_sub(total.examples.len());
-            let examples = tally.examples.into_iter().take(room);
-            total.examples.extend(examples.map(|(pixel, sample)| PathId {
-                pixel,
-                batch: batch as u32,
-                sample,
-            }));
+            tally.examples.0.into_iter().for_each(|id| total.examples.add(id));
         }
     }
 
-    /// At most `most` of the paths that have found light on routes of a group, with few of each route. `scene` and
+    /// At most `most` of the paths that have found light on routes of a group: one of each route in turns, the brightest
+    /// route first, at random among the pixels. `scene` and
     /// `view` are those that were broken down.
     pub fn example_paths(
         &self,
@@ -168,11 +216,18 @@ impl Breakdown {
         is_of_group: impl Fn(&Route) -> bool,
         most: usize,
     ) -> Vec<RecordedPath> {
-        let totals = self.totals.iter().filter(|(route, _)| is_of_group(route));
+        let of_group = self.totals.iter().filter(|(route, _)| is_of_group(route));
+        let mut totals: Vec<&Total> = of_group.map(|(_, total)| total).collect();
+        let luminance = |total: &&Total| brightness(total.batches.iter().sum());
+        totals.sort_by(|one, other| luminance(other).total_cmp(&luminance(one)));
         let mut ids: Vec<PathId> = Vec::new();
-        for id in totals.flat_map(|(_, total)| &total.examples) {
+        let rounds = (0..EXAMPLES).flat_map(|round| totals.iter().filter_map(move |total| total.examples.0.get(round)));
+        for id in rounds {
+            if ids.len() >= most {
+                break;
+            }
             // A path may have found light on several routes of the group.
-            if ids.len() < most && !ids.contains(id) {
+            if !ids.contains(id) {
                 ids.push(*id);
             }
         }
@@ -220,6 +275,9 @@ impl Breakdown {
                 group.1 += total.noise;
             }
         }
+        if variance <= ROUNDING * self.squares {
+            variance = 0.0;
+        }
         let samples = f64::from(self.batches.samples) * self.area.pixels() as f64;
         let whole: Vec<f64> = whole.iter().map(|sum| brightness(*sum) / samples).collect();
         let mean = mean_of(&whole);
@@ -261,5 +319,38 @@ pub(super) fn ratio(part: f64, whole: f64) -> f64 {
     match whole == 0.0 {
         true => 0.0,
         false => part / whole,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::LightId;
+    use crate::render::breakdown::{Kind, Source};
+
+    #[test]
+    fn routes_beyond_the_most_share_few_places() {
+        let route = |number: usize| Route {
+            source: Source::Light(LightId(0)),
+            way: Way::Surface {
+                instance: number as u32,
+                is_through: false,
+            },
+            bounces: number as u32,
+            kind: Kind::Diffuse,
+            is_caustic: false,
+        };
+        let mut sums = PixelSums::default();
+        let id = PathId {
+            pixel: UVec2::ZERO,
+            batch: 0,
+            sample: 0,
+        };
+        let most = MOST_ROUTES + 1000;
+        let found: Vec<(Route, DVec3)> = (0..most).map(|number| (route(number), DVec3::ONE)).collect();
+        sums.add(id, &found);
+        assert_eq!(sums.entries.len(), MOST_ROUTES + 1);
+        let light: DVec3 = sums.entries.values().map(|entry| entry.light).sum();
+        assert_eq!(light, DVec3::splat(most as f64));
     }
 }

@@ -15,8 +15,6 @@ mod destinations;
 mod remedies;
 mod route;
 
-use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec2, DVec3, UVec2};
@@ -27,13 +25,13 @@ pub use self::destinations::{Destination, Destinations, destinations};
 pub use self::remedies::{Advice, Trouble};
 pub use self::route::{Contribution, Kind, Route, Source, Way, contributions};
 
-use self::account::{Account, Entry};
+use self::account::{Account, PathId, PixelSums};
 use super::inspect::{RecordedPath, record_paths};
 use super::layers::Layers;
 use super::light_layers::LightGroups;
 use super::scene::RenderScene;
 use super::view::{Integrator, Shown, View};
-use crate::color::luminance;
+use crate::color::LUMINANCE;
 
 /// The most batches, of which fewer are made only where they would have fewer than [`LEAST_OF_BATCH`] samples.
 pub const BATCHES: u32 = 32;
@@ -175,7 +173,9 @@ pub fn break_down(
             let batch = (task % u64::from(batches.count)) as usize;
             let first = task / u64::from(batches.count) * PIXELS_OF_TASK;
             let last = area.pixels().min(first + PIXELS_OF_TASK);
-            let account = trace_pixels(scene, &views[batch], area, first..last, batches.samples, cancel);
+            let pixels = (first..last).map(|number| area.pixel_at(number));
+            let view = &views[batch];
+            let account = trace_pixels(scene, view, batch as u32, pixels, batches.samples, cancel);
             account.map(|account| (batch, account))
         };
         let accounts: Vec<Option<(usize, Account)>> = (first_task..last_task).into_par_iter().map(trace).collect();
@@ -188,35 +188,30 @@ pub fn break_down(
     Some(breakdown)
 }
 
-/// The account of pixels of `area` with these numbers.
+/// The account of these pixels in batch number `batch`, whose view is `view`.
 fn trace_pixels(
     scene: &RenderScene,
     view: &View,
-    area: Area,
-    pixels: Range<u64>,
+    batch: u32,
+    pixels: impl Iterator<Item = UVec2>,
     samples: u32,
     cancel: &AtomicBool,
 ) -> Option<Account> {
     let mut account = Account::default();
     let mut found = Vec::new();
-    for number in pixels {
-        let pixel = area.pixel_at(number);
-        let mut of_pixel: BTreeMap<Route, Entry> = BTreeMap::new();
-        let mut whole = 0.0;
+    for pixel in pixels {
+        let mut sums = PixelSums::default();
         for sample in 0..samples {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
+            let id = PathId { pixel, batch, sample };
             for path in record_paths(scene, view, pixel, sample..sample + 1) {
                 weighted_contributions(scene, &path, &mut found);
-                let brightness: f64 = found.iter().map(|(_, light)| brightness(*light)).sum();
-                whole += brightness;
-                for (route, light) in &found {
-                    of_pixel.entry(*route).or_default().add(*light, sample, brightness);
-                }
+                sums.add(id, &found);
             }
         }
-        account.add_pixel(pixel, of_pixel, whole, samples);
+        account.add_pixel(sums);
     }
     Some(account)
 }
@@ -232,7 +227,7 @@ fn weighted_contributions(scene: &RenderScene, path: &RecordedPath, found: &mut 
     }
 }
 
-/// The luminance of a linear colour.
+/// The luminance of a linear colour, in double precision: rounded sums would look like noise.
 fn brightness(light: DVec3) -> f64 {
-    f64::from(luminance(light.as_vec3()))
+    light.dot(LUMINANCE.as_dvec3())
 }
