@@ -112,3 +112,38 @@ fn a_pane_is_named_behind_the_border_of_a_medium() {
         assert!(!ways.iter().any(|portion| portion.key == border), "{ways:?}");
     }
 }
+
+/// Light of a lamp that rough metal reflects onto a floor is found at the metal by light sampling; that which a
+/// nearly smooth ball reflects is not.
+#[test]
+fn only_sharp_gloss_makes_caustics() {
+    let caustics = |alpha| {
+        let mut scene = SceneBuilder::default();
+        let floor = Affine3A::from_scale(Vec3::splat(5.0));
+        scene.add(Primitive::Rectangle, floor, diffuse(0.5), None);
+        let ball = Affine3A::from_translation(Vec3::new(2.0, 0.0, 1.0));
+        scene.add(Primitive::Sphere, ball, rough_metal(alpha), None);
+        let down = Quat::from_rotation_x(std::f32::consts::PI);
+        let lamp = Affine3A::from_scale_rotation_translation(Vec3::splat(0.5), down, Vec3::Z * 4.0);
+        scene.add(Primitive::Rectangle, lamp, diffuse(0.0), Some(Rgb::ONE));
+        let look = view(
+            camera(Vec3::new(0.0, -1.0, 2.0), Vec3::ZERO, 5.0),
+            1,
+            UNBOUNDED,
+            Strategy::Mis,
+        );
+        let found = broken_down(&scene.build(), &look, Area::pixel(UVec2::ZERO), 1 << 14);
+        let kinds = found.portions(|route| (route.kind == Kind::Mirror).then_some(route.is_caustic));
+        let share = |is_caustic| {
+            kinds
+                .iter()
+                .find(|portion| portion.key == is_caustic)
+                .map_or(0.0, |part| part.share)
+        };
+        [share(false), share(true)]
+    };
+    let [plain, caustic] = caustics(0.3);
+    assert!(plain > 0.0 && caustic < 0.01 * plain, "{plain} {caustic}");
+    let [plain, caustic] = caustics(0.01);
+    assert!(caustic > plain, "{plain} {caustic}");
+}

@@ -37,8 +37,10 @@ use crate::color::LUMINANCE;
 pub const BATCHES: u32 = 32;
 /// The fewest samples of a pixel in a batch, so that its variance can be estimated.
 pub const LEAST_OF_BATCH: u32 = 2;
+/// The fewest batches: standard errors of fewer would have the wrong size too often.
+pub const LEAST_BATCHES: u32 = 8;
 /// The fewest samples of a pixel.
-pub const LEAST_SAMPLES: u32 = 2 * LEAST_OF_BATCH;
+pub const LEAST_SAMPLES: u32 = LEAST_BATCHES * LEAST_OF_BATCH;
 
 /// The most pixels that are traced as one task.
 const PIXELS_OF_TASK: u64 = 64;
@@ -104,7 +106,7 @@ impl Area {
 /// The samples of each pixel and how they are split into batches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Batches {
-    /// The number of batches, from 2 to [`BATCHES`].
+    /// The number of batches, from [`LEAST_BATCHES`] to [`BATCHES`].
     pub count: u32,
     /// The samples of a pixel in each of them.
     pub samples: u32,
@@ -216,8 +218,8 @@ fn trace_pixels(
     Some(account)
 }
 
-/// The contributions of a path to its pixel, which the filter weighs; values that are not finite are left out, as in
-/// the picture.
+/// The contributions of a path to its pixel, which the filter weighs; paths whose radiance is not finite have none. The
+/// picture also leaves out those with such an albedo, normal or depth.
 fn weighted_contributions(scene: &RenderScene, path: &RecordedPath, found: &mut Vec<(Route, DVec3)>) {
     found.clear();
     if path.radiance.is_finite() {

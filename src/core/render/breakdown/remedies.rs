@@ -22,7 +22,7 @@ declare_names! {
         /// Direct light of several lamps, none of which makes more than half of its noise.
         ManyLamps = "many-lamps" => "the choice among several lamps",
         /// Direct light of mainly one lamp.
-        Shadow = "shadow" => "the half shadow and the highlight of a lamp",
+        Shadow = "shadow" => "the half shadow of a lamp",
         /// Emitters in view.
         Edge = "edge" => "the edge or the texture of an emitter in view",
     }
@@ -56,9 +56,9 @@ impl Trouble {
             _ if route.is_caustic => Self::Caustic,
             Kind::Medium => Self::Medium,
             _ if route.bounces > LONG => Self::LongPaths,
-            Kind::Mirror | Kind::Glass if route.bounces > 1 => Self::Reflection,
+            Kind::Mirror | Kind::Glass => Self::Reflection,
             Kind::Diffuse => Self::Interreflection,
-            Kind::Direct | Kind::Mirror | Kind::Glass => Self::Shadow,
+            Kind::Direct => Self::Shadow,
             Kind::Seen => Self::Edge,
         }
     }

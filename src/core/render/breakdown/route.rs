@@ -74,7 +74,7 @@ pub struct Route {
     pub bounces: u32,
     /// How it was scattered.
     pub kind: Kind,
-    /// Whether a mirror, a glossy surface or glass has focused it onto a surface that scatters widely: a caustic.
+    /// Whether a mirror or glass, smooth or nearly so, has focused it onto a surface that scatters widely: a caustic.
     pub is_caustic: bool,
 }
 
@@ -90,6 +90,10 @@ pub struct Contribution {
 /// The density per solid angle from which on a scattering counts as glossy: a diffuse surface scatters nowhere with
 /// more than 1 / pi.
 const GLOSSY_DENSITY: f32 = 1.0;
+
+/// The density from which on a scattering focuses light: a lamp has to be within a hundredth of a steradian of one
+/// direction, where light sampling seldom finds it.
+const FOCUSING_DENSITY: f32 = 100.0;
 
 /// What is known of a route while a path is followed from the camera on.
 #[derive(Clone, Copy, Debug)]
@@ -116,15 +120,16 @@ impl Trail {
     };
 
     /// The trail behind a scattering at `vertex`, to which the path came in direction `dir` and which it leaves to
-    /// `wi`.
-    fn scattered(mut self, vertex: &RecordedVertex, dir: Vec3, wi: Vec3, is_glossy: bool) -> Self {
+    /// `wi` with this density per solid angle.
+    fn scattered(mut self, vertex: &RecordedVertex, dir: Vec3, wi: Vec3, density: f32) -> Self {
+        let is_glossy = density > GLOSSY_DENSITY;
         self.bounces += 1;
         let second = match vertex.place {
             PathVertex::Surface(surface) => {
                 let is_through = dir.dot(surface.normal) * wi.dot(surface.normal) > 0.0;
                 self.has_glass |= is_glossy && is_through;
                 self.has_gloss |= is_glossy && !is_through;
-                self.is_caustic |= self.is_spread && is_glossy;
+                self.is_caustic |= self.is_spread && density > FOCUSING_DENSITY;
                 self.is_spread |= !is_glossy;
                 Way::Surface {
                     instance: surface.instance,
@@ -203,7 +208,7 @@ pub fn contributions(scene: &RenderScene, path: &RecordedPath) -> Vec<Contributi
         }
         if let Some(sampled) = vertex.sampled.filter(|sampled| sampled.contribution != Rgb::ZERO) {
             let wi = sampled.sample.wi;
-            let mut trail = trail.scattered(vertex, dir, wi, sampled.bsdf_pdf > GLOSSY_DENSITY);
+            let mut trail = trail.scattered(vertex, dir, wi, sampled.bsdf_pdf);
             if trail.bounces == 1 {
                 trail.way = Way::Straight {
                     through: sampled.through,
@@ -217,8 +222,8 @@ pub fn contributions(scene: &RenderScene, path: &RecordedPath) -> Vec<Contributi
         if let Some(bounce) = &vertex.bounce {
             trail = match bounce.lobe {
                 Lobe::Null => trail.passed(scene, vertex),
-                Lobe::Delta => trail.scattered(vertex, dir, bounce.wi, true),
-                Lobe::Smooth => trail.scattered(vertex, dir, bounce.wi, bounce.pdf > GLOSSY_DENSITY),
+                Lobe::Delta => trail.scattered(vertex, dir, bounce.wi, f32::INFINITY),
+                Lobe::Smooth => trail.scattered(vertex, dir, bounce.wi, bounce.pdf),
             };
             dir = bounce.wi;
         }
