@@ -98,6 +98,8 @@ fn the_light_of_a_lamp_is_followed() {
     let shares: f64 = things.iter().map(|thing| number(&thing["absorbed"])).sum();
     assert!((shares + number(&told["escaped"]) - 1.0).abs() < 1e-4, "{told}");
     assert!(things.iter().any(|thing| thing["name"] == "red wall"), "{told}");
+    let told = text(&why(&shop, &["--lamp", "desk lamp", "--spp", "100"]));
+    assert!(told.contains("by 128 paths"), "{told}");
     let told = text(&why(&shop, &["--lamp", "desk lamp", "--spp", "4096"]));
     assert!(
         told.contains("desk lamp emits") && told.contains("leaves the scene"),

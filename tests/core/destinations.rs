@@ -9,6 +9,7 @@ use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::light::LightSource;
+use sunroom::material::Material;
 use sunroom::render::breakdown::destinations;
 
 /// A point lamp over a disk in empty space sends its solid angle's part there, and the rest leaves.
@@ -17,6 +18,9 @@ fn a_disk_takes_the_solid_angle_of_a_lamp() {
     let albedo = 0.3;
     let mut scene = SceneBuilder::default();
     scene.add(Primitive::Disk, Affine3A::IDENTITY, diffuse(albedo), None);
+    // Nothing arrives at an invisible border around both.
+    let border = Affine3A::from_scale(Vec3::splat(5.0));
+    scene.add(Primitive::Sphere, border, Material::Null, None);
     scene.light(LightSource::Point {
         position: Vec3::Z,
         intensity: Rgb::splat(2.0),
@@ -32,6 +36,9 @@ fn a_disk_takes_the_solid_angle_of_a_lamp() {
     };
     let power = 8.0 * PI;
     near(found.emitted(), power);
+    assert_eq!(found.paths(), 1 << 15);
+    let few = destinations(&scene, &look, 4, &AtomicBool::new(false)).expect("it is not cancelled");
+    assert_eq!(few.paths(), 32);
     let solid_angle = 0.5 * (1.0 - 0.5_f32.sqrt());
     let disk = found.by(|instance| instance);
     assert_eq!(disk.len(), 1);

@@ -1,5 +1,6 @@
 //! Where the light of a lamp goes, in sentences and as JSON.
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 use bevy::prelude::*;
@@ -19,7 +20,7 @@ use crate::cli::report::{Failure, counted};
 struct Report {
     scene: PathBuf,
     lamp: String,
-    paths: u32,
+    paths: u64,
     seed: u32,
     emitted: f32,
     emitted_error: f32,
@@ -71,7 +72,7 @@ impl Question<'_> {
         let report = Report {
             scene: self.args.scene.scene.clone(),
             lamp: name.to_owned(),
-            paths,
+            paths: found.paths(),
             seed: self.view.seed,
             emitted,
             emitted_error,
@@ -85,27 +86,45 @@ impl Question<'_> {
         }))
     }
 
-    /// The entity of a lamp by its name.
+    /// The entity of a lamp by its id or its name.
     fn lamp_of_name(&self, wanted: &str) -> Result<Entity, Failure> {
-        let mut names: Vec<(String, Entity)> = Vec::new();
-        for &entity in self.things.shining() {
-            if names.last().is_none_or(|(_, last)| *last != entity) {
-                names.push((thing_name(self.world, entity), entity));
+        let mut known = HashSet::new();
+        let shining = self.things.shining().iter().copied();
+        let lamps: Vec<Entity> = shining.filter(|entity| known.insert(*entity)).collect();
+        let found: Vec<Entity> = lamps
+            .iter()
+            .copied()
+            .filter(|lamp| self.has_name(*lamp, wanted))
+            .collect();
+        match found[..] {
+            [lamp] => return Ok(lamp),
+            [] => {}
+            _ => {
+                let text = format!(
+                    "{} lamps have the name `{wanted}`: give one an id of its own",
+                    found.len()
+                );
+                return Err(Failure::Usage(text));
             }
         }
-        if let Some((_, entity)) = names.iter().find(|(name, _)| name == wanted) {
-            return Ok(*entity);
+        if self.things.media().any(|medium| self.has_name(medium, wanted)) {
+            let text = format!("`{wanted}` is a medium: only the light of shapes and lights is followed");
+            return Err(Failure::Usage(text));
         }
-        let help = did_you_mean(wanted, names.iter().map(|(name, _)| name.as_str()));
-        let known = || match names.is_empty() {
+        let names: Vec<String> = lamps.iter().map(|lamp| thing_name(self.world, *lamp)).collect();
+        let help = did_you_mean(wanted, names.iter().map(String::as_str));
+        let all = || match names.is_empty() {
             true => "nothing shines in this scene".to_owned(),
-            false => {
-                let names = names.iter().take(MOST_THINGS).map(|(name, _)| name.as_str());
-                format!("the lamps are {}", names.collect::<Vec<_>>().join(", "))
-            }
+            false => format!("the lamps are {}", names[..names.len().min(MOST_THINGS)].join(", ")),
         };
-        let help = help.unwrap_or_else(known);
+        let help = help.unwrap_or_else(all);
         Err(Failure::Usage(format!("there is no lamp `{wanted}` ({help})")))
+    }
+
+    /// Whether a thing has this id or name, or is called so in reports.
+    fn has_name(&self, entity: Entity, wanted: &str) -> bool {
+        let name = self.world.get::<Name>(entity);
+        name.is_some_and(|name| name.as_str() == wanted) || thing_name(self.world, entity) == wanted
     }
 }
 

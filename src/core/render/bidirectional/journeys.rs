@@ -31,7 +31,7 @@ pub(in crate::render) struct Landing {
 pub(in crate::render) struct Journey {
     /// The power that was emitted: the sum of all that is absorbed and of what escapes.
     pub emitted: Rgb,
-    /// The surfaces in turn.
+    /// The surfaces in turn, without invisible ones.
     pub landings: Vec<Landing>,
     /// The power that leaves the scene.
     pub escaped: Rgb,
@@ -77,7 +77,10 @@ pub(in crate::render) fn journeys(scene: &RenderScene, view: &View, numbers: Ran
         let escaped = if has_escaped { walk.throughput } else { Rgb::ZERO };
         let throughputs = vertices.iter().skip(1).map(|vertex| vertex.throughput);
         let carried_on = throughputs.chain([escaped]);
-        let landings = vertices.iter().zip(carried_on).map(|(vertex, on)| Landing {
+        // Light does not arrive at the invisible borders of media.
+        let visible = vertices.iter().zip(carried_on);
+        let visible = visible.filter(|(vertex, _)| !scene.materials.is_null(vertex.slot.material));
+        let landings = visible.map(|(vertex, on)| Landing {
             instance: vertex.hit.instance,
             received: emitted.power * vertex.throughput,
             absorbed: emitted.power * (vertex.throughput - on),

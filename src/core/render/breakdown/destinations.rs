@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::account::{error_of_mean, mean_of, ratio};
-use super::{BATCHES, of_batch};
+use super::{BATCHES, TASKS_AT_ONCE, of_batch};
 use crate::color::{Rgb, luminance};
 use crate::render::bidirectional::{Journey, journeys};
 use crate::render::scene::RenderScene;
@@ -98,30 +98,40 @@ pub fn destinations(scene: &RenderScene, view: &View, paths: u32, cancel: &Atomi
     unbounded.integrator.settings_mut().max_depth = u32::MAX;
     let views: Vec<View> = (0..BATCHES).map(|batch| of_batch(&unbounded, batch)).collect();
     let paths = paths.div_ceil(BATCHES).max(1);
-    let tasks: Vec<(u32, u32)> = (0..BATCHES)
-        .flat_map(|batch| (0..paths.div_ceil(PATHS_OF_TASK)).map(move |task| (batch, task * PATHS_OF_TASK)))
-        .collect();
-    let trace = |&(batch, first): &(u32, u32)| {
+    let trace = |task: u64| {
+        let batch = (task % u64::from(BATCHES)) as usize;
+        let first = (task / u64::from(BATCHES)) as u32 * PATHS_OF_TASK;
         let mut sums = Sums::default();
         let last = paths.min(first.saturating_add(PATHS_OF_TASK));
         for number in first..last {
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            let all = journeys(scene, &views[batch as usize], number..number + 1);
+            let all = journeys(scene, &views[batch], number..number + 1);
             all.iter().for_each(|journey| sums.add(journey));
         }
-        Some(sums)
+        Some((batch, sums))
     };
-    let sums: Vec<Option<Sums>> = tasks.par_iter().map(trace).collect();
     let mut batches = vec![Sums::default(); BATCHES as usize];
-    for ((batch, _), sums) in tasks.iter().zip(sums) {
-        batches[*batch as usize].append(sums?);
+    let tasks = u64::from(BATCHES) * u64::from(paths.div_ceil(PATHS_OF_TASK));
+    for first_task in (0..tasks).step_by(TASKS_AT_ONCE) {
+        let last_task = tasks.min(first_task + TASKS_AT_ONCE as u64);
+        let sums: Vec<Option<(usize, Sums)>> = (first_task..last_task).into_par_iter().map(trace).collect();
+        // Sums of floats depend on their order, which is that of the tasks.
+        for sums in sums {
+            let (batch, sums) = sums?;
+            batches[batch].append(sums);
+        }
     }
     Some(Destinations { batches, paths })
 }
 
 impl Destinations {
+    /// The number of light paths that were traced.
+    pub fn paths(&self) -> u64 {
+        u64::from(self.paths) * self.batches.len() as u64
+    }
+
     /// The emitted power with its standard error, in W by luminance. Of lamps at infinity it is that which meets a
     /// surface.
     pub fn emitted(&self) -> [f32; 2] {
