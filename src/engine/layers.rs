@@ -166,8 +166,13 @@ pub fn file_options(storage: FilmStorage, display: Display) -> FileOptions {
 
 /// The entity's name in the scene, or its kind and its index in the file.
 pub(super) fn name_of(world: &World, entity: Entity, kind: &str) -> String {
-    let name = || Some(world.get::<Name>(entity)?.to_string());
-    let id = world.get::<SceneId>(entity).map(|id| id.0.to_string());
-    let order = || world.get::<DocumentOrder>(entity).map_or(0, |order| order.0);
+    name_by(world.get(entity), world.get(entity), world.get(entity), kind)
+}
+
+/// [`name_of`] by the components of the entity.
+pub(super) fn name_by(id: Option<&SceneId>, name: Option<&Name>, order: Option<&DocumentOrder>, kind: &str) -> String {
+    let name = || Some(name?.to_string());
+    let order = || order.map_or(0, |order| order.0);
+    let id = id.map(|id| id.0.to_string());
     id.or_else(name).unwrap_or_else(|| format!("{kind} {}", order()))
 }

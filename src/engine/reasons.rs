@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::layers::name_of;
+use super::layers::name_by;
 use super::light_groups::Lamps;
 use super::packed_scene::PackedScene;
 use crate::light::{LightId, LightTable};
 use crate::medium::MediumId;
 use crate::render::breakdown::{Breakdown, Kind, Portion, Route, Source, Way};
 use crate::render::scene::RenderScene;
+use crate::scene::{DocumentOrder, Emitter, SceneId};
 
 /// An emitter of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -170,6 +171,11 @@ impl Things {
     pub fn shining(&self) -> &[Entity] {
         &self.lamps.owners
     }
+
+    /// The entities of media, in no order.
+    pub fn media(&self) -> impl Iterator<Item = Entity> {
+        self.media.values().copied()
+    }
 }
 
 impl Group {
@@ -238,15 +244,45 @@ impl Group {
     }
 }
 
+/// The components that name a thing.
+pub type NameParts = (
+    Option<&'static SceneId>,
+    Option<&'static Name>,
+    Option<&'static DocumentOrder>,
+    Option<&'static Emitter>,
+);
+
 /// The name of a thing in reports: its id or its name, or else its kind and its index in the file.
 pub fn thing_name(world: &World, entity: Entity) -> String {
-    name_of(world, entity, "thing")
+    let parts = (
+        world.get(entity),
+        world.get(entity),
+        world.get(entity),
+        world.get(entity),
+    );
+    thing_name_by(parts)
+}
+
+/// [`thing_name`] by the [`NameParts`] of the thing.
+pub fn thing_name_by(
+    (id, name, order, emitter): (
+        Option<&SceneId>,
+        Option<&Name>,
+        Option<&DocumentOrder>,
+        Option<&Emitter>,
+    ),
+) -> String {
+    let kind = emitter.map_or("thing", |emitter| emitter.info().label);
+    name_by(id, name, order, kind)
 }
 
 /// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is
 /// rounded up; none is written if it is 0.
 pub fn percent(share: f32, error: f32) -> String {
     let [share, error] = [share, error].map(|part| 100.0 * f64::from(part));
+    // A share that rounds to zero has no sign.
+    let digits = if error >= 1.0 { 1.0 } else { 10.0 };
+    let share = if (digits * share).round() == 0.0 { 0.0 } else { share };
     match error {
         0.0 => format!("{share:.1} %"),
         1.0.. => format!("{share:.0} ± {:.0} %", error.ceil()),
@@ -265,7 +301,9 @@ mod tests {
             (0.4123, 0.0161, "41 ± 2 %"),
             (0.4123, 0.0042, "41.2 ± 0.5 %"),
             (0.0601, 0.0001, "6.0 ± 0.1 %"),
-            (-0.001, 0.02, "-0 ± 2 %"),
+            (-0.001, 0.02, "0 ± 2 %"),
+            (-0.0001, 0.001, "0.0 ± 0.1 %"),
+            (-0.011, 0.02, "-1 ± 2 %"),
         ] {
             assert_eq!(percent(share, error), text);
         }

@@ -9,13 +9,13 @@ use bevy::prelude::*;
 use super::reasons::Reasons;
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::engine::PackedScene;
-use crate::engine::reasons::Things;
+use crate::engine::reasons::{NameParts, Things, thing_name_by};
 use crate::render::breakdown::{Area, Route};
 use crate::render::inspect::{RecordedPath, record_paths};
 use crate::render::observer::PathVertex;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
-use crate::scene::{Emitter, Material, SceneId, UsesMaterial};
+use crate::scene::{Material, SceneId, UsesMaterial};
 
 /// A path and the names of its vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,26 +43,19 @@ pub struct PathInspector {
 pub(crate) struct Names<'w, 's> {
     shapes: Query<'w, 's, (Option<&'static Name>, Option<&'static UsesMaterial>)>,
     materials: Query<'w, 's, (Option<&'static Name>, &'static Material)>,
-    things: Query<
-        'w,
-        's,
-        (
-            Option<&'static Name>,
-            Option<&'static SceneId>,
-            Option<&'static Emitter>,
-        ),
-    >,
+    things: Query<'w, 's, NameParts>,
+    renamed: Query<'w, 's, (), Or<(Changed<Name>, Changed<SceneId>)>>,
 }
 
 impl Names<'_, '_> {
     /// The name of a shape, a light or a medium.
     pub(super) fn thing(&self, entity: Entity) -> String {
-        let named = self.things.get(entity).ok();
-        let (name, id, emitter) = named.unwrap_or_default();
-        let name = name.map(|name| name.as_str().to_owned());
-        let name = name.or_else(|| id.map(|id| id.0.clone()));
-        let kind = || emitter.map_or("thing", |emitter| emitter.info().label).to_owned();
-        name.unwrap_or_else(kind)
+        thing_name_by(self.things.get(entity).unwrap_or_default())
+    }
+
+    /// Whether anything was renamed since the system that asks ran last.
+    pub(super) fn have_changed(&self) -> bool {
+        !self.renamed.is_empty()
     }
 
     fn of(&self, entity: Option<Entity>) -> (String, String) {

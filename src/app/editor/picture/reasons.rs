@@ -16,8 +16,6 @@ use crate::render::view::View;
 
 /// The samples of all pixels together for the first answer, and for the final one.
 const SAMPLES: [u64; 2] = [1 << 11, 1 << 16];
-/// The least samples of a pixel for both answers.
-const SAMPLES_OF_PIXEL: [u64; 2] = [4, 16];
 
 /// The scene, the view and the pixels that are asked about.
 #[derive(Clone, Debug)]
@@ -106,12 +104,12 @@ impl Reasons {
 /// Traces the samples of the first answer, or of the final one.
 fn find(question: Question, step: usize, cancel: &AtomicBool) -> Option<Answer> {
     let Question { scene, view, area } = &question;
-    let samples = (SAMPLES[step] / area.pixels()).max(SAMPLES_OF_PIXEL[step]);
-    let breakdown = break_down(scene, view, *area, Batches::of(samples as u32), cancel)?;
+    let [samples, last] = [SAMPLES[step], SAMPLES[1]].map(|all| Batches::of((all / area.pixels()) as u32));
+    let breakdown = break_down(scene, view, *area, samples, cancel)?;
     Some(Answer {
         breakdown,
         question,
-        is_final: step == 1,
+        is_final: samples == last,
     })
 }
 
@@ -131,9 +129,12 @@ pub(crate) fn follow_reasons(
         }
         return;
     };
-    if let Some((_, answer)) = reasons.search.collect() {
+    let found = reasons.search.collect().map(|(_, answer)| Arc::new(answer));
+    let is_renamed = names.have_changed() && reasons.explanation.is_some();
+    let told = found.or_else(|| reasons.answer.clone().filter(|_| is_renamed));
+    if let Some(answer) = told {
         reasons.explanation = Some(Arc::new(explain(&answer, &Things::of(&packed), &names)));
-        reasons.answer = Some(Arc::new(answer));
+        reasons.answer = Some(answer);
     }
     let question = Question {
         scene: scene.clone(),
