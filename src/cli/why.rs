@@ -34,13 +34,20 @@ pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
         ..Limits::default()
     };
     let mut app = open(scene, &args.scene.defines, trust, &args.missing, args.threads.threads);
-    if !load(&mut app, &limits, scene, args.strict)? {
+    let is_loaded = load(&mut app, &limits, scene, args.strict);
+    let is_interrupted = || cancel.load(Ordering::Relaxed);
+    if is_interrupted() {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    if !is_loaded? {
         return Ok(ExitCode::FAILURE);
     }
     choose_camera(app.world_mut(), args.camera.as_deref())?;
     set_size(app.world_mut(), args.size, [args.width, args.height])?;
     // Prepares the scene for the chosen camera.
-    load_to_completion(&mut app, &limits)?;
+    if !load_to_completion(&mut app, &limits)? || is_interrupted() {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
     if !is_shown(&app, scene, args.strict) {
         return Ok(ExitCode::FAILURE);
     }
