@@ -147,7 +147,7 @@ impl Report {
         let mut lines = vec![format!(
             "{place}: radiance {r:.4} {g:.4} {b:.4}, {}, by {}",
             watts(self.luminance).with_error(watts(self.error).0),
-            counted(self.spp, "sample") + if width * height > 1 { " per pixel" } else { "" },
+            counted(self.spp, "sample") + if (width, height) != (1, 1) { " per pixel" } else { "" },
         )];
         if self.luminance == 0.0 {
             lines.push("No light was found.".to_owned());

@@ -63,7 +63,9 @@ impl InspectedPaths {
         let size = UVec2::new(view.width, view.height).max(UVec2::ONE);
         let pixel = |place: Vec2| view.picture_of_film(place).clamp(Vec2::ZERO, Vec2::ONE) * size.as_vec2();
         let first = pixel(self.place).as_uvec2().min(size - UVec2::ONE);
-        let end = pixel(self.place + self.extent).ceil().as_uvec2();
+        // Rounding of the corner adds no row or column.
+        let end = pixel(self.place + self.extent) - 1e-6 * size.as_vec2();
+        let end = end.ceil().as_uvec2();
         let extent = match self.extent == Vec2::ZERO {
             true => UVec2::ONE,
             false => end.min(size).saturating_sub(first).max(UVec2::ONE),
