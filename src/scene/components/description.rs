@@ -91,7 +91,8 @@ impl SceneDescription {
         of_shapes.chain(of_emitters).chain(of_sensors)
     }
 
-    /// The description of a new scene: a camera that sees a floor as large as that of a house around the origin, and a grey sky.
+    /// The description of a new scene: a camera that sees a floor as large as that of a house around the origin, and a
+    /// grey sky.
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {
             id: Some(name.to_owned()),

@@ -6,8 +6,8 @@ use bevy::math::{UVec2, Vec2};
 /// picture, (1, 1) the bottom right.
 pub(crate) type Frame = (UVec2, [Vec2; 2]);
 
-/// The pixels of a picture of the frame `from`, row by row, in the frame `to`. A pixel has the colour of the nearest one
-/// at its place of the film, and `outside` where there was none.
+/// The pixels of a picture of the frame `from`, row by row, in the frame `to`. A pixel has the colour of the nearest
+/// one at its place of the film, and `outside` where there was none.
 pub(crate) fn reframed<T: Copy>(pixels: &[T], from: Frame, to: Frame, outside: T) -> Vec<T> {
     let ((old, [old_min, old_max]), (new, [new_min, new_max])) = (from, to);
     let scale = (old_max - old_min) / (new_max - new_min);

@@ -206,9 +206,8 @@ impl Breakdown {
         }
     }
 
-    /// At most `most` of the paths that have found light on routes of a group: one of each route in turns, the brightest
-    /// route first, at random among the pixels. `scene` and
-    /// `view` are those that were broken down.
+    /// At most `most` of the paths that have found light on routes of a group: one of each route in turns, the
+    /// brightest route first, at random among the pixels. `scene` and `view` are those that were broken down.
     pub fn example_paths(
         &self,
         scene: &RenderScene,
