@@ -279,14 +279,16 @@ pub fn thing_name_by(
 /// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is
 /// rounded up; none is written if it is 0.
 pub fn percent(share: f32, error: f32) -> String {
+    // Single precision does not make an error of 0.1 % one of 0.2 %.
+    const ROUNDING: f64 = 1e-5;
     let [share, error] = [share, error].map(|part| 100.0 * f64::from(part));
     // A share that rounds to zero has no sign.
     let digits = if error >= 1.0 { 1.0 } else { 10.0 };
     let share = if (digits * share).round() == 0.0 { 0.0 } else { share };
     match error {
         0.0 => format!("{share:.1} %"),
-        1.0.. => format!("{share:.0} ± {:.0} %", error.ceil()),
-        _ => format!("{share:.1} ± {:.1} %", (10.0 * error).ceil() / 10.0),
+        1.0.. => format!("{share:.0} ± {:.0} %", (error - ROUNDING).ceil()),
+        _ => format!("{share:.1} ± {:.1} %", (10.0 * error - ROUNDING).ceil() / 10.0),
     }
 }
 

@@ -621,7 +621,7 @@ fn a_misspelt_command_gets_a_suggestion() {
         (&["rendr"], more),
         (
             &["frobnicate"],
-            "the commands are edit, render, merge, submit, bake, check, convert, diff, bench, completions, man",
+            "the commands are edit, render, merge, submit, bake, measure, check, convert, diff, why, bench, completions, man",
         ),
     ] {
         let output = sunroom().args(arguments).output().expect("starts");
@@ -1066,13 +1066,14 @@ fn help(command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "",
     "edit",
     "render",
     "merge",
     "submit",
     "bake",
+    "measure",
     "check",
     "convert",
     "diff",

@@ -120,8 +120,8 @@ impl AskedMeter {
 }
 
 impl Sites {
-    /// Puts points that lie in a surface of the scene, up to rounding, onto it: the rounding of a surface goes with its
-    /// own size and place, and a point may be just below it.
+    /// Lets rays of points that lie in a surface of the scene, up to rounding, begin above it: the rounding of a surface
+    /// goes with its own size and place, and a point may be just below it.
     pub fn settle(&mut self, geometry: &Tlas) {
         let bounds = geometry.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -137,8 +137,8 @@ impl Sites {
             };
             if let Some(hit) = geometry.intersect(&ray) {
                 let surface = geometry.surface_in(&ray, &hit, Detail::Plain);
-                receiver.position = surface.position;
-                receiver.error = receiver.error.max(surface.error);
+                let off = surface.position.distance(receiver.position);
+                receiver.error = receiver.error.max(surface.error + off);
             }
         }
     }

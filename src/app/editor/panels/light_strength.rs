@@ -131,11 +131,17 @@ pub(crate) fn light_strength<'a>(
     };
     let factor = measure.per_strength * luminance;
     let mut shown = *strength * factor;
+    let usual_end = match measure.unit {
+        LightUnit::Lumen | LightUnit::Lux => 1e6,
+        LightUnit::Candela | LightUnit::Nit => 1e7,
+    };
+    // The lights of scenes in millimetres have more.
+    let end = match shown > usual_end {
+        true => shown.max(RADIOMETRIC_END * factor),
+        false => usual_end,
+    };
     let scale = StrengthScale {
-        ends: match measure.unit {
-            LightUnit::Lumen | LightUnit::Lux => [0.1, 1e6_f32.max(RADIOMETRIC_END * factor)],
-            LightUnit::Candela | LightUnit::Nit => [0.1, 1e7_f32.max(RADIOMETRIC_END * factor)],
-        },
+        ends: [0.1, end],
         beside,
         decimals: match shown {
             1000.0.. => 0,
