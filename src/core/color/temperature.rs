@@ -104,8 +104,8 @@ mod tests {
 
     #[test]
     fn temperatures_come_back_from_their_colours() {
-        // Below 1900 K, and far from the curve, colours leave Rec. 709.
-        for kelvin in [2000.0, 2700.0, 4000.0, 6504.0, 12_000.0] {
+        // Warmer than this, and far from the curve, colours leave Rec. 709, and their negative blue is cut off.
+        for kelvin in [2200.0, 2700.0, 4000.0, 6504.0, 12_000.0] {
             for duv in [-0.01, 0.0, 0.003] {
                 let given = Temperature { kelvin, duv };
                 let color = 7.0 * given.color();
