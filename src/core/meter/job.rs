@@ -31,8 +31,8 @@ const LEAST_SAMPLES: u32 = 16;
 /// The sets that have to find light at a point before their spread tells the error, unless each has as many samples as
 /// [`SAMPLES_IN_THE_DARK`].
 const LEAST_LIT: usize = 24;
-/// The samples of each set after which a single point without light counts as dark. Of a grid with many points one point
-/// weighs less, and the samples are fewer.
+/// The samples of each set after which a single point without light counts as dark. Of a grid with many points one
+/// point weighs less, and the samples are fewer.
 const SAMPLES_IN_THE_DARK: u32 = 64 * LEAST_SAMPLES;
 
 /// The limits that end measuring.

@@ -120,8 +120,8 @@ impl AskedMeter {
 }
 
 impl Sites {
-    /// Lets rays of points that lie in a surface of the scene, up to rounding, begin above it: the rounding of a surface
-    /// goes with its own size and place, and a point may be just below it.
+    /// Lets rays of points that lie in a surface of the scene, up to rounding, begin above it: the rounding of a
+    /// surface goes with its own size and place, and a point may be just below it.
     pub fn settle(&mut self, geometry: &Tlas) {
         let bounds = geometry.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();

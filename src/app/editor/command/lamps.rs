@@ -128,8 +128,8 @@ impl PhotometricValue {
     }
 }
 
-/// The parameter of a light with the strength that a lamp gives; None if the lamp is of another kind. Skies and parallel
-/// light, which both have lux, are told apart.
+/// The parameter of a light with the strength that a lamp gives; None if the lamp is of another kind. Skies and
+/// parallel light, which both have lux, are told apart.
 pub(crate) fn strength_of(lamp: &Lamp, measures: &[MeasureOf]) -> Option<&'static str> {
     let fits = |(name, measure): &&MeasureOf| {
         let is_of_kind = match lamp.form {
