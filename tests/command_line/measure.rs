@@ -76,10 +76,19 @@ fn grids_have_rows_in_csv_files_and_daylight_replaces_lamps() {
     let table = std::fs::read_to_string(&rows).expect("the rows");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!((lines.len(), lines[0]), (17, "meter,column,row,x,y,z,lux,error"));
+    let numbers = lines[1].strip_prefix("\"floor, all of it\",").expect("the name");
+    let numbers: Vec<f64> = numbers
+        .split(',')
+        .map(|number| number.parse().expect("a number"))
+        .collect();
+    let place = [0.0, 0.0, -1.5, 0.001, 1.5];
     assert!(
-        lines[1].starts_with("\"floor, all of it\",0,0,-1.5,0.001,1.5,"),
-        "{}",
-        lines[1]
+        numbers.len() == 7
+            && numbers
+                .iter()
+                .zip(place)
+                .all(|(found, place)| (found - place).abs() < 1e-6),
+        "{numbers:?}"
     );
     let (output, said, told) = measure(&scene, &["-q", "--daylight-factor", "--noise", "0.5%"]);
     assert_eq!(output.status.code(), Some(0), "{told}");
