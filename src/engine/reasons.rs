@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::layers::name_by;
 use super::light_groups::Lamps;
 use super::packed_scene::PackedScene;
-use crate::light::{LightId, LightTable};
+use crate::light::LightId;
 use crate::medium::MediumId;
 use crate::render::breakdown::{Breakdown, Kind, Portion, Route, Source, Way};
 use crate::render::scene::RenderScene;
@@ -148,23 +148,15 @@ impl Things {
         breakdown.portions(|route| Some(self.group(grouping, route)))
     }
 
-    /// `scene` with the light of the lamps of `owner` alone; None if it has none. The emitting shapes keep the ids of
-    /// their lights, which are of no meaning there: only paths from the lights can be traced.
+    /// `scene` with the light of the lamps of `owner` alone; None if it has none. Only paths from the lights can be
+    /// traced in it.
     pub fn lit_by(&self, scene: &RenderScene, owner: Entity) -> Option<RenderScene> {
         let all = self.lamps.owners.iter().zip(&self.lamps.sources);
         let own: Vec<_> = all
             .filter(|(one, _)| **one == owner)
             .map(|(_, source)| source.clone())
             .collect();
-        if own.is_empty() {
-            return None;
-        }
-        let lights = LightTable::build(&own, &scene.geometry, &scene.textures);
-        Some(RenderScene {
-            reach: lights.reach(&scene.geometry),
-            lights: Arc::new(lights),
-            ..scene.clone()
-        })
+        (!own.is_empty()).then(|| scene.lit_by(&own))
     }
 
     /// The entities that shine.

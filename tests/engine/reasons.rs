@@ -149,3 +149,25 @@ fn the_light_of_a_lamp_goes_to_the_things_of_the_room() {
     assert!(top.is_some(), "{shares:?}");
     assert!(things.lit_by(&scene, Entity::PLACEHOLDER).is_none());
 }
+
+/// The light of one lamp also meets the other lamps, which do not shine then.
+#[test]
+fn every_lamp_of_a_room_with_shining_shapes_can_be_followed() {
+    let app = opened("desk.xml");
+    let packed = app.world().resource::<PackedScene>();
+    let scene = packed.scene.clone().expect("packed");
+    let view = packed.view.clone().expect("packed");
+    let things = Things::of(packed);
+    assert!(things.shining().len() >= 3);
+    for lamp in things.shining() {
+        let alone = things.lit_by(&scene, *lamp).expect("it shines");
+        let found = destinations(&alone, &view, 1 << 12, &AtomicBool::new(false)).expect("it is not cancelled");
+        let sum: f32 = found
+            .by(|instance| things.instance(instance))
+            .iter()
+            .map(|thing| thing.share)
+            .sum();
+        let [escaped, _] = found.escaped();
+        assert!((sum + escaped - 1.0).abs() < 1e-4, "{sum} {escaped}");
+    }
+}

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use glam::{Mat3, Quat, Vec3};
 
-use crate::light::{EnvironmentMap, LightSource, LightTable, WeightedSource};
+use crate::light::{EnvironmentMap, LightSource, WeightedSource};
 use crate::photometry::LUMENS_PER_WATT;
-use crate::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
+use crate::render::scene::RenderScene;
 use crate::texture::{Image, Samples, Transfer};
 
 /// The illuminance of the open ground in lux: a common overcast noon.
@@ -55,19 +55,8 @@ pub fn overcast_sky(up: Vec3) -> LightSource {
 
 /// The scene with this light in place of all of its own; surfaces that shone do not.
 pub fn lit_by(scene: &RenderScene, source: LightSource) -> RenderScene {
-    let dark = |slot: &SurfaceSlot| SurfaceSlot { light: None, ..*slot };
-    let sources = [WeightedSource {
+    scene.lit_by(&[WeightedSource {
         source,
         sampling_weight: 1.0,
-    }];
-    let lights = LightTable::build(&sources, &scene.geometry, &scene.textures);
-    RenderScene {
-        surfaces: Arc::new(SurfaceTable {
-            first_slot: scene.surfaces.first_slot.clone(),
-            slots: scene.surfaces.slots.iter().map(dark).collect(),
-        }),
-        reach: lights.reach(&scene.geometry),
-        lights: Arc::new(lights),
-        ..scene.clone()
-    }
+    }])
 }

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::emission::Reach;
-use crate::light::{LightId, LightTable};
+use crate::light::{LightId, LightTable, WeightedSource};
 use crate::material::{MaterialId, MaterialTable, Scattering, Single};
 use crate::math::Ray;
 use crate::medium::{MediumInterface, MediumTable};
@@ -67,6 +67,22 @@ pub struct SurfaceTable {
 }
 
 impl RenderScene {
+    /// The scene with these lights in place of all of its own. Surfaces do not shine when paths come upon them: the
+    /// emitting shapes among `sources` light by being sampled alone.
+    pub fn lit_by(&self, sources: &[WeightedSource]) -> Self {
+        let dark = |slot: &SurfaceSlot| SurfaceSlot { light: None, ..*slot };
+        let lights = LightTable::build(sources, &self.geometry, &self.textures);
+        Self {
+            surfaces: Arc::new(SurfaceTable {
+                first_slot: self.surfaces.first_slot.clone(),
+                slots: self.surfaces.slots.iter().map(dark).collect(),
+            }),
+            reach: lights.reach(&self.geometry),
+            lights: Arc::new(lights),
+            ..self.clone()
+        }
+    }
+
     /// Whether both scenes share all their tables.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.geometry, &other.geometry)
