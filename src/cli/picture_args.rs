@@ -12,6 +12,19 @@ use sunroom::scene::FilmStorage;
 use super::parse;
 
 #[derive(Args)]
+pub struct SizeArgs {
+    /// Both sides of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
+    pub size: Option<(u32, u32)>,
+    /// Width of the picture in pixels; the other side follows if it is not given
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub width: Option<u32>,
+    /// Height in pixels
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub height: Option<u32>,
+}
+
+#[derive(Args)]
 pub struct DisplayArgs {
     /// Exposure of PNG and JPEG files: stops, -100 to 100; an exposure value as `ev100:12`; or aperture, shutter time
     /// and ISO of a camera as `f/8,1/60,400` [default: 0]

@@ -43,7 +43,7 @@ pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::FAILURE);
     }
     choose_camera(app.world_mut(), args.camera.as_deref())?;
-    set_size(app.world_mut(), args.size, [args.width, args.height])?;
+    set_size(app.world_mut(), &args.size)?;
     // Prepares the scene for the chosen camera.
     if !load_to_completion(&mut app, &limits)? || is_interrupted() {
         return Ok(ExitCode::from(INTERRUPTED));

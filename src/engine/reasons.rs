@@ -63,15 +63,15 @@ declare_names! {
 /// A group of light in one of the groupings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Group {
-    /// Of [`Grouping::Route`].
+    /// A group of [`Grouping::Route`].
     Route(Lamp, Via),
-    /// Of [`Grouping::Lamp`].
+    /// A group of [`Grouping::Lamp`].
     Lamp(Lamp),
-    /// Of [`Grouping::Way`].
+    /// A group of [`Grouping::Way`].
     Way(Via),
-    /// Of [`Grouping::Bounces`]; the last one of [`MOST_BOUNCES`] has all longer routes.
+    /// A group of [`Grouping::Bounces`]; the last one of [`MOST_BOUNCES`] has all longer routes.
     Bounces(u32),
-    /// Of [`Grouping::Kind`].
+    /// A group of [`Grouping::Kind`].
     Kind(Kind),
 }
 
@@ -266,6 +266,19 @@ pub fn thing_name_by(
 ) -> String {
     let kind = emitter.map_or("thing", |emitter| emitter.info().label);
     name_by(id, name, order, kind)
+}
+
+/// Groups with a smaller share are not listed.
+const LEAST_SHARE: f32 = 0.002;
+/// The most groups that are listed.
+const MOST_GROUPS: usize = 12;
+
+/// Splits groups, the brightest first, into the groups that a report lists, and the many or small ones whose sum it
+/// gives.
+pub fn listed<T>(groups: &[T], share: impl Fn(&T) -> f32) -> (&[T], &[T]) {
+    let is_listed = |group: &&T| share(group) >= LEAST_SHARE;
+    let count = groups.iter().take(MOST_GROUPS).take_while(is_listed).count();
+    groups.split_at(count)
 }
 
 /// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is

@@ -9,7 +9,7 @@ use sunroom::scene::{AccelMethod, PathPlugin, Sequence, Strategy};
 
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
-use crate::cli::picture_args::{DisplayArgs, FileArgs, named};
+use crate::cli::picture_args::{DisplayArgs, FileArgs, SizeArgs, named};
 use crate::cli::sequence::SequenceArgs;
 use crate::cli::share::{CheckpointArgs, ShareArgs};
 use crate::cli::stats::StatsFormat;
@@ -38,15 +38,8 @@ pub struct RenderArgs {
     /// Send more samples where the noise is
     #[arg(long)]
     pub adaptive: bool,
-    /// Both sides of the picture in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
-    pub size: Option<(u32, u32)>,
-    /// Width of the picture in pixels; the other side follows if it is not given
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub width: Option<u32>,
-    /// Height in pixels
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub height: Option<u32>,
+    #[command(flatten)]
+    pub size: SizeArgs,
     #[command(flatten)]
     pub shares: ShareArgs,
     #[command(flatten)]

@@ -7,6 +7,7 @@ use sunroom::scene::{
 };
 
 use super::args::RenderArgs;
+use crate::cli::picture_args::SizeArgs;
 use crate::cli::report::{self, Failure};
 
 /// Applies the command-line options that override the file.
@@ -48,7 +49,7 @@ pub fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failu
         world.resource_mut::<RenderControl>().noise_target = Some(0.0);
     }
     choose_camera(world, args.camera.as_deref())?;
-    set_size(world, args.size, [args.width, args.height])
+    set_size(world, &args.size)
 }
 
 /// Chooses the camera of this name or index; None keeps the first.
@@ -61,9 +62,10 @@ pub fn choose_camera(world: &mut World, camera: Option<&str>) -> Result<(), Fail
 }
 
 /// Sets the size of the picture: both sides, or one of which the other follows; without any it stays.
-pub fn set_size(world: &mut World, size: Option<(u32, u32)>, sides: [Option<u32>; 2]) -> Result<(), Failure> {
+pub fn set_size(world: &mut World, size: &SizeArgs) -> Result<(), Failure> {
     let window = active_film(world).map(SensorFilm::window);
-    let sides = size.map_or(sides, |(width, height)| [Some(width), Some(height)]);
+    let both = size.size.map(|(width, height)| [Some(width), Some(height)]);
+    let sides = both.unwrap_or([size.width, size.height]);
     if let Some(Crop { width, height, .. }) = window
         && sides != [None; 2]
     {

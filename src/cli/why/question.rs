@@ -12,6 +12,7 @@ use sunroom::render::view::View;
 
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
+use crate::cli::picture_args::SizeArgs;
 
 #[derive(Args)]
 pub struct WhyArgs {
@@ -25,15 +26,8 @@ pub struct WhyArgs {
     /// Camera of the picture, by its id or its index from 0 on [default: the first]
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
-    /// Both sides of the picture in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
-    pub size: Option<(u32, u32)>,
-    /// Width of the picture in pixels; the other side follows if it is not given
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub width: Option<u32>,
-    /// Height in pixels
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub height: Option<u32>,
+    #[command(flatten)]
+    pub size: SizeArgs,
     /// Seed of the random numbers; the same seed gives the same figures on any number of threads
     #[arg(long)]
     pub seed: Option<u32>,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use sunroom::engine::reasons::{Group, Grouping, percent, thing_name};
+use sunroom::engine::reasons::{Group, Grouping, listed, percent, thing_name};
 use sunroom::photometry::units::Nit;
 use sunroom::render::breakdown::{Area, Batches, Breakdown, Portion, break_down};
 use sunroom::render::part::Crop;
@@ -62,10 +62,6 @@ struct Cause {
 /// The samples of all pixels by default, and the least samples of a pixel.
 const SAMPLES: u64 = 1 << 16;
 const SAMPLES_OF_PIXEL: u64 = 64;
-/// Groups with a smaller share are left out of the text.
-const LEAST_SHARE: f32 = 0.002;
-/// The most groups of a grouping in the text.
-const MOST_GROUPS: usize = 12;
 
 impl Question<'_> {
     /// The report on the light of an area; None if interrupted.
@@ -174,11 +170,8 @@ impl Report {
 
 impl Grouped {
     fn lines(&self) -> Vec<String> {
-        // The brightest come first.
-        let is_told = |part: &&Part| part.share >= LEAST_SHARE;
-        let told: Vec<&Part> = self.groups.iter().take_while(is_told).take(MOST_GROUPS).collect();
-        let mut lines: Vec<String> = told.iter().map(|part| part.line()).collect();
-        let rest = &self.groups[told.len()..];
+        let (told, rest) = listed(&self.groups, |part| part.share);
+        let mut lines: Vec<String> = told.iter().map(Part::line).collect();
         if !rest.is_empty() {
             let share: f32 = rest.iter().map(|part| part.share).sum();
             let percent = rest_percent(share);

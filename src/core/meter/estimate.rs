@@ -142,7 +142,7 @@ mod tests {
         assert!((told / true_error - 1.0).abs() < 0.05, "{told} for {true_error}");
     }
 
-    /// Of 400 equal points the least of noisy values is three of its errors too low. A plain error would not tell that.
+    /// The least of the noisy values of 400 equal points is three of its errors too low, which a plain error misses.
     #[test]
     fn the_error_of_the_least_covers_that_it_is_too_low() {
         let (mut covered, mut plainly_covered) = (0, 0);

@@ -11,10 +11,6 @@ use super::LUMENS_PER_WATT;
 /// Nits that are shown white at an exposure value of 0: 78 / (100 q) with q = 0.65.
 pub const WHITE_NITS_AT_EV_0: f32 = 1.2;
 
-/// The calibration constant K of reflected-light meters in cd s / (m² ISO), as ISO 2720:1974 recommends it and most
-/// makers use it: `2^EV100 = 100 L / K`.
-pub const METER_CALIBRATION: f32 = 12.5;
-
 /// The settings of a camera on which the exposure depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraExposure {
@@ -61,12 +57,6 @@ pub fn stops_of_ev100(ev100: f32) -> f32 {
 pub fn ev100_of_stops(stops: f32) -> f32 {
     // The relation is its own inverse.
     stops_of_ev100(stops)
-}
-
-/// The exposure value that a reflected-light meter shows for a luminance in nits: `log2(100 L / K)`. Middle grey of
-/// that luminance is then shown at 0.104.
-pub fn ev100_of_luminance(nits: f32) -> f32 {
-    (100.0 * nits / METER_CALIBRATION).log2()
 }
 
 /// Parses an exposure to stops: a number of stops such as `1.5`, an exposure value such as `ev100:12`, or the aperture,
@@ -125,10 +115,11 @@ mod tests {
         let radiance = 1.2 * 32768.0 / LUMENS_PER_WATT;
         assert_near(radiance * stops_of_ev100(15.0).exp2(), 1.0);
         assert_near(ev100_of_stops(stops_of_ev100(7.25)), 7.25);
-        // A meter on 4000 nits: 2^15 = 100 * 4096 / 12.5.
-        assert_near(ev100_of_luminance(4096.0), 15.0);
+        // A reflected-light meter with K = 12.5 (ISO 2720) on 4096 nits: 2^15 = 100 * 4096 / 12.5.
+        let metered = |nits: f32| (100.0 * nits / 12.5).log2();
+        assert_near(metered(4096.0), 15.0);
         let nits = 4096.0;
-        let shown = nits / LUMENS_PER_WATT * stops_of_ev100(ev100_of_luminance(nits)).exp2();
+        let shown = nits / LUMENS_PER_WATT * stops_of_ev100(metered(nits)).exp2();
         assert_near(shown, 1.0 / 9.6);
     }
 

@@ -85,7 +85,7 @@ fn measure(scene: &RenderScene, meters: Vec<AskedMeter>, end: &MeterEnd, seed: u
     job.readings().expect("values")
 }
 
-/// As many samples as these.
+/// The end after this number of samples, whatever the error is.
 fn exactly(samples: u32) -> MeterEnd {
     MeterEnd {
         noise: 1e-9,

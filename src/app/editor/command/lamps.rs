@@ -101,7 +101,7 @@ impl PhotometricValue {
                     Some(strength) => *value = strength,
                     None => result = Err(TOO_BRIGHT.to_owned()),
                 },
-                _ => {}
+                _ => result = Err(format!("{name} is no strength")),
             }
         });
         result

@@ -314,7 +314,15 @@ fn hangs(kind: AdditionKind) -> bool {
     match kind {
         AdditionKind::AreaLight | AdditionKind::Lamp(_) => true,
         AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| !emitter.is_meter()),
-        _ => false,
+        AdditionKind::Sphere
+        | AdditionKind::Rectangle
+        | AdditionKind::Cube
+        | AdditionKind::Disk
+        | AdditionKind::Cylinder
+        | AdditionKind::Solid(_)
+        | AdditionKind::Fog
+        | AdditionKind::FogBox
+        | AdditionKind::Camera => false,
     }
 }
 

@@ -6,13 +6,8 @@ use super::reasons::{link, share_bar};
 use super::section::section;
 use crate::app::editor::command::{Command, ToolCommand};
 use crate::app::editor::picture::lamp_light::{LampFollower, LampLight, Receiver};
-use crate::engine::reasons::percent;
+use crate::engine::reasons::{listed, percent};
 use crate::photometry::units::Lumen;
-
-/// The most things that are listed.
-const MOST_THINGS: usize = 12;
-/// Things with a smaller share are summed up in one line.
-const LEAST_SHARE: f32 = 0.002;
 
 /// Shows the light of the followed lamp, and offers to follow that of the selected one.
 pub fn lamp_light(ui: &mut Ui, follower: &LampFollower, commands: &mut Vec<Command>) {
@@ -44,9 +39,8 @@ pub fn lamp_light(ui: &mut Ui, follower: &LampFollower, commands: &mut Vec<Comma
 fn rows(ui: &mut Ui, follower: &LampFollower, light: &LampLight, commands: &mut Vec<Command>) {
     let [emitted, error] = light.emitted.map(lumens);
     ui.label(format!("{} emits {}.", follower.name, emitted.with_error(error.0)));
-    let is_told = |receiver: &&Receiver| receiver.destination.share >= LEAST_SHARE;
-    let told: Vec<&Receiver> = light.receivers.iter().take_while(is_told).take(MOST_THINGS).collect();
-    for Receiver { destination, name } in &told {
+    let (told, rest) = listed(&light.receivers, |receiver| receiver.destination.share);
+    for Receiver { destination, name } in told {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let share = percent(destination.share, destination.share_error);
@@ -60,7 +54,6 @@ fn rows(ui: &mut Ui, follower: &LampFollower, light: &LampLight, commands: &mut 
             }
         });
     }
-    let rest = &light.receivers[told.len()..];
     let share: f32 = rest.iter().map(|receiver| receiver.destination.share).sum();
     if share > 0.0 {
         let things = if rest.len() == 1 { "thing" } else { "things" };

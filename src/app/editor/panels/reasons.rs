@@ -8,13 +8,9 @@ use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::{Command, SelectionCommand};
 use crate::app::editor::picture::reasons::{Explanation, NamedPortion};
-use crate::engine::reasons::{Grouping, percent};
+use crate::engine::reasons::{Grouping, listed, percent};
 use crate::photometry::units::Nit;
 
-/// Groups with a smaller share are summed up in one line.
-const LEAST_SHARE: f32 = 0.002;
-/// The most groups that are listed.
-const MOST_GROUPS: usize = 12;
 /// The size of a bar in points.
 const BAR: egui::Vec2 = egui::vec2(92.0, 18.0);
 
@@ -44,13 +40,10 @@ pub fn reasons(ui: &mut Ui, known: Option<&Explanation>, wanted: &mut InspectedP
     let place = Grouping::ALL.iter().position(|grouping| *grouping == wanted.grouping);
     let portions = place.and_then(|place| known.groupings.get(place));
     let portions = portions.map_or(&[][..], Vec::as_slice);
-    // The brightest come first.
-    let is_told = |named: &&NamedPortion| named.portion.share >= LEAST_SHARE;
-    let told: Vec<&NamedPortion> = portions.iter().take_while(is_told).take(MOST_GROUPS).collect();
-    for named in &told {
+    let (told, rest) = listed(portions, |named| named.portion.share);
+    for named in told {
         row(ui, named, wanted, commands);
     }
-    let rest = &portions[told.len()..];
     if !rest.is_empty() && known.value.luminance != 0.0 {
         let share: f32 = rest.iter().map(|named| named.portion.share).sum();
         let groups = if rest.len() == 1 { "group" } else { "groups" };

@@ -154,8 +154,6 @@ pub struct Breakdown {
     pub area: Area,
     /// The samples of each of them.
     pub batches: Batches,
-    /// The number of lights of the scene.
-    pub lights: usize,
     totals: BTreeMap<Route, Total>,
     /// The sum of the squared luminances of all samples.
     squares: f64,
@@ -182,11 +180,10 @@ pub struct Portion<K> {
 }
 
 impl Breakdown {
-    pub(super) fn new(area: Area, batches: Batches, lights: usize) -> Self {
+    pub(super) fn new(area: Area, batches: Batches) -> Self {
         Self {
             area,
             batches,
-            lights,
             totals: BTreeMap::new(),
             squares: 0.0,
         }

@@ -168,7 +168,7 @@ pub fn break_down(
     let view = followed(view);
     let views: Vec<View> = (0..batches.count).map(|batch| of_batch(&view, batch)).collect();
     let tasks = area.pixels().div_ceil(PIXELS_OF_TASK) * u64::from(batches.count);
-    let mut breakdown = Breakdown::new(area, batches, scene.lights.len());
+    let mut breakdown = Breakdown::new(area, batches);
     for first_task in (0..tasks).step_by(TASKS_AT_ONCE) {
         let last_task = tasks.min(first_task + TASKS_AT_ONCE as u64);
         let trace = |task: u64| {
