@@ -1,7 +1,7 @@
 //! Real lamps and skies, with their light in photometric units and the sources of the figures.
 //!
-//! A standard or a regulation gives its figure itself. Where a source gives a range, the table has a round number within
-//! it.
+//! A standard or a regulation gives its figure itself. Where a source gives a range, the table has a round number
+//! within it.
 
 use super::LightUnit;
 
