@@ -12,6 +12,7 @@ use sunroom::app::editor::command::{
     Command, DisplayCommand, EditCommand, FileCommand, FileDialogKind, HistoryCommand, MaterialEdit, OutlineEdit,
     RenderCommand, SelectionCommand, ViewCommand,
 };
+use sunroom::app::editor::input::actions::ActionContext;
 use sunroom::app::editor::input::pipette;
 use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
@@ -32,6 +33,7 @@ pub struct Picture {
     text: String,
     number: f32,
     pose: Affine3A,
+    walks: bool,
 }
 
 pub fn picture() -> Harness<'static, Picture> {
@@ -41,6 +43,7 @@ pub fn picture() -> Harness<'static, Picture> {
         text: String::new(),
         number: 1.0,
         pose: Affine3A::IDENTITY,
+        walks: false,
     };
     let content = ViewportContent {
         selection: Selection::of([entity(1)]),
@@ -60,6 +63,10 @@ pub fn picture() -> Harness<'static, Picture> {
             let empty = content.model([200, 100], picture.pose, camera, &presses);
             let model = ViewportModel {
                 navigation: Navigation::default(),
+                keys: ActionContext {
+                    walks: picture.walks,
+                    ..empty.keys
+                },
                 ..empty
             };
             viewport(ui, &model, &mut picture.state, &mut picture.commands);
@@ -195,6 +202,31 @@ fn keys_fly_unless_a_text_is_being_typed() {
     harness.key_up(Key::W);
     harness.run_steps(1);
     assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_walk_on_the_level_and_one_key_begins_and_ends_it() {
+    let mut harness = picture();
+    for walks in [false, true] {
+        harness.state_mut().walks = walks;
+        harness.state_mut().commands.clear();
+        harness.key_press(Key::J);
+        harness.run_steps(2);
+        assert_eq!(harness.state().commands, [Command::from(ViewCommand::Walk(!walks))]);
+    }
+    // The view looks down.
+    harness.state_mut().pose = Affine3A::from_rotation_x(0.5);
+    harness.state_mut().commands.clear();
+    harness.key_down(Key::W);
+    harness.run_steps(2);
+    harness.key_up(Key::W);
+    harness.run_steps(1);
+    let pose = last_pose(&harness).expect("walked");
+    assert!(
+        pose.translation.z > 0.0 && pose.translation.y.abs() < 1e-6,
+        "{}",
+        pose.translation
+    );
 }
 
 #[test]

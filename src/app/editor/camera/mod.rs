@@ -1,4 +1,4 @@
-//! The arithmetic of the view: flying, orbiting, projecting and picking. May import `command`.
+//! The arithmetic of the view: flying, walking, orbiting, projecting and picking. May import `command`.
 
 pub mod ground;
 pub mod navigation;
@@ -11,3 +11,4 @@ pub mod side_view;
 pub mod sizing;
 pub mod snapping;
 pub mod solid;
+pub mod walking;

@@ -37,6 +37,22 @@ pub(crate) struct FlyInput {
     pub seconds: f32,
 }
 
+impl FlyInput {
+    /// The factor on the speed.
+    pub(super) fn pace(&self) -> f32 {
+        match (self.fast, self.slow) {
+            (true, false) => FAST,
+            (false, true) => SLOW,
+            _ => 1.0,
+        }
+    }
+
+    /// The seconds that count.
+    pub(super) fn seconds(&self) -> f32 {
+        self.seconds.clamp(0.0, LONGEST_FRAME)
+    }
+}
+
 /// The settings of navigation besides the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigation {
@@ -92,15 +108,9 @@ impl Navigation {
         } else {
             self.looking(&world_from_camera, input.look)
         };
-        let pace = match (input.fast, input.slow) {
-            (true, false) => FAST,
-            (false, true) => SLOW,
-            _ => 1.0,
-        };
-        let seconds = input.seconds.clamp(0.0, LONGEST_FRAME);
         let [left, up, ahead] = input.direction.to_array();
         let way = Vec3::from(rotation.x_axis) * left + self.up * up + Vec3::from(rotation.z_axis) * ahead;
-        let way = way.clamp_length_max(1.0) * (seconds * pace * self.units_per_second());
+        let way = way.clamp_length_max(1.0) * (input.seconds() * input.pace() * self.units_per_second());
         let pose = Affine3A {
             matrix3: rotation * Mat3A::from_diagonal(scale_of(&world_from_camera)),
             translation: world_from_camera.translation + Vec3A::from(way),
@@ -133,7 +143,7 @@ impl Navigation {
     }
 
     /// The level unit direction in which a camera looks, or straight up and down that of its upper or lower edge.
-    fn heading(&self, world_from_camera: &Affine3A) -> Vec3 {
+    pub(super) fn heading(&self, world_from_camera: &Affine3A) -> Vec3 {
         let [upward, forward] = [world_from_camera.matrix3.y_axis, world_from_camera.matrix3.z_axis]
             .map(|axis| Vec3::from(axis).normalize_or_zero());
         let level = |direction: Vec3| direction - self.up * direction.dot(self.up);

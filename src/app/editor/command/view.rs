@@ -51,6 +51,8 @@ pub enum ViewCommand {
     StoreView(usize),
     /// Restores a stored view.
     RecallView(usize),
+    /// Puts the view at the eyes of a person on the floor below it, who walks; or lets it fly again.
+    Walk(bool),
     /// Sets the flying speed as a multiple of the one that suits the scene's size.
     SetSpeed(f32),
     /// Sets the filters of the view.
@@ -79,6 +81,7 @@ impl ViewCommand {
             | Self::LookAlong(_)
             | Self::SwitchProjection
             | Self::RecallView(_)
+            | Self::Walk(_)
             | Self::SetSeeing(_)
             | Self::CutOpen
             | Self::Isolate(_) => Traits::VIEW,

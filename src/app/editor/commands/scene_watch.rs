@@ -94,6 +94,7 @@ pub fn follow_scene(
                 ..Seeing::default()
             };
             settings.isolated.clear();
+            settings.walks = false;
             if control.sight != SightControl::default() {
                 control.sight = SightControl::default();
             }

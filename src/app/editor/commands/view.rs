@@ -1,11 +1,12 @@
 //! Applies commands that move the view or filter visible things.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 
 use super::world::set_resource;
 use super::{flight, projection, seeing};
 use crate::app::editor::camera::pose::{self, view_pose};
+use crate::app::editor::camera::walking::{self, Body};
 use crate::app::editor::camera::{navigation, picking, rounding};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::error::CommandError;
@@ -17,7 +18,7 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, RenderControl};
 use crate::math::Aabb;
-use crate::scene::{ActiveSensor, Film, FreeView, KnownBounds, Lens, Sensor, Shape, ShapeKind, ToWorld};
+use crate::scene::{ActiveSensor, Film, FreeView, KnownBounds, LengthUnit, Lens, Sensor, Shape, ShapeKind, ToWorld};
 
 /// Applies the command.
 pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError> {
@@ -31,6 +32,7 @@ pub fn apply(world: &mut World, command: ViewCommand) -> Result<(), CommandError
         ViewCommand::LookAlong(axis) => look_along(world, axis),
         ViewCommand::StoreView(number) => store(world, number),
         ViewCommand::RecallView(number) => recall(world, number)?,
+        ViewCommand::Walk(walks) => walk(world, walks)?,
         ViewCommand::SetSpeed(speed) => world.resource_mut::<ViewSettings>().navigation.set_speed(speed),
         ViewCommand::SetSeeing(seen) => seeing::set(world, seen),
         ViewCommand::CutOpen => seeing::cut_open(world)?,
@@ -168,6 +170,24 @@ pub fn recall(world: &mut World, number: usize) -> Result<(), CommandError> {
         };
         flight::go(world, from, end, None);
     }
+    Ok(())
+}
+
+/// Puts the view at the eyes of a person on the floor below it, from where flying keys walk; or ends that.
+fn walk(world: &mut World, walks: bool) -> Result<(), CommandError> {
+    if walks {
+        if pose::is_orthographic(world) {
+            return Err("An orthographic view cannot walk: switch to perspective first.".into());
+        }
+        let pose = view_pose(world).ok_or("There is no camera.")?;
+        let unit = world.get_resource::<LengthUnit>().copied().unwrap_or_default();
+        let (up, eyes) = (world.resource::<ViewSettings>().navigation.up, Body::person(unit).eyes);
+        let floor = walking::floor_below(world.resource::<PackedScene>(), pose.translation.into(), up);
+        let floor = floor.ok_or("There is no floor below the view to walk on.")?;
+        let translation = pose.translation + Vec3A::from(up * (floor + eyes));
+        move_view(world, Affine3A { translation, ..pose });
+    }
+    world.resource_mut::<ViewSettings>().walks = walks;
     Ok(())
 }
 

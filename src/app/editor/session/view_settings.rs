@@ -29,6 +29,8 @@ pub struct ViewSettings {
     pub overlay: BvhOverlay,
     /// The speed and centre of the view's movements.
     pub navigation: Navigation,
+    /// Whether flying keys walk on the floor.
+    pub walks: bool,
     /// The mode, axes, pivot and snapping of the gizmo.
     pub gizmo: GizmoSettings,
     /// The step of lengths fixed when a building tool was first chosen in this scene, so that the grid stays as it is
@@ -104,6 +106,7 @@ impl Default for ViewSettings {
             denoising: false,
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
+            walks: false,
             gizmo: GizmoSettings::default(),
             building_step: None,
             resolution: Resolution::default(),

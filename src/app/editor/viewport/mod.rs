@@ -50,6 +50,7 @@ use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect
 use crate::app::editor::camera::navigation::FlyInput;
 use crate::app::editor::camera::picking;
 use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::camera::walking::Body;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::{Command, ViewCommand};
 use crate::app::editor::input::actions::{self, ActionContext};
@@ -204,6 +205,7 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
     if side != last {
         // A drag ends with its view: it must not go on with another camera.
         state.pointer.let_go(ui);
+        state.grips.let_go();
     }
     let active = side.and_then(|side| sides.get(side)).unwrap_or(main);
     let Pane { response, model, .. } = active;
@@ -271,13 +273,19 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
         moved = main.model.pose;
     }
     if let Some(pose) = moved {
-        let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
+        let flown = match main.model.keys.walks {
+            true => {
+                let body = Body::person(main.model.gizmo.unit);
+                state.gait.follow(&body, &model.navigation, pose, &fly, model.packed)
+            }
+            false => model.navigation.fly(pose, &fly).unwrap_or(pose),
+        };
         if Some(flown) != main.model.pose && flown.is_finite() {
             commands.push(ViewCommand::MoveView(flown).into());
         }
     }
     state.speed.follow(ui, is_moving, model.navigation.speed);
-    if state.flying {
+    if state.flying || main.model.keys.walks && state.gait.is_on_the_move() {
         // Time passes without further events while a key is held.
         ui.ctx().request_repaint_after(Duration::from_millis(16));
     }
@@ -452,7 +460,8 @@ fn notes(model: &ViewportModel) -> Vec<String> {
     }
     // The view may have come to it by itself, or long ago: the key tells how it ends.
     let isolated = model.keys.isolated.then_some(("Shown alone", "isolate"));
-    let left_out = model.keys.seeing.notes().chain(isolated);
+    let walks = model.keys.walks.then_some(("Walking", "walk"));
+    let left_out = model.keys.seeing.notes().chain(isolated).chain(walks);
     notes.extend(left_out.map(|(text, action)| actions::hint(text, action, model.keys.bound)));
     if let [total, drawn] = model.wireframe.triangles
         && drawn < total

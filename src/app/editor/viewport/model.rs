@@ -191,6 +191,7 @@ pub(crate) fn action_context<'a>(
         dimensions: settings.dimensions,
         seeing: settings.seeing,
         isolated: !settings.isolated.is_empty(),
+        walks: settings.walks,
         side_views: settings.side_views,
         timeline_shown: model.timeline.is_shown(settings.timeline_shown),
         playing: settings.playback.is_playing(),

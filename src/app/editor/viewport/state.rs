@@ -14,6 +14,7 @@ use super::light_brush::LightBrushState;
 use super::pointer::PointerState;
 use super::side_model::{COUNT, PaneState};
 use super::texturing::TexturingState;
+use crate::app::editor::camera::walking::Gait;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::{Command, DisplayCommand};
 
@@ -50,6 +51,8 @@ pub struct ViewportState {
     /// Whether the picture is in headlight mode because of a drag.
     is_in_headlight: bool,
     pub(super) flying: bool,
+    /// The motion of the walking body.
+    pub(super) gait: Gait,
     pub(super) speed: SpeedTag,
 }
 

@@ -158,7 +158,7 @@ fn camera(world: &mut World, random: &mut Random) -> Vec<Act> {
                 .flat_map(|frame| say(format!("look {} {at}", place(frame))))
                 .collect()
         }
-        3 => say(["frame-all", "frame-selection", "switch-projection"][random.below(3)]),
+        3 => say(["frame-all", "frame-selection", "switch-projection", "walk"][random.below(4)]),
         4 => say(format!(
             "view-{}",
             ["front", "back", "left", "right", "top", "bottom"][random.below(6)]

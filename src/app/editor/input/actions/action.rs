@@ -48,6 +48,8 @@ pub struct ActionContext<'a> {
     pub seeing: Seeing,
     /// Whether some shapes are isolated.
     pub isolated: bool,
+    /// Whether flying keys walk.
+    pub walks: bool,
     /// The views beside the main one, which are shown or hidden.
     pub side_views: SideViews,
     /// Whether the selected shape has textures that can be placed.
@@ -161,6 +163,7 @@ impl Action {
             "see-into-rooms" => context.seeing.walls != Walls::Shown,
             "cut-open" => context.seeing.cut.is_some(),
             "isolate" => context.isolated,
+            "walk" => context.walks,
             "four-views" => context.side_views.shown,
             "side-views-clay" => context.side_views.clay,
             "panels" => context.panels_shown,
@@ -211,6 +214,7 @@ impl<'a> ActionContext<'a> {
             dimensions: false,
             seeing: Seeing::default(),
             isolated: false,
+            walks: false,
             side_views: SideViews::default(),
             has_textures: false,
             has_kept_picture: false,
@@ -251,6 +255,7 @@ impl ActionContext<'_> {
             Command::Tool(ToolCommand::SetTool(tool)) => self.tool = *tool,
             Command::View(ViewCommand::SetSeeing(seeing)) => self.seeing = *seeing,
             Command::View(ViewCommand::Isolate(entities)) => self.isolated = !entities.is_empty(),
+            Command::View(ViewCommand::Walk(walks)) => self.walks = *walks,
             Command::View(ViewCommand::ShowSideViews(shown)) => self.side_views.shown = *shown,
             Command::View(ViewCommand::ShowSidesInClay(clay)) => self.side_views.clay = *clay,
             Command::Display(DisplayCommand::ShowSafeFrame(shown)) => self.safe_frame = *shown,

@@ -68,6 +68,13 @@ pub const ACTIONS: &[Action] = &[
     view!("switch-projection", "Perspective or orthographic", numpad(Key::Num5) => ViewCommand::SwitchProjection),
     action(
         Group::View,
+        "walk",
+        "Walk",
+        &[plain(Key::J), shift(Key::Backtick)],
+        |context| Some(ViewCommand::Walk(!context.walks).into()),
+    ),
+    action(
+        Group::View,
         "four-views",
         "Four views",
         &[plain(Key::V), command_alt(Key::Q)],
