@@ -42,6 +42,7 @@ mod tlas;
 mod traverse;
 mod tree_edit;
 mod triangle_block;
+mod work;
 
 pub use blas::Blas;
 pub use build::SplitMethod;

@@ -332,7 +332,7 @@ impl Tlas {
     }
 
     /// The memory of all hierarchies in bytes. A mesh that is in several groups is counted in each.
-    fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         let meshes: HashMap<*const (), usize> = self
             .instances
             .iter()
@@ -352,32 +352,6 @@ impl Tlas {
         let mut stats = self.bvh.stats();
         stats.bytes += size_of_val(self.placements.as_slice()) + self.blocks.bytes();
         stats
-    }
-
-    /// [`Bvh::expected_work`] of all hierarchies together: a leaf with a mesh or a group counts the expected work of
-    /// its hierarchy, and each shape of a block counts one.
-    pub fn expected_work(&self) -> f64 {
-        // The work of a mesh is computed once, however many instances it has.
-        let mut of_mesh: HashMap<*const (), f64> = HashMap::new();
-        let of_shape: Vec<f64> = self
-            .instances
-            .iter()
-            .map(|instance| match &instance.primitive {
-                Primitive::Mesh(blas) => *of_mesh
-                    .entry(Arc::as_ptr(blas).cast())
-                    .or_insert_with(|| blas.bvh().expected_work(|_| 1.0)),
-                Primitive::Curves(curves) => *of_mesh
-                    .entry(Arc::as_ptr(curves).cast())
-                    .or_insert_with(|| curves.bvh().expected_work(|_| 1.0)),
-                _ => 1.0,
-            })
-            .collect();
-        let of_group: Vec<f64> = self.groups.iter().map(|group| group.expected_work()).collect();
-        self.bvh.expected_work(|number| match self.item(number) {
-            Item::Shape(_) => of_shape[number as usize],
-            Item::Placement(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
-            Item::Block(_, members) => members.indices().len() as f64,
-        })
     }
 
     /// [`Bvh::validate`] against the bounds of instances, placements and blocks.

@@ -111,8 +111,7 @@ impl Budget {
     }
 
     /// The reserved bytes.
-    #[cfg(test)]
-    fn reserved(&self) -> u64 {
+    pub fn reserved(&self) -> u64 {
         self.reserved.load(Ordering::Relaxed)
     }
 

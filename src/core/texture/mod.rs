@@ -19,6 +19,9 @@ mod profile_file;
 mod slope;
 mod value;
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
 
 use crate::color::{Rgb, luminance};
@@ -143,6 +146,17 @@ impl TextureTable {
     /// Whether any texture asks for the place on the shape.
     pub(crate) fn projects(&self) -> bool {
         self.projects
+    }
+
+    /// The number of pictures, and the bytes of memory that they take. A picture that several textures share counts once.
+    pub fn pictures(&self) -> (usize, u64) {
+        let mut pictures: HashMap<*const Image, u64> = HashMap::new();
+        for texture in &self.textures {
+            if let Texture::Bitmap(bitmap) = texture {
+                pictures.insert(Arc::as_ptr(&bitmap.image), bitmap.image.memory_bytes());
+            }
+        }
+        (pictures.len(), pictures.values().sum())
     }
 
     /// Returns the texture of an id; None for an id of another table.

@@ -54,7 +54,7 @@ snapshots! {
         point, spot, sky, projector, sun_and_sky, fog, camera, nothing_selected,
     }
     panels {
-        outliner, render, render_of_layers, render_in_a_narrow_panel, mixing_and_comparison, light_painting, library, assets, history, messages, meter, paths, reasons, lamp_light, timeline, status_line,
+        outliner, render, render_of_layers, render_in_a_narrow_panel, mixing_and_comparison, light_painting, library, assets, history, messages, meter, statistics, paths, reasons, lamp_light, timeline, status_line,
         status_line_while_denoised, bake_form, bake_progress, color_picker,
     }
     covers {
@@ -96,6 +96,7 @@ fn pictures_of(panel: Panel) -> &'static [&'static str] {
         Panel::Messages => &["messages"],
         Panel::Paths => &["paths", "reasons", "lamp_light"],
         Panel::Meter => &["meter"],
+        Panel::Statistics => &["statistics"],
         Panel::Bake => &["bake_progress"],
     }
 }

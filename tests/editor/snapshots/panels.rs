@@ -4,11 +4,12 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use bevy::math::{UVec2, Vec2};
+use bevy::math::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use bevy_egui::egui::Ui;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbImage;
+use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::app::editor::command::asset_kind::AssetKind;
 use sunroom::app::editor::command::baking::BakeChoices;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
@@ -32,6 +33,7 @@ use sunroom::app::editor::panels;
 use sunroom::app::editor::panels::assets::AssetsState;
 use sunroom::app::editor::panels::library::LibraryState;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
+use sunroom::app::editor::panels::statistics::StatisticsState;
 use sunroom::app::editor::panels::timeline::TimelineState;
 use sunroom::app::editor::picture::baking::thread::BakeNews;
 use sunroom::app::editor::picture::denoiser::DenoiserState;
@@ -43,11 +45,13 @@ use sunroom::bake::progress::{Progress, Stage};
 use sunroom::color::Rgb;
 use sunroom::document::{Interpolation, Key, Severity, Track, Value};
 use sunroom::engine::reasons::{Group, Lamp, Via};
-use sunroom::engine::{RenderState, RenderStatus};
+use sunroom::engine::{PackedScene, RenderState, RenderStatus};
+use sunroom::geometry::primitives::unit_cube;
 use sunroom::meter::estimate::{Estimate, GridEstimate};
 use sunroom::meter::job::MeterReading;
 use sunroom::meter::sites::MeterLimits;
 use sunroom::render::breakdown::{Advice, Area, Destination, Portion, Trouble};
+use sunroom::render::scene::RenderScene;
 use sunroom::scene::KeyPath;
 
 use super::panel;
@@ -115,6 +119,44 @@ pub fn meter() -> RgbImage {
     in_a_state([RIGHT, 420], shown, |ui, shown: &ShownMeters, _: &mut ()| {
         panels::meter::meter(ui, shown, &Selection::default(), &mut Vec::new());
     })
+}
+
+/// A floor and a wall without meshes, and a bunny of one mesh twice, once near and once far away.
+pub fn statistics() -> RgbImage {
+    let blas = Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah));
+    let square = |size: f32| (Primitive::Rectangle, Affine3A::from_scale(Vec3::splat(size)));
+    let cube = |size: f32, x: f32| {
+        let pose = Affine3A::from_scale_rotation_translation(Vec3::splat(size), Quat::IDENTITY, Vec3::X * x);
+        (Primitive::Mesh(blas.clone()), pose)
+    };
+    let shapes = [square(6.0), square(5.0), cube(2.0, 0.0), cube(0.5, 4.0)];
+    let instances = shapes.map(|(primitive, pose)| Instance::new(primitive, pose).expect("a good pose"));
+    let packed = Arc::new(PackedScene {
+        scene: Some(RenderScene {
+            media: Arc::default(),
+            geometry: Arc::new(Tlas::build(instances.into(), SplitMethod::Sah)),
+            surfaces: Arc::default(),
+            materials: Arc::default(),
+            textures: Arc::default(),
+            lights: Arc::default(),
+            reach: Default::default(),
+        }),
+        entity_of_instance: [1, 2, 8, 7].map(entity).into(),
+        ..PackedScene::default()
+    });
+    let show = move |ui: &mut Ui, model: &Model, state: &mut StatisticsState| {
+        let memory = [210 << 20, 18 << 30];
+        panels::statistics::statistics(
+            ui,
+            &packed,
+            &model.outline,
+            &model.selection,
+            memory,
+            state,
+            &mut Vec::new(),
+        );
+    };
+    in_a_state([RIGHT, 330], model(), show)
 }
 
 pub fn outliner() -> RgbImage {

@@ -69,6 +69,8 @@ panels! {
     Paths: "Paths", "Paths", Right, false, false;
     /// The measuring points and grids with their values.
     Meter: "Meter", "Meter", Right, false, false;
+    /// Counts, memory, and the things that are costly to trace.
+    Statistics: "Statistics", "Stat.", Right, false, false;
     /// The bake of lightmaps that is under way.
     Bake: "Bake", "Bake", Right, false, false;
 }

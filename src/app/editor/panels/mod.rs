@@ -56,6 +56,7 @@ pub mod section;
 pub mod sensor;
 pub mod series;
 mod solid;
+pub mod statistics;
 pub mod status;
 pub mod texture;
 pub mod texture_slot;

@@ -7,13 +7,16 @@ use super::widgets::Widgets;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::model::Model;
-use crate::app::editor::panels::{assets, diagnostics, history, inspector, library, meter, outliner, paths, render};
+use crate::app::editor::panels::{
+    assets, diagnostics, history, inspector, library, meter, outliner, paths, render, statistics,
+};
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::viewport;
 use crate::document::Severity;
+use crate::memory::budget;
 
 /// The data of the panels, and the commands that they give.
 pub struct Panels<'a> {
@@ -188,6 +191,11 @@ impl TabViewer for Panels<'_> {
                 paths::paths(ui, inspected, reasons, lamp, commands);
             }
             Panel::Meter => meter::meter(ui, &model.meters, &model.selection, commands),
+            Panel::Statistics => {
+                let (packed, state) = (self.viewport.packed, &mut widgets.statistics);
+                let memory = [budget().reserved(), budget().limit()];
+                statistics::statistics(ui, packed, &model.outline, &model.selection, memory, state, commands);
+            }
             Panel::Bake => widgets.bake.panel(ui, &model.bake, commands),
         }
     }

@@ -13,6 +13,7 @@ use crate::app::editor::panels::missing_files::MissingForm;
 use crate::app::editor::panels::outliner::state::OutlinerState;
 use crate::app::editor::panels::projection::ProjectionForm;
 use crate::app::editor::panels::series::SeriesForm;
+use crate::app::editor::panels::statistics::StatisticsState;
 use crate::app::editor::panels::timeline::TimelineState;
 
 #[derive(Resource)]
@@ -30,6 +31,8 @@ pub(crate) struct Widgets {
     pub series: SeriesForm,
     /// The form for new texture coordinates.
     pub projection: ProjectionForm,
+    /// The figures of the scene.
+    pub statistics: StatisticsState,
     /// The form and the panel of a bake.
     pub bake: BakeWidgets,
     /// The list of missing files.
@@ -50,6 +53,7 @@ impl Default for Widgets {
             keys: KeyList::default(),
             series: SeriesForm::default(),
             projection: ProjectionForm::default(),
+            statistics: StatisticsState::default(),
             bake: BakeWidgets::default(),
             missing: MissingForm::default(),
             viewport_place: Rect::ZERO,
