@@ -7,6 +7,7 @@ use bevy::prelude::{App, World};
 use clap::Args;
 use sunroom::app::baking::probe_faults;
 use sunroom::app::headless::render_only;
+use sunroom::app::metering::meter_faults;
 use sunroom::engine::{Limits, RenderState, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, Trust, cameras};
 
@@ -53,7 +54,8 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     let mut app = open(scene, &args.defines, trust, &args.missing, Some(1));
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
-    let faults = probe_faults(app.world_mut());
+    let mut faults = probe_faults(app.world_mut());
+    faults.extend(meter_faults(app.world_mut()));
     let status = app.world().resource::<SceneStatus>();
     let is_good = report_scene(status, args.strict);
     let has_errors = status.has_errors() || !status.damaged_pictures.is_empty();
@@ -65,7 +67,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     }
     let engine = app.world().resource::<RenderStatus>();
     let is_shown = report_left_out(engine, scene, args.strict);
-    // Pictures do not depend on probes, but the scene cannot be baked.
+    // Pictures do not depend on probes and meters, but the scene cannot be baked or measured.
     for fault in &faults {
         report::error(format_args!("{shown}: {fault}"));
     }
@@ -88,7 +90,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     true
 }
 
-/// The numbers of errors and warnings, including those of the engine and of probes, such as "2 errors, 1 warning".
+/// The numbers of errors and warnings, including those of the engine, of probes and of meters, such as "2 errors, 1 warning".
 fn summary(status: &SceneStatus, engine: &RenderStatus, faults: usize) -> String {
     let all = status.all_diagnostics();
     let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));

@@ -1,25 +1,27 @@
 //! `sunroom measure`: illuminance at the measuring points and grids of a scene.
 
 mod args;
+mod page;
 mod results;
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use bevy::prelude::App;
-use sunroom::app::metering::{asked_meters, under_overcast_sky};
+use bevy::prelude::{App, Without};
+use sunroom::app::metering::{MeterParts, Upward, asked_meters, under_overcast_sky, upward};
 use sunroom::app::threads::worker_count;
 use sunroom::bake::progress::about_invalid;
 use sunroom::engine::{Limits, PackedScene, load_to_completion};
 use sunroom::files::{keep_reads, write_atomically};
 use sunroom::meter::glare::{Glare, glare};
-use sunroom::meter::job::{MeterEnd, MeterEnding, MeterJob};
+use sunroom::meter::job::{MeterEnd, MeterEnding, MeterJob, finds_no_light};
 use sunroom::meter::sites::MeterLimits;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::View;
-use sunroom::scene::{ActiveSensor, find_camera};
+use sunroom::scene::{ActiveSensor, Hidden, find_camera};
 
 pub use self::args::MeasureArgs;
 
@@ -37,16 +39,15 @@ pub const LIMIT_NOT_MET: u8 = 3;
 pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
     args.memory.apply();
     args.threads.report_limit();
-    if let Some(path) = args.csv.as_ref().filter(|path| !is_stdout(path)) {
-        check_text(path)?;
-    }
+    let files = || args.csv.iter().filter(|path| !is_stdout(path)).chain(&args.html);
+    files().try_for_each(|path| check_text(path))?;
     keep_reads();
     let cancel = cancel_on_interrupt()?;
     let Some(app) = loaded(args, &cancel)? else {
         return Ok(ExitCode::FAILURE);
     };
-    check_scene_stays(args.csv.iter())?;
-    let (mut job, seen) = prepared(args, app)?;
+    check_scene_stays(files())?;
+    let Prepared { mut job, seen, up } = prepared(args, app)?;
     let threads = worker_count(args.threads.threads, false).get();
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?);
     let (ending, seconds) = measured(args, &mut job, &pool, &cancel);
@@ -69,7 +70,7 @@ pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
     let results = Results {
         readings,
         glare,
-        is_daylight: args.daylight_factor,
+        up,
         noise: args.end().noise,
         seconds,
         ending,
@@ -78,6 +79,10 @@ pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
         true => format!("{}\n", serde_json::to_string_pretty(&results.json())?),
         false => results.text(),
     };
+    if let Some(path) = &args.html {
+        let scene = args.scene.scene.display().to_string();
+        write(path, page::page(&scene, &results))?;
+    }
     match &args.csv {
         Some(path) if is_stdout(path) => {
             report::line(text.trim_end());
@@ -85,8 +90,7 @@ pub fn run(args: &MeasureArgs) -> Result<ExitCode, Failure> {
         }
         Some(path) => {
             outputs::print(text.as_bytes())?;
-            write_atomically(path, results.csv())
-                .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+            write(path, results.csv())?;
         }
         None => outputs::print(text.as_bytes())?,
     }
@@ -136,8 +140,21 @@ fn rated(
     Ok(pool.install(|| glare(scene, view, &camera, cancel)))
 }
 
-/// The job of the scene's meters, and what --ugr rates, if it is asked for.
-fn prepared(args: &MeasureArgs, mut app: App) -> Result<(MeterJob, Option<(RenderScene, View)>), Failure> {
+fn write(path: &Path, text: String) -> Result<(), Failure> {
+    let written = write_atomically(path, text);
+    Ok(written.map_err(|error| format!("cannot write {}: {error}", path.display()))?)
+}
+
+/// A scene that is ready to be measured.
+struct Prepared {
+    job: MeterJob,
+    /// The scene and the view that --ugr rates, if it is asked for.
+    seen: Option<(RenderScene, View)>,
+    /// The upward direction of the overcast sky; None under the lights of the scene.
+    up: Option<Upward>,
+}
+
+fn prepared(args: &MeasureArgs, mut app: App) -> Result<Prepared, Failure> {
     let place = args.scene.scene.display();
     let world = app.world_mut();
     let mut asked = asked_meters(world);
@@ -156,13 +173,29 @@ fn prepared(args: &MeasureArgs, mut app: App) -> Result<(MeterJob, Option<(Rende
     if let Some(seed) = args.seed {
         view.seed = seed;
     }
-    if args.daylight_factor {
-        (scene, view) = under_overcast_sky(world, &scene, &view);
+    if finds_no_light(&view) {
+        report::line(format_args!(
+            "warning: {place}: max_depth 1 ends paths before any light: every value is 0"
+        ));
+    }
+    let up = args.daylight_factor.then(|| match args.up {
+        Some(direction) => Upward {
+            direction,
+            source: "--up",
+        },
+        None => {
+            let mut emitters = world.query_filtered::<MeterParts, Without<Hidden>>();
+            upward(emitters.iter(world), &view)
+        }
+    });
+    if let Some(up) = up {
+        (scene, view) = under_overcast_sky(&scene, &view, up.direction);
         // What is asked for is asked of the lights of the scene.
         asked.iter_mut().for_each(|asked| asked.limits = MeterLimits::default());
     }
     let seen = args.ugr.then(|| (scene.clone(), view.clone()));
-    Ok((MeterJob::new(scene, &view, asked)?, seen))
+    let job = MeterJob::new(scene, &view, asked)?;
+    Ok(Prepared { job, seen, up })
 }
 
 /// Measures, and shows the progress. Returns the seconds too.

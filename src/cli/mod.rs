@@ -16,6 +16,7 @@ mod display_server;
 mod edit;
 mod ending;
 mod generate;
+mod html;
 #[cfg(target_os = "linux")]
 mod limits;
 mod measure;

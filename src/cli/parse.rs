@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 use std::time::Duration;
 
-use bevy::math::UVec2;
+use bevy::math::{UVec2, Vec3};
 use sunroom::document::value::parse_noise;
 use sunroom::layer::Layers;
 use sunroom::photometry::exposure;
@@ -47,6 +47,14 @@ pub fn define(text: &str) -> Result<(String, String), String> {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err("expected NAME=VALUE".to_owned()),
     }
+}
+
+/// `z`, `-y`
+pub fn axis(text: &str) -> Result<Vec3, String> {
+    let (sign, name) = text.strip_prefix('-').map_or((1.0, text), |name| (-1.0, name));
+    let place = ["x", "y", "z"].iter().position(|axis| *axis == name);
+    let axis = place.map(|place| sign * Vec3::AXES[place]);
+    axis.ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
 }
 
 /// `depth,normal`

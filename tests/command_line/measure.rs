@@ -101,6 +101,64 @@ fn grids_have_rows_in_csv_files_and_daylight_replaces_lamps() {
 }
 
 #[test]
+fn meters_without_names_are_numbered_and_a_page_has_plans() {
+    let workshop = Workshop::new();
+    let nameless = GRID.replace(r#" id="floor, all of it""#, "");
+    let meters = [&nameless, &POINT.replace("LIMIT", "1"), &nameless]
+        .map(String::as_str)
+        .concat();
+    let scene = with_meters(&workshop, &meters);
+    let page = workshop.path("page.html");
+    let (output, said, told) = measure(&scene, &["-q", "--html", page.to_str().expect("a name")]);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(
+        said.starts_with("Measuring grid 1  4 x 4") && said.contains("\nMeasuring grid 2  4 x 4"),
+        "{said}"
+    );
+    let text = std::fs::read_to_string(&page).expect("the page");
+    assert_eq!(text.matches("<svg").count(), 2);
+    assert_eq!(text.matches("<rect").count(), 32);
+    assert!(text.contains("all limits are met") && !text.contains("{{"), "{text}");
+}
+
+#[test]
+fn the_upward_axis_is_said_and_can_be_chosen() {
+    let workshop = Workshop::new();
+    let scene = with_meters(&workshop, &POINT.replace("LIMIT", "0"));
+    let (_, said, told) = measure(&scene, &["-q", "--daylight-factor"]);
+    assert!(said.contains("up is y, by the camera"), "{said}{told}");
+    let (output, said, told) = measure(&scene, &["-q", "--daylight-factor", "--up", "-y", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    let json: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(json["up"], serde_json::json!([0.0, -1.0, 0.0]));
+    // The sky is below the floor.
+    assert_eq!(json["meters"][0]["points"][0]["illuminance"]["lux"], 0.0);
+    let (output, _, told) = measure(&scene, &["--daylight-factor", "--up", "w"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(told.contains("expected x, y, z, -x, -y or -z"), "{told}");
+}
+
+#[test]
+fn check_refuses_what_measure_refuses_and_a_depth_of_one_is_warned_of() {
+    let workshop = Workshop::new();
+    let fine = with_meters(&workshop, &GRID.replace(r#"value="1""#, r#"value="0.001""#));
+    let output = sunroom().arg("check").arg(&fine).output().expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        told.contains("floor, all of it: a grid may have 16384 points") && told.contains("1 error"),
+        "{told}"
+    );
+    let text = SCENE
+        .replace("METERS", GRID)
+        .replace(r#"name="max_depth" value="2""#, r#"name="max_depth" value="1""#);
+    let (output, said, told) = measure(&workshop.scene(&text), &["-q"]);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.contains("max_depth 1 ends paths before any light"), "{told}");
+    assert!(said.contains("uniformity none in the dark"), "{said}");
+}
+
+#[test]
 fn scenes_without_meters_and_impossible_meters_are_errors() {
     let workshop = Workshop::new();
     let (output, _, told) = measure(&with_meters(&workshop, ""), &[]);

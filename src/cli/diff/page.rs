@@ -5,6 +5,7 @@ use sunroom::render::layered_image::LayeredImage;
 
 use super::figures::Figures;
 use super::pair::Pair;
+use crate::cli::html::{escaped, filled};
 
 /// The page as HTML. `options` say how the pictures are displayed.
 pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<String, ImageIoError> {
@@ -44,34 +45,6 @@ pub fn page(pair: &Pair, figures: &Figures, options: &FileOptions) -> Result<Str
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     Ok(filled(include_str!("page.html"), &values))
-}
-
-/// The template with values in place of `{{name}}`.
-fn filled(template: &str, values: &[(&str, String)]) -> String {
-    let mut parts = template.split("{{");
-    let mut page = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (name, rest) = part.split_once("}}").unwrap_or(("", part));
-        if let Some((_, value)) = values.iter().find(|(known, _)| *known == name) {
-            page.push_str(value);
-        }
-        page.push_str(rest);
-    }
-    page
-}
-
-fn escaped(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }
 
 fn data_uri(picture: &ImageRgb, options: &FileOptions) -> Result<String, ImageIoError> {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::math::Vec3;
 use clap::Args;
 use sunroom::meter::job::MeterEnd;
 
@@ -26,6 +27,10 @@ pub struct MeasureArgs {
     /// of all lights of the scene
     #[arg(long)]
     pub daylight_factor: bool,
+    /// The upward direction of the overcast sky, an axis of the world: x, y, z, -x, -y or -z [default: of the scene's
+    /// first sky, or else nearest to the camera's]
+    #[arg(long, value_name = "AXIS", value_parser = parse::axis, requires = "daylight_factor", allow_hyphen_values = true)]
+    pub up: Option<Vec3>,
     /// Rate the glare of a camera's view by UGR (CIE 117), as well
     #[arg(long)]
     pub ugr: bool,
@@ -38,6 +43,9 @@ pub struct MeasureArgs {
     /// Write the illuminance of every point to this file, - for standard output
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Write a page with all values and plans of the grids in false colour to this file
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Seed of the random numbers; the same seed gives the same values on any number of threads [default: the scene's]
     #[arg(long)]
     pub seed: Option<u32>,

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use serde_json::{Value, json};
+use sunroom::app::metering::Upward;
 use sunroom::meter::daylight::{OPEN_GROUND, daylight_factor};
 use sunroom::meter::estimate::Estimate;
 use sunroom::meter::glare::Glare;
@@ -14,8 +15,9 @@ pub struct Results {
     pub readings: Vec<MeterReading>,
     /// The glare of the view, if it was asked for.
     pub glare: Option<Glare>,
-    /// Whether they are those of daylight factors.
-    pub is_daylight: bool,
+    /// The upward direction of the overcast sky under which daylight factors were measured; None under the lights of
+    /// the scene.
+    pub up: Option<Upward>,
     /// The relative error asked for.
     pub noise: f64,
     pub seconds: f64,
@@ -28,41 +30,46 @@ impl Results {
         self.readings.iter().all(MeterReading::passes)
     }
 
+    /// Whether any limit is asked for.
+    pub fn has_limits(&self) -> bool {
+        self.readings.iter().any(|reading| !reading.judgements().is_empty())
+    }
+
     /// An illuminance in the unit of the report.
     fn lit(&self, measured: &Estimate) -> String {
-        match self.is_daylight {
-            true => percents(measured).in_unit("%"),
-            false => measured.in_unit(Lux::SYMBOL),
+        match self.up {
+            Some(_) => measured.in_daylight_factor(),
+            None => measured.in_unit(Lux::SYMBOL),
         }
+    }
+
+    /// The sentence about the overcast sky.
+    pub fn about_sky(&self) -> Option<String> {
+        let Upward { direction, source } = self.up?;
+        let ground = short(f64::from(OPEN_GROUND));
+        let axes = [("x", direction.x), ("y", direction.y), ("z", direction.z)];
+        let named = |(name, part): &(&str, f32)| match *part {
+            1.0 => Some((*name).to_owned()),
+            -1.0 => Some(format!("-{name}")),
+            _ => None,
+        };
+        let up = axes.iter().find_map(named).unwrap_or_else(|| direction.to_string());
+        Some(format!(
+            "daylight factors, under a CIE overcast sky that gives the open ground {ground} lx; up is {up}, by {source}"
+        ))
     }
 
     /// A line for each meter, and one below it for each of its limits.
     pub fn text(&self) -> String {
         let mut text = String::new();
-        if self.is_daylight {
-            let ground = short(f64::from(OPEN_GROUND));
-            let _ = writeln!(
-                text,
-                "daylight factors, under a CIE overcast sky that gives the open ground {ground} lx"
-            );
+        if let Some(about) = self.about_sky() {
+            let _ = writeln!(text, "{about}");
         }
         let widest = self.readings.iter().map(|reading| reading.name.chars().count()).max();
         let width = widest.unwrap_or_default();
         for reading in &self.readings {
             let name = &reading.name;
-            let values = match (&reading.grid, reading.points.first()) {
-                (Some(grid), _) => format!(
-                    "{} x {} points  least {}  mean {}  uniformity {}",
-                    reading.size.x,
-                    reading.size.y,
-                    self.lit(&grid.least),
-                    self.lit(&grid.mean),
-                    grid.uniformity.in_unit("").trim_end(),
-                ),
-                (None, Some(point)) => self.lit(point),
-                (None, None) => String::new(),
-            };
-            let _ = writeln!(text, "{name:width$}  {values}");
+            let _ = writeln!(text, "{name:width$}  {}", self.values(reading));
             for judgement in reading.judgements() {
                 let _ = writeln!(text, "{:width$}  {}", "", sentence(&judgement));
             }
@@ -78,6 +85,24 @@ impl Results {
             );
         }
         text
+    }
+
+    /// The values of a meter in one line.
+    pub fn values(&self, reading: &MeterReading) -> String {
+        match (&reading.grid, reading.points.first()) {
+            (Some(grid), _) => format!(
+                "{} x {} points  least {}  mean {}  uniformity {}",
+                reading.size.x,
+                reading.size.y,
+                self.lit(&grid.least),
+                self.lit(&grid.mean),
+                grid.uniformity
+                    .map_or("none in the dark".to_owned(), |found| found.in_unit(""))
+                    .trim_end(),
+            ),
+            (None, Some(point)) => self.lit(point),
+            (None, None) => String::new(),
+        }
     }
 
     /// Whether an error is above the one asked for.
@@ -102,7 +127,8 @@ impl Results {
             "passes": self.passes(),
             "ending": ending,
             "seconds": self.seconds,
-            "open_ground_lux": self.is_daylight.then_some(OPEN_GROUND),
+            "open_ground_lux": self.up.map(|_| OPEN_GROUND),
+            "up": self.up.map(|up| up.direction.to_array()),
         })
     }
 
@@ -129,7 +155,7 @@ impl Results {
                 "rows": reading.size.y,
                 "least": self.value(&grid.least),
                 "mean": self.value(&grid.mean),
-                "uniformity": plain(&grid.uniformity),
+                "uniformity": grid.uniformity.as_ref().map(plain),
                 "darkest": grid.darkest,
             })
         });
@@ -147,8 +173,8 @@ impl Results {
     /// An illuminance, with its daylight factor in per cent.
     fn value(&self, measured: &Estimate) -> Value {
         let mut value = json!({"lux": measured.value, "error": measured.error});
-        if self.is_daylight {
-            value["daylight_factor"] = plain(&percents(measured));
+        if self.up.is_some() {
+            value["daylight_factor"] = plain(&measured.daylight_factor());
         }
         value
     }
@@ -156,7 +182,7 @@ impl Results {
     /// A row for each point.
     pub fn csv(&self) -> String {
         let mut text = "meter,column,row,x,y,z,lux,error".to_owned();
-        text.push_str(if self.is_daylight { ",daylight_factor\n" } else { "\n" });
+        text.push_str(if self.up.is_some() { ",daylight_factor\n" } else { "\n" });
         for reading in &self.readings {
             let name = quoted(&reading.name);
             let columns = reading.size.x.max(1) as usize;
@@ -168,7 +194,7 @@ impl Results {
                     "{name},{column},{row},{},{},{},{value},{error}",
                     place.x, place.y, place.z
                 );
-                if self.is_daylight {
+                if self.up.is_some() {
                     let _ = write!(text, ",{}", daylight_factor(*value));
                 }
                 text.push('\n');
@@ -178,18 +204,11 @@ impl Results {
     }
 }
 
-fn percents(measured: &Estimate) -> Estimate {
-    Estimate {
-        value: daylight_factor(measured.value),
-        error: daylight_factor(measured.error),
-    }
-}
-
 fn plain(measured: &Estimate) -> Value {
     json!({"value": measured.value, "error": measured.error})
 }
 
-fn glare_sentence(glare: &Glare) -> String {
+pub fn glare_sentence(glare: &Glare) -> String {
     let background = glare.background.in_unit(Nit::SYMBOL);
     match &glare.rating {
         Some(rating) => format!(
@@ -215,7 +234,7 @@ fn glare_values(glare: &Glare) -> Value {
 }
 
 /// A limit with what has become of it.
-fn sentence(judgement: &Judgement) -> String {
+pub fn sentence(judgement: &Judgement) -> String {
     let Judgement { of, limit, .. } = judgement;
     let limit = match *of {
         "uniformity" => short(*limit),

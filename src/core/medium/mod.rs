@@ -140,6 +140,15 @@ impl MediumTable {
         }
     }
 
+    /// The same media without light of their own.
+    pub fn without_emission(&self) -> Self {
+        let dark = |medium: &Medium| MediumSource {
+            emission: Volume::ZERO,
+            ..medium.source.clone()
+        };
+        self.with(self.media.iter().map(dark).collect())
+    }
+
     /// Whether there are no media.
     pub fn is_empty(&self) -> bool {
         self.media.is_empty()

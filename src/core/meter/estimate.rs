@@ -2,9 +2,10 @@
 //!
 //! The samples of a point are well spread, so that the error of their mean cannot be told from their variance. Instead
 //! they are parted into [`REPLICATES`] sets with scrambles of their own, whose means are independent (randomised
-//! quasi-Monte Carlo: Owen, Monte Carlo theory, methods and examples, section 17.1). Everything that is derived from
+//! quasi-Monte Carlo: Owen, Monte Carlo theory, methods and examples, chapter 17). Everything that is derived from
 //! the points, such as the mean of a grid, has its error from the sets in the same manner.
 
+use super::daylight::daylight_factor;
 use crate::photometry::units;
 
 /// The number of independent sets of samples.
@@ -26,8 +27,8 @@ pub struct GridEstimate {
     pub least: Estimate,
     /// The mean of all points.
     pub mean: Estimate,
-    /// The least over the mean illuminance, from 0 to 1; 0 in the dark.
-    pub uniformity: Estimate,
+    /// The least over the mean illuminance, from 0 to 1; None in the dark.
+    pub uniformity: Option<Estimate>,
     /// The index of the darkest point.
     pub darkest: usize,
 }
@@ -50,6 +51,19 @@ impl Estimate {
             true => 0.0,
             false => self.error / self.value.abs(),
         }
+    }
+
+    /// An illuminance in lux as a daylight factor in per cent.
+    pub fn daylight_factor(&self) -> Self {
+        Self {
+            value: daylight_factor(self.value),
+            error: daylight_factor(self.error),
+        }
+    }
+
+    /// An illuminance in lux as a daylight factor, as in `3.1 ± 0.2 %`.
+    pub fn in_daylight_factor(&self) -> String {
+        self.daylight_factor().in_unit("%")
     }
 
     /// The value with its error and a unit, as in `532 ± 4 lx`.
@@ -78,20 +92,17 @@ impl GridEstimate {
         }
         let of_grid = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
         let mean = Estimate::of(&replicates.iter().map(of_grid).collect::<Vec<_>>());
-        let ratio = if mean.value > 0.0 {
-            least.value / mean.value
-        } else {
-            0.0
-        };
-        // Errors of the darkest point and of the mean, of which it is one of many points, are nearly independent.
-        let error = ratio * least.relative_error().hypot(mean.relative_error());
+        let uniformity = (mean.value > 0.0).then(|| {
+            let value = least.value / mean.value;
+            // Errors of the darkest point and of the mean, of which it is one of many points, are nearly independent.
+            // A darkest point without light has no relative error.
+            let error = (least.error / mean.value).hypot(value * mean.relative_error());
+            Estimate { value, error }
+        });
         Self {
             least,
             mean,
-            uniformity: Estimate {
-                value: ratio,
-                error: if error.is_finite() { error } else { 0.0 },
-            },
+            uniformity,
             darkest,
         }
     }
@@ -157,13 +168,14 @@ mod tests {
         let known = grid(1, 400, |point| if point == 7 { 20.0 } else { 100.0 }, 1.0);
         assert_eq!(known.darkest, 7);
         assert!(known.least.error < 0.3, "{:?}", known.least);
-        assert!((known.uniformity.value - 20.0 / 99.8).abs() < 3.0 * known.uniformity.error);
+        let uniformity = known.uniformity.expect("light");
+        assert!((uniformity.value - 20.0 / 99.8).abs() < 3.0 * uniformity.error);
     }
 
     #[test]
     fn the_dark_has_no_errors() {
         let dark = grid(1, 5, |_| 0.0, 0.0);
-        assert_eq!(dark.uniformity, Estimate::default());
+        assert_eq!(dark.uniformity, None);
         assert_eq!((dark.least.relative_error(), dark.mean.relative_error()), (0.0, 0.0));
     }
 }

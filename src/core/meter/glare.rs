@@ -61,7 +61,7 @@ struct Seen {
 }
 
 /// The position index of a direction in the space of a camera, with y up and z along the line of sight (Guth 1963, as
-/// given by the IES Lighting Handbook, 10th edition, section 4.10).
+/// given by the IES Lighting Handbook, 10th edition).
 pub fn position_index(direction: Vec3) -> f64 {
     // From the line of sight, and of the plane through both from the vertical, in degrees.
     let direction = direction.as_dvec3().normalize();

@@ -15,7 +15,6 @@ use rayon::prelude::*;
 
 use super::estimate::{Estimate, GridEstimate, REPLICATES};
 use super::sites::{AskedMeter, MOST_POINTS_OF_SCENE, MeterKind, MeterLimits, Sites, SitesError};
-use crate::accel::Tlas;
 use crate::bake::lightmap::Lightmaps;
 use crate::bake::progress::Pace;
 use crate::color::luminance;
@@ -34,6 +33,9 @@ const LEAST_LIT: usize = 24;
 /// The samples of each set after which a single point without light counts as dark. Of a grid with many points one
 /// point weighs less, and the samples are fewer.
 const SAMPLES_IN_THE_DARK: u32 = 64 * LEAST_SAMPLES;
+
+/// The most samples that a task adds to each point of a set: they bound its memory.
+const MOST_AT_ONCE: u32 = 256;
 
 /// The limits that end measuring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,8 +83,8 @@ pub enum MeterEnding {
 /// The meters of a scene while they measure.
 pub struct MeterJob {
     scene: RenderScene,
-    /// A view for each set of samples, which differ by their seeds.
-    views: Vec<View>,
+    /// The settings of paths, with the seed from which each set of samples of each meter has its own.
+    view: View,
     meters: Vec<Metering>,
 }
 
@@ -93,6 +95,10 @@ pub struct Metering {
     sites: Sites,
     /// The light of each set of samples.
     replicates: Vec<Lightmaps>,
+    /// The number of samples of each set after which the meter is judged next.
+    goal: u32,
+    /// The number of samples of each set that it is expected to need in all, by its error when it was last judged.
+    expected: u32,
     is_done: bool,
 }
 
@@ -154,7 +160,8 @@ impl MeterReading {
             (Some(grid), _) => vec![
                 ("least", least, grid.least),
                 ("mean", mean, grid.mean),
-                ("uniformity", uniformity, grid.uniformity),
+                // In the dark nothing is uniform.
+                ("uniformity", uniformity, grid.uniformity.unwrap_or_default()),
             ],
             (None, Some(point)) => vec![("least", least, *point)],
             (None, None) => Vec::new(),
@@ -172,17 +179,19 @@ impl MeterReading {
 }
 
 impl Metering {
-    fn new(asked: AskedMeter, geometry: &Tlas) -> Result<Self, MeterError> {
+    fn new(asked: AskedMeter, scene: &RenderScene, view: &View) -> Result<Self, MeterError> {
         let mut sites = asked.sites().map_err(|source| MeterError::Sites {
             name: asked.name.clone(),
             source,
         })?;
-        sites.settle(geometry);
+        sites.settle(scene, view);
         let count = sites.texels.texels.len();
         Ok(Self {
             asked,
             sites,
             replicates: vec![Lightmaps::new(count); REPLICATES],
+            goal: 0,
+            expected: u32::MAX,
             is_done: false,
         })
     }
@@ -234,7 +243,7 @@ impl Metering {
             name: self.asked.name.clone(),
             size: self.sites.size,
             positions: self.sites.positions().collect(),
-            normal: first.receiver.normal,
+            normal: first.receiver.receiver.normal,
             points: (0..count).map(of_point).collect(),
             grid: match self.asked.kind {
                 MeterKind::Point => None,
@@ -253,23 +262,15 @@ impl MeterJob {
         let mut meters = Vec::with_capacity(asked.len());
         let mut points = 0;
         for asked in asked {
-            let metering = Metering::new(asked, &scene.geometry)?;
+            let metering = Metering::new(asked, &scene, view)?;
             points += metering.sites.texels.texels.len();
             if points > MOST_POINTS_OF_SCENE {
                 return Err(MeterError::TooManyPoints(points));
             }
             meters.push(metering);
         }
-        let view_of = |replicate: usize| View {
-            // Not the seed and the number added up, so that neighbouring seeds have no set in common.
-            seed: pcg3d([view.seed, replicate as u32, REPLICATES as u32])[0],
-            ..view.clone()
-        };
-        Ok(Self {
-            scene,
-            views: (0..REPLICATES).map(view_of).collect(),
-            meters,
-        })
+        let view = view.clone();
+        Ok(Self { scene, view, meters })
     }
 
     /// The meters in their order.
@@ -312,13 +313,18 @@ impl MeterJob {
         let begin = Instant::now();
         let most = end.samples.div_ceil(REPLICATES as u32).max(1);
         let mut pace = Pace::new(pool.current_num_threads());
-        let mut goals: Vec<u32> = vec![LEAST_SAMPLES.min(most); self.meters.len()];
+        for meter in &mut self.meters {
+            meter.goal = LEAST_SAMPLES.min(most);
+        }
+        let mut done = 0.0f64;
         loop {
             if cancel.load(Ordering::Relaxed) {
                 return MeterEnding::Cancelled;
             }
-            self.judge(&mut goals, most, end.noise);
-            watch(self, self.done(&goals, most));
+            self.judge(most, end.noise);
+            // A new estimate of the work may be higher than the last one.
+            done = done.max(self.done(most));
+            watch(self, done);
             if self.meters.iter().all(|meter| meter.is_done) {
                 return MeterEnding::Done;
             }
@@ -327,53 +333,75 @@ impl MeterJob {
                 return MeterEnding::TimeUp;
             }
             let tasks = pace.blocks();
-            pace.measure(|| pool.install(|| self.go_on(&goals, tasks, cancel)));
+            pace.measure(|| pool.install(|| self.go_on(tasks, cancel)));
         }
     }
 
     /// Ends meters that have reached their goals and are certain enough; the others get goals twice as far.
-    fn judge(&mut self, goals: &mut [u32], most: u32, noise: f64) {
-        for (meter, goal) in self.meters.iter_mut().zip(goals) {
-            if meter.is_done || meter.reached() < *goal {
+    fn judge(&mut self, most: u32, noise: f64) {
+        for meter in &mut self.meters {
+            if meter.is_done || meter.reached() < meter.goal {
                 continue;
             }
-            meter.is_done = *goal >= most || meter.noise() <= noise;
+            let found = meter.noise();
+            meter.is_done = meter.goal >= most || found <= noise;
             if !meter.is_done {
-                *goal = goal.saturating_mul(2).min(most);
+                // The error falls with the root of the number of samples, or faster.
+                let needed = f64::from(meter.goal) * (found / noise).powi(2);
+                meter.goal = meter.goal.saturating_mul(2).min(most);
+                // A conversion to an integer saturates.
+                meter.expected = (needed.ceil() as u32).clamp(meter.goal, most);
             }
         }
     }
 
-    /// A rough share of the work that is done: the error falls with the root of the number of samples or faster.
-    fn done(&self, goals: &[u32], most: u32) -> f64 {
-        let of_meter = |(meter, goal): (&Metering, &u32)| match meter.is_done {
-            true => 1.0,
-            false => f64::from(meter.reached()) / f64::from((*goal).max(most.min(2 * *goal))),
-        };
-        let sum: f64 = self.meters.iter().zip(goals).map(of_meter).sum();
-        sum / self.meters.len().max(1) as f64
+    /// A rough share of the work that is done, counted in samples of points.
+    fn done(&self, most: u32) -> f64 {
+        let (mut reached, mut expected) = (0.0, 0.0);
+        for meter in &self.meters {
+            let points = meter.sites.texels.texels.len() as f64;
+            let of_meter = f64::from(meter.reached());
+            reached += points * of_meter;
+            expected += points
+                * match meter.is_done {
+                    true => of_meter,
+                    false => f64::from(meter.expected.min(most)).max(of_meter),
+                };
+        }
+        if expected > 0.0 { reached / expected } else { 1.0 }
     }
 
-    /// Adds a group of samples to at most `tasks` sets of meters that have not reached their goals.
-    fn go_on(&mut self, goals: &[u32], tasks: usize, cancel: &AtomicBool) {
-        let (scene, views) = (&self.scene, &self.views);
-        let mut waiting: Vec<(&Sites, &View, &mut Lightmaps, u32)> = Vec::new();
-        for (meter, goal) in self.meters.iter_mut().zip(goals).filter(|(meter, _)| !meter.is_done) {
-            let behind = meter.replicates.iter_mut().zip(views);
-            let behind = behind.filter(|(light, _)| light.reached() < *goal);
-            waiting.extend(behind.map(|(light, view)| (&meter.sites, view, light, *goal)));
+    /// Adds samples to at most `tasks` sets of meters that have not reached their goals.
+    fn go_on(&mut self, tasks: usize, cancel: &AtomicBool) {
+        let (scene, view) = (&self.scene, &self.view);
+        let mut waiting: Vec<(&Sites, u32, &mut Lightmaps, u32)> = Vec::new();
+        let meters = self.meters.iter_mut().zip(0..);
+        for (meter, number) in meters.filter(|(meter, _)| !meter.is_done) {
+            let goal = meter.goal;
+            let behind = meter.replicates.iter_mut().zip(0..);
+            let behind = behind.filter(|(light, _)| light.reached() < goal);
+            waiting.extend(behind.map(|(light, replicate)| {
+                // Hashed, so that neighbouring seeds and meters have no set in common.
+                let seed = pcg3d([view.seed, replicate, REPLICATES as u32 + number])[0];
+                (&meter.sites, seed, light, goal)
+            }));
         }
         // Those with the fewest samples come first, so that an end by time finds all equally far.
         waiting.sort_by_key(|(_, _, light, _)| light.reached());
         waiting.truncate(tasks);
-        waiting.into_par_iter().for_each(|(sites, view, light, goal)| {
+        waiting.into_par_iter().for_each(|(sites, seed, light, goal)| {
             let gathering = Gathering {
                 scene,
-                view,
+                view: &View { seed, ..view.clone() },
                 light: ReceivedLight::All,
             };
-            let end = light.round_end(goal);
+            let end = light.round_end(goal).min(light.reached().saturating_add(MOST_AT_ONCE));
             light.go_on(&gathering, &sites.texels, end, usize::MAX, cancel);
         });
     }
+}
+
+/// Whether paths of these settings end at the first surface, so that no light comes to any point.
+pub fn finds_no_light(view: &View) -> bool {
+    view.integrator.settings().longest_path() <= 1
 }

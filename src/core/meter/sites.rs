@@ -1,11 +1,14 @@
 //! The places at which a meter measures.
 
-use glam::{Affine3A, UVec2, Vec3};
+use glam::{Affine3A, UVec2, Vec2, Vec3};
 
-use crate::accel::{Detail, Tlas};
+use crate::accel::Detail;
 use crate::bake::texels::{Texel, Texels};
-use crate::math::Ray;
-use crate::render::irradiance::Receiver;
+use crate::math::{Ray, offset_origin};
+use crate::render::borders::medium_at;
+use crate::render::irradiance::{ImmersedReceiver, Receiver};
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
 
 /// The most points of a grid.
 pub const MOST_POINTS: u32 = 1 << 14;
@@ -71,7 +74,7 @@ pub struct Sites {
     /// Columns along x and rows along y; 1 of each for a point.
     pub size: UVec2,
     /// The points, row by row.
-    pub texels: Texels,
+    pub texels: Texels<ImmersedReceiver>,
 }
 
 impl AskedMeter {
@@ -94,18 +97,19 @@ impl AskedMeter {
             MeterKind::Grid { spacing } => grid_size([2.0 * x.length(), 2.0 * y.length()], spacing)?,
         };
         let cells = (0..size.y).flat_map(|row| (0..size.x).map(move |column| UVec2::new(column, row)));
-        let texels: Vec<Texel> = cells
+        let texels: Vec<Texel<ImmersedReceiver>> = cells
             .map(|cell| {
                 let middle = 2.0 * (cell.as_vec2() + 0.5) / size.as_vec2() - 1.0;
                 let position = place.transform_point3(middle.extend(0.0));
+                let receiver = Receiver {
+                    position,
+                    error: ROUNDING * position.abs().max_element(),
+                    normal,
+                    geometric_normal: normal,
+                };
                 Texel {
                     place: APART * cell,
-                    receiver: Receiver {
-                        position,
-                        error: ROUNDING * position.abs().max_element(),
-                        normal,
-                        geometric_normal: normal,
-                    },
+                    receiver: ImmersedReceiver { receiver, medium: None },
                 }
             })
             .collect();
@@ -121,12 +125,16 @@ impl AskedMeter {
 
 impl Sites {
     /// Lets rays of points that lie in a surface of the scene, up to rounding, begin above it: the rounding of a
-    /// surface goes with its own size and place, and a point may be just below it.
-    pub fn settle(&mut self, geometry: &Tlas) {
+    /// surface goes with its own size and place, and a point may be just below it. Then finds the medium that each
+    /// point is in, from the camera of `view` on, whose medium is known.
+    pub fn settle(&mut self, scene: &RenderScene, view: &View) {
+        let geometry = &scene.geometry;
+        let middle = || view.camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)).origin;
+        let eye = view.camera.eye().unwrap_or_else(middle);
         let bounds = geometry.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         for texel in &mut self.texels.texels {
-            let receiver = &mut texel.receiver;
+            let ImmersedReceiver { receiver, medium } = &mut texel.receiver;
             let slack = 2.0 * ROUNDING * receiver.position.abs().max_element().max(extent);
             if !(slack > 0.0 && slack.is_finite()) {
                 continue;
@@ -140,12 +148,16 @@ impl Sites {
                 let off = surface.position.distance(receiver.position);
                 receiver.error = receiver.error.max(surface.error + off);
             }
+            if !scene.media.is_empty() {
+                let above = offset_origin(receiver.position, receiver.error, receiver.normal, receiver.normal);
+                *medium = medium_at(scene, eye, view.medium, above);
+            }
         }
     }
 
     /// The positions in the world, row by row.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> {
-        self.texels.texels.iter().map(|texel| texel.receiver.position)
+        self.texels.texels.iter().map(|texel| texel.receiver.receiver.position)
     }
 }
 
@@ -202,7 +214,7 @@ mod tests {
                 .expect("points"),
             unmirrored,
         ] {
-            let receivers = sites.texels.texels.iter().map(|texel| texel.receiver.normal);
+            let receivers = sites.texels.texels.iter().map(|texel| texel.receiver.receiver.normal);
             receivers.for_each(|normal| assert!(normal.abs_diff_eq(Vec3::Y, 1e-6), "{normal}"));
         }
     }

@@ -90,7 +90,8 @@ impl Receiver {
 
 impl Site for Receiver {
     fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
-        let begin = |site: &Self, sampler, settings: &_| site.begin(gathering, sampler, settings);
+        let medium = gathering.view.medium;
+        let begin = |site: &Self, sampler, settings: &_| site.begin(gathering, medium, sampler, settings);
         gathering.trace(sites, begin, cancel)
     }
 
@@ -99,10 +100,40 @@ impl Site for Receiver {
     }
 }
 
+/// A receiver in a medium of its own, whatever the medium around the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImmersedReceiver {
+    /// The point.
+    pub receiver: Receiver,
+    /// The medium on the side that is lit; None in empty space.
+    pub medium: Option<MediumId>,
+}
+
+impl Site for ImmersedReceiver {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+        let begin = |site: &Self, sampler, settings: &_| {
+            let Self { receiver, medium } = site;
+            receiver.begin(gathering, *medium, sampler, settings)
+        };
+        gathering.trace(sites, begin, cancel)
+    }
+
+    fn at(self, position: Vec3) -> Self {
+        let receiver = self.receiver.at(position);
+        Self { receiver, ..self }
+    }
+}
+
 impl Receiver {
-    /// A path that has left the place.
-    fn begin(&self, gathering: &Gathering, sampler: Sampler, settings: &PathSettings) -> PathState {
-        let Gathering { scene, view, light } = *gathering;
+    /// A path that has left the place, which is in a medium.
+    fn begin(
+        &self,
+        gathering: &Gathering,
+        medium: Option<MediumId>,
+        sampler: Sampler,
+        settings: &PathSettings,
+    ) -> PathState {
+        let Gathering { scene, light, .. } = *gathering;
         let vertex = Vertex {
             receiver: self,
             light,
@@ -113,7 +144,7 @@ impl Receiver {
         };
         let local = warp::cosine_hemisphere(sampler.at_2d(BounceDraw::Direction.at(1)).to_array());
         let wi = Frame::from_normal(self.normal).to_world(local);
-        let medium = view.medium.filter(|_| settings.media);
+        let medium = medium.filter(|_| settings.media);
         let mut path = PathState::new(Ray::new(self.leave(wi), wi), sampler, medium);
         path.depth = 1;
         path.is_straight = false;

@@ -67,8 +67,8 @@ pub struct SurfaceTable {
 }
 
 impl RenderScene {
-    /// The scene with these lights in place of all of its own. Surfaces do not shine when paths come upon them: the
-    /// emitting shapes among `sources` light by being sampled alone.
+    /// The scene with these lights in place of all of its own, and of the light of media. Surfaces do not shine when
+    /// paths come upon them: the emitting shapes among `sources` light by being sampled alone.
     pub fn lit_by(&self, sources: &[WeightedSource]) -> Self {
         let dark = |slot: &SurfaceSlot| SurfaceSlot { light: None, ..*slot };
         let lights = LightTable::build(sources, &self.geometry, &self.textures);
@@ -79,6 +79,7 @@ impl RenderScene {
             }),
             reach: lights.reach(&self.geometry),
             lights: Arc::new(lights),
+            media: Arc::new(self.media.without_emission()),
             ..self.clone()
         }
     }

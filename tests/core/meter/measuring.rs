@@ -63,6 +63,33 @@ fn measuring_ends_at_the_error_asked_for_or_at_the_most_samples() {
 }
 
 #[test]
+fn meters_in_one_place_have_errors_of_their_own() {
+    let meters = vec![facing(Vec3::Y, Vec3::new(0.3, 0.5, 0.2)); 8];
+    let readings = measure(&corner(), meters, &exactly(1 << 10), 6);
+    let values: Vec<f64> = readings.iter().map(|reading| reading.points[0].value).collect();
+    assert!((1..8).all(|number| values[number] != values[0]), "{values:?}");
+    // They scatter by their errors.
+    let told = readings.iter().map(|reading| reading.points[0].error).sum::<f64>() / 8.0;
+    let spread = Estimate::of(&values).error * 8f64.sqrt();
+    assert!((0.4..2.2).contains(&(spread / told)), "{spread} for {told}");
+}
+
+#[test]
+fn progress_never_goes_back() {
+    let meters = vec![grid(Vec2::ONE, Vec3::Y * 0.7, 0.5), facing(Vec3::Y, Vec3::Y * 0.5)];
+    let mut job = MeterJob::new(corner(), &settings(2), meters).expect("meters");
+    let (mut shares, end) = (Vec::new(), MeterEnd::default());
+    job.run(&end, &pool(2), &AtomicBool::new(false), &mut |_, done| {
+        shares.push(done)
+    });
+    assert!(shares.is_sorted(), "{shares:?}");
+    assert!(
+        shares.len() > 3 && *shares.last().expect("a share") == 1.0,
+        "{shares:?}"
+    );
+}
+
+#[test]
 fn a_cancelled_job_keeps_its_values() {
     let mut job = MeterJob::new(corner(), &settings(1), vec![grid(Vec2::ONE, Vec3::Y, 0.2)]).expect("a meter");
     assert_eq!(job.readings(), None);

@@ -1,7 +1,7 @@
 //! The meter against closed forms, among them the analytic cases of CIE 171:2006, Test Cases to Assess the Accuracy of
-//! Lighting Computer Programs, that apply: 5.2 point lights, 5.3 area lights, 5.6 light reflected by a diffuse surface,
-//! 5.8 light reflected inside of a closed room, 5.9 and 5.11 the sky through openings. The expected values are computed
-//! here, not taken from its tables.
+//! Lighting Computer Programs, that apply: point lights, area lights, light reflected by a diffuse surface, light
+//! reflected inside of a closed room, and the sky through openings. The expected values are computed here, not taken
+//! from its tables.
 //!
 //! Values have to be within three of their own standard errors, and the errors together as large as they are told: a
 //! meter that tells too large errors fails as one does that tells too small ones.
@@ -9,6 +9,7 @@
 mod analytic;
 mod daylight;
 mod measuring;
+mod media;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -42,10 +43,12 @@ fn diffuse(reflectance: f32) -> Bsdf {
 }
 
 fn settings(seed: u32) -> View {
-    View {
+    let mut view = View {
         seed,
-        ..view(camera(Vec3::ONE, Vec3::ZERO, 90.0), 1, u32::MAX, Strategy::Mis)
-    }
+        ..view(camera(Vec3::splat(2.0), Vec3::ZERO, 90.0), 1, u32::MAX, Strategy::Mis)
+    };
+    view.integrator.settings_mut().media = true;
+    view
 }
 
 fn asked(kind: MeterKind, world_from_meter: Affine3A) -> AskedMeter {

@@ -19,6 +19,7 @@ use sunroom::app::editor::command::inspected_paths::InspectedPaths;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::light_mix::LightMix;
 use sunroom::app::editor::command::light_paint::{Answer, Brush, LampChoice};
+use sunroom::app::editor::command::meter_choice::MeterChoice;
 use sunroom::app::editor::command::presets;
 use sunroom::app::editor::command::resolution::Resolution;
 use sunroom::app::editor::command::selection::Selection;
@@ -48,6 +49,7 @@ use sunroom::engine::reasons::{Group, Lamp, Via};
 use sunroom::engine::{PackedScene, RenderState, RenderStatus};
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::meter::estimate::{Estimate, GridEstimate};
+use sunroom::meter::glare::Glare;
 use sunroom::meter::job::MeterReading;
 use sunroom::meter::sites::MeterLimits;
 use sunroom::render::breakdown::{Advice, Area, Destination, Portion, Trouble};
@@ -100,7 +102,7 @@ pub fn meter() -> RgbImage {
         grid: Some(GridEstimate {
             least: estimate(430.0, 2.4),
             mean: estimate(484.1, 0.4),
-            uniformity: estimate(0.888, 0.005),
+            uniformity: Some(estimate(0.888, 0.005)),
             darkest: 0,
         }),
         ..reading("desk", UVec2::new(8, 4), of_desk)
@@ -115,8 +117,19 @@ pub fn meter() -> RgbImage {
         meters: meters.collect(),
         is_measuring: true,
         error: None,
+        choice: MeterChoice {
+            daylight: false,
+            glare: true,
+        },
+        up: None,
+        glare: Some(Glare {
+            rating: Some(estimate(16.3, 0.2)),
+            background: estimate(31.0, 0.2),
+            threshold: 240.0,
+            solid_angle: 0.08,
+        }),
     };
-    in_a_state([RIGHT, 420], shown, |ui, shown: &ShownMeters, _: &mut ()| {
+    in_a_state([RIGHT, 470], shown, |ui, shown: &ShownMeters, _: &mut ()| {
         panels::meter::meter(ui, shown, &Selection::default(), &mut Vec::new());
     })
 }

@@ -6,6 +6,7 @@ use super::compare_view::CompareView;
 use super::grid_settings::GridSettings;
 use super::light_mix::LightMix;
 use super::light_paint::LightPaintCommand;
+use super::meter_choice::MeterChoice;
 use super::resolution::Enlarging;
 use super::traits::Traits;
 
@@ -172,7 +173,7 @@ pub(crate) const HOTTEST_DEPTH: f32 = 4.0;
 pub(crate) const HOTTEST_NOISE: f32 = 0.25;
 
 /// The heat map: black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
-pub(crate) fn heat(x: f32) -> [f32; 3] {
+pub fn heat(x: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] = [
         [0.0, 0.0, 0.05],
         [0.15, 0.1, 0.75],
@@ -241,6 +242,8 @@ pub enum DisplayCommand {
     SetCompareView(CompareView),
     /// Measures the picture against the snapshot.
     Measure,
+    /// Sets the quantities that meters measure.
+    SetMeters(MeterChoice),
     /// Sets the overlay of acceleration structure boxes.
     SetOverlay(BvhOverlay),
     /// Shows or hides the safe frames for actions and titles.
@@ -265,6 +268,7 @@ impl DisplayCommand {
             | Self::ExposeAutomatically
             | Self::SetLightMix(_)
             | Self::SetCompareView(_)
+            | Self::SetMeters(_)
             | Self::SetOverlay(_)
             | Self::ShowSafeFrame(_)
             | Self::ShowDimensions(_)

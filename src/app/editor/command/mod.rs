@@ -29,6 +29,7 @@ pub mod light_paint;
 pub mod material;
 pub mod material_tree;
 pub mod media;
+pub mod meter_choice;
 pub mod navigation_preset;
 pub mod outline;
 pub mod panel;

@@ -31,6 +31,7 @@ pub fn apply(world: &mut World, command: DisplayCommand) -> Result<(), CommandEr
             world.resource_mut::<Comparison>().view = view;
         }
         DisplayCommand::Measure => finished::measure(world)?,
+        DisplayCommand::SetMeters(choice) => world.resource_mut::<ViewSettings>().meters = choice,
         DisplayCommand::SetEnlarging(enlarging) => world.resource_mut::<ViewSettings>().enlarging = enlarging,
         DisplayCommand::SetDisplay(display) => set_display(world, display),
         DisplayCommand::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,

@@ -5,9 +5,10 @@ use bevy_egui::egui::{self, Button, Color32, Label, Rect, RichText, Sense, Strok
 use crate::app::editor::command::addition::AdditionKind;
 use crate::app::editor::command::display::heat;
 use crate::app::editor::command::selection::{Extend, Selection};
-use crate::app::editor::command::{Command, SceneEdit, SelectionCommand};
+use crate::app::editor::command::{Command, DisplayCommand, SceneEdit, SelectionCommand};
 use crate::app::editor::picture::metering::{ShownMeter, ShownMeters};
 use crate::meter::estimate::Estimate;
+use crate::meter::glare::Glare;
 use crate::meter::job::{Judgement, MeterReading};
 use crate::photometry::units::{Lux, short};
 
@@ -20,6 +21,7 @@ const PICTURE: egui::Vec2 = vec2(220.0, 120.0);
 pub fn meter(ui: &mut Ui, shown: &ShownMeters, selection: &Selection, commands: &mut Vec<Command>) {
     if shown.meters.is_empty() {
         no_meters(ui, commands);
+        choices(ui, shown, commands);
         return;
     }
     ui.horizontal(|ui| {
@@ -28,13 +30,15 @@ pub fn meter(ui: &mut Ui, shown: &ShownMeters, selection: &Selection, commands: 
             ui.weak("measuring…");
         }
     });
+    choices(ui, shown, commands);
     if let Some(error) = &shown.error {
         ui.add(Label::new(RichText::new(error).color(ui.visuals().error_fg_color)).wrap());
     }
     for meter in &shown.meters {
         ui.add_space(4.0);
         ui.push_id(meter.entity, |ui| {
-            one(ui, meter, selection.contains(meter.entity), commands)
+            let is_selected = selection.contains(meter.entity);
+            one(ui, meter, shown.choice.daylight, is_selected, commands)
         });
     }
 }
@@ -46,6 +50,34 @@ fn no_meters(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add(Label::new(RichText::new(text).weak()).wrap());
     ui.add_space(4.0);
     ui.horizontal(|ui| add_buttons(ui, commands));
+}
+
+/// The quantities that are measured, and the glare of the view.
+fn choices(ui: &mut Ui, shown: &ShownMeters, commands: &mut Vec<Command>) {
+    let mut choice = shown.choice;
+    let daylight = ui.checkbox(&mut choice.daylight, "Daylight factors");
+    let hint = "The illuminance as a share of the illuminance on the open ground, under a CIE overcast sky in place of all lights";
+    let hint = shown.up.map_or(hint.to_owned(), |up| {
+        format!("{hint}. Up is {:.2}, by {}", up.direction, up.source)
+    });
+    let glare = ui.checkbox(&mut choice.glare, "Glare of the view");
+    let has_changed = daylight.on_hover_text(hint).changed()
+        | glare
+            .on_hover_text("The unified glare rating, UGR (CIE 117), for an eye at the place of the view")
+            .changed();
+    if has_changed {
+        commands.push(DisplayCommand::SetMeters(choice).into());
+    }
+    if shown.choice.glare {
+        let text = match &shown.glare {
+            None => "not rated yet".to_owned(),
+            Some(Glare { rating: None, .. }) => "none: nothing stands out, or nothing else is lit".to_owned(),
+            Some(Glare {
+                rating: Some(rating), ..
+            }) => rating.in_unit(""),
+        };
+        row(ui, "UGR", text.trim_end());
+    }
 }
 
 fn add_buttons(ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -67,7 +99,7 @@ fn add_buttons(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-fn one(ui: &mut Ui, meter: &ShownMeter, is_selected: bool, commands: &mut Vec<Command>) {
+fn one(ui: &mut Ui, meter: &ShownMeter, is_daylight: bool, is_selected: bool, commands: &mut Vec<Command>) {
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
     let name = Button::selectable(is_selected, RichText::new(&meter.name).strong());
     let name = ui.add(name.truncate().min_size(size));
@@ -78,12 +110,17 @@ fn one(ui: &mut Ui, meter: &ShownMeter, is_selected: bool, commands: &mut Vec<Co
         ui.weak("no values yet");
         return;
     };
-    let lux = |estimate: &Estimate| estimate.in_unit(Lux::SYMBOL);
+    let lux = |estimate: &Estimate| match is_daylight {
+        true => estimate.in_daylight_factor(),
+        false => estimate.in_unit(Lux::SYMBOL),
+    };
     match (&reading.grid, reading.points.first()) {
         (Some(grid), _) => {
             value(ui, "Least", &lux(&grid.least), reading, "least");
             value(ui, "Mean", &lux(&grid.mean), reading, "mean");
-            let uniformity = grid.uniformity.in_unit("");
+            let uniformity = grid
+                .uniformity
+                .map_or("none in the dark".to_owned(), |found| found.in_unit(""));
             value(ui, "Uniformity", uniformity.trim_end(), reading, "uniformity");
             picture(ui, reading, grid.darkest);
         }
@@ -99,18 +136,26 @@ fn one(ui: &mut Ui, meter: &ShownMeter, is_selected: bool, commands: &mut Vec<Co
 /// A row with a value, and what has become of its limit.
 fn value(ui: &mut Ui, name: &str, text: &str, reading: &MeterReading, of: &str) {
     ui.horizontal(|ui| {
-        let height = ui.spacing().interact_size.y;
-        let cell = egui::Layout::left_to_right(egui::Align::Center);
-        ui.allocate_ui_with_layout(vec2(NAMES, height), cell, |ui| {
-            ui.set_min_width(NAMES);
-            ui.weak(name);
-        });
-        ui.label(text)
-            .on_hover_text("With the standard error: two of three times the true value is within it");
+        cells(ui, name, text);
         if let Some(judgement) = reading.judgements().iter().find(|judgement| judgement.of == of) {
             verdict(ui, judgement);
         }
     });
+}
+
+fn row(ui: &mut Ui, name: &str, text: &str) {
+    ui.horizontal(|ui| cells(ui, name, text));
+}
+
+fn cells(ui: &mut Ui, name: &str, text: &str) {
+    let height = ui.spacing().interact_size.y;
+    let cell = egui::Layout::left_to_right(egui::Align::Center);
+    ui.allocate_ui_with_layout(vec2(NAMES, height), cell, |ui| {
+        ui.set_min_width(NAMES);
+        ui.weak(name);
+    });
+    ui.label(text)
+        .on_hover_text("With the standard error: two of three times the true value is within it");
 }
 
 fn verdict(ui: &mut Ui, judgement: &Judgement) {

@@ -7,15 +7,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use rayon::ThreadPool;
 
-use crate::app::metering::asked_meter;
+use crate::app::editor::command::meter_choice::MeterChoice;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::metering::{MeterParts, Upward, meters_among, under_overcast_sky, upward};
 use crate::app::threads::worker_count;
 use crate::engine::{PackedScene, RenderState, RenderStatus, WakeUp, yield_to_rendering};
-use crate::meter::job::{MeterEnd, MeterJob, MeterReading};
-use crate::meter::sites::AskedMeter;
+use crate::meter::glare::{Glare, glare};
+use crate::meter::job::{MeterEnd, MeterJob, MeterReading, finds_no_light};
+use crate::meter::sites::{AskedMeter, MeterLimits};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
-use crate::scene::{DocumentOrder, Emitter, Hidden, ToWorld};
+use crate::scene::Hidden;
 
 /// The samples per pixel that the picture has before the meters take their share of the cores.
 const PICTURE_FIRST: u32 = 16;
@@ -37,6 +41,12 @@ pub struct ShownMeters {
     pub is_measuring: bool,
     /// The reason why nothing is measured, as a sentence without a full stop.
     pub error: Option<String>,
+    /// The quantities that are measured.
+    pub choice: MeterChoice,
+    /// The upward direction of the overcast sky under which daylight factors are measured.
+    pub up: Option<Upward>,
+    /// The glare of the view; None until it has been rated.
+    pub glare: Option<Glare>,
 }
 
 /// A meter with its last values.
@@ -62,6 +72,9 @@ struct Measurement {
     scene: RenderScene,
     view: View,
     asked: Vec<(Entity, AskedMeter)>,
+    choice: MeterChoice,
+    /// The upward direction of the overcast sky; None under the lights of the scene.
+    up: Option<Upward>,
     /// Whether the thread has been started.
     is_begun: bool,
     cancel: Arc<AtomicBool>,
@@ -72,6 +85,7 @@ struct Measurement {
 #[derive(Default)]
 struct Reports {
     readings: Option<Vec<MeterReading>>,
+    glare: Option<Glare>,
     ended: Option<Result<(), String>>,
 }
 
@@ -92,10 +106,19 @@ impl Metering {
     }
 
     /// Asks for these meters in place of what was asked for before. Old values stay until there are new ones.
-    fn ask(&mut self, scene: &RenderScene, view: &View, asked: Vec<(Entity, AskedMeter)>) {
+    fn ask(
+        &mut self,
+        scene: &RenderScene,
+        view: &View,
+        asked: Vec<(Entity, AskedMeter)>,
+        choice: MeterChoice,
+        up: Option<Upward>,
+    ) {
+        // Lux are no daylight factors.
+        let is_comparable = self.shown.choice.daylight == choice.daylight;
         let before = |entity: Entity| {
             let known = self.shown.meters.iter().find(|meter| meter.entity == entity)?;
-            known.reading.clone()
+            known.reading.clone().filter(|_| is_comparable)
         };
         let meters = asked.iter().map(|(entity, asked)| ShownMeter {
             entity: *entity,
@@ -105,12 +128,17 @@ impl Metering {
         self.shown = Arc::new(ShownMeters {
             meters: meters.collect(),
             is_measuring: true,
-            error: None,
+            error: finds_no_light(view).then(|| "max_depth 1 ends paths before any light".to_owned()),
+            choice,
+            up,
+            glare: self.shown.glare.filter(|_| is_comparable && choice.glare),
         });
         self.measurement = Some(Measurement {
             scene: scene.clone(),
             view: view.clone(),
             asked,
+            choice,
+            up,
             is_begun: false,
             cancel: Arc::default(),
             reports: Arc::default(),
@@ -120,28 +148,31 @@ impl Metering {
     /// Takes what the thread has reported.
     fn collect(&mut self) {
         let Some(measurement) = &self.measurement else { return };
-        let Reports { readings, ended } = std::mem::take(&mut *lock(&measurement.reports));
-        if readings.is_none() && ended.is_none() {
+        let Reports { readings, glare, ended } = std::mem::take(&mut *lock(&measurement.reports));
+        if readings.is_none() && glare.is_none() && ended.is_none() {
             return;
         }
         let shown = Arc::make_mut(&mut self.shown);
         for (meter, reading) in shown.meters.iter_mut().zip(readings.into_iter().flatten()) {
             meter.reading = Some(reading);
         }
+        shown.glare = glare.or(shown.glare);
         if let Some(ended) = ended {
             shown.is_measuring = false;
-            shown.error = ended.err();
+            shown.error = ended.err().or(shown.error.take());
         }
     }
 }
 
 impl Measurement {
-    fn is_of(&self, scene: &RenderScene, view: &View, asked: &[(Entity, AskedMeter)]) -> bool {
+    fn is_of(&self, scene: &RenderScene, view: &View, asked: &[(Entity, AskedMeter)], choice: MeterChoice) -> bool {
         let is_same_view = self.view.integrator == view.integrator
             && self.view.medium == view.medium
             && self.view.sequence == view.sequence
             && self.view.seed == view.seed;
-        is_same_view && self.scene.is_same(scene) && self.asked == asked
+        // Glare depends on the place and the direction of the eye.
+        let is_same_eye = !choice.glare || self.view.camera == view.camera;
+        is_same_view && is_same_eye && self.choice == choice && self.scene.is_same(scene) && self.asked == asked
     }
 
     /// Starts the thread.
@@ -149,10 +180,21 @@ impl Measurement {
         self.is_begun = true;
         let asked = self.asked.iter().map(|(_, asked)| asked.clone()).collect();
         let (scene, view) = (self.scene.clone(), self.view.clone());
+        let (up, rates_glare) = (self.up, self.choice.glare);
         let (cancel, reports, wake) = (self.cancel.clone(), self.reports.clone(), wake.clone());
         let work = move || {
             let measured = catch_unwind(AssertUnwindSafe(|| {
-                measure(scene, &view, asked, &cancel, &reports, &wake)
+                let (scene, view) = match up {
+                    Some(up) => under_overcast_sky(&scene, &view, up.direction),
+                    None => (scene, view),
+                };
+                let rated = rates_glare.then(|| (scene.clone(), view.clone()));
+                let pool = measure(scene, &view, asked, &cancel, &reports, &wake)?;
+                if let Some((scene, view)) = rated {
+                    let glare = pool.install(|| glare(&scene, &view, &view.of_film(), &cancel));
+                    lock(&reports).glare = glare;
+                }
+                Ok(())
             }));
             lock(&reports).ended = Some(measured.unwrap_or_else(|_| Err("measuring has failed".to_owned())));
             tell(&wake);
@@ -169,7 +211,7 @@ fn tell(wake: &WakeUp) {
     }
 }
 
-/// Measures on this thread and on others of its priority.
+/// Measures on this thread and on others of its priority, which are returned.
 fn measure(
     scene: RenderScene,
     view: &View,
@@ -177,7 +219,7 @@ fn measure(
     cancel: &AtomicBool,
     reports: &Mutex<Reports>,
     wake: &WakeUp,
-) -> Result<(), String> {
+) -> Result<Arc<ThreadPool>, String> {
     yield_to_rendering();
     let mut job = MeterJob::new(scene, view, asked).map_err(|error| error.to_string())?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(worker_count(None, true).get());
@@ -196,7 +238,7 @@ fn measure(
         }
     });
     report(&job);
-    Ok(())
+    Ok(pool)
 }
 
 /// Follows the meters of the scene, and measures them anew when something has changed.
@@ -205,24 +247,28 @@ pub(crate) fn follow_meters(
     packed: Res<PackedScene>,
     status: Res<RenderStatus>,
     wake: Res<WakeUp>,
-    emitters: Query<(Entity, &DocumentOrder, &Emitter, &ToWorld, Option<&Name>), Without<Hidden>>,
+    settings: Res<ViewSettings>,
+    emitters: Query<MeterParts<'static>, Without<Hidden>>,
 ) {
-    let meters = emitters.iter().filter_map(|(entity, order, emitter, to_world, name)| {
-        let asked = asked_meter(emitter, to_world, name)?;
-        Some((*order, (entity, asked)))
-    });
-    let mut asked: Vec<(DocumentOrder, (Entity, AskedMeter))> = meters.collect();
-    asked.sort_by_key(|(order, _)| *order);
-    let asked: Vec<(Entity, AskedMeter)> = asked.into_iter().map(|(_, asked)| asked).collect();
-    let (Some(scene), Some(view), false) = (&packed.scene, &packed.view, asked.is_empty()) else {
+    let mut asked = meters_among(emitters.iter());
+    let choice = settings.meters;
+    if choice.daylight {
+        // The limits are asked of the lights of the scene.
+        asked
+            .iter_mut()
+            .for_each(|(_, asked)| asked.limits = MeterLimits::default());
+    }
+    let is_idle = asked.is_empty() && !choice.glare;
+    let (Some(scene), Some(view), false) = (&packed.scene, &packed.view, is_idle) else {
         if metering.measurement.is_some() {
             *metering = Metering::default();
         }
         return;
     };
-    let is_same = |measurement: &Measurement| measurement.is_of(scene, view, &asked);
+    let is_same = |measurement: &Measurement| measurement.is_of(scene, view, &asked, choice);
     if !metering.measurement.as_ref().is_some_and(is_same) {
-        metering.ask(scene, view, asked);
+        let up = choice.daylight.then(|| upward(emitters.iter(), view));
+        metering.ask(scene, view, asked, choice, up);
     }
     let is_judged = status.samples >= PICTURE_FIRST || matches!(status.state, RenderState::Done | RenderState::Paused);
     if let Some(measurement) = metering

@@ -7,6 +7,7 @@ use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::meter_choice::MeterChoice;
 use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::ruler::Ruler;
 use crate::app::editor::command::seeing::{Seeing, Walls};
@@ -50,6 +51,8 @@ pub struct ViewSettings {
     pub dimensions: bool,
     /// The measured distances.
     pub rulers: Vec<Ruler>,
+    /// The quantities that meters measure.
+    pub meters: MeterChoice,
     /// The grid on the ground and the axes of the world.
     pub grid: GridSettings,
     /// The filters of the view: cut plane and hidden walls.
@@ -116,6 +119,7 @@ impl Default for ViewSettings {
             safe_frame: false,
             dimensions: false,
             rulers: Vec::new(),
+            meters: MeterChoice::default(),
             grid: GridSettings::default(),
             seeing: Seeing::default(),
             isolated: Vec::new(),

@@ -186,6 +186,7 @@ pub(crate) fn action_context<'a>(
         denoising: settings.denoising,
         panels_shown: settings.panels_shown,
         tool: settings.tool,
+        meters: settings.meters,
         safe_frame: settings.safe_frame,
         grid: settings.grid,
         dimensions: settings.dimensions,

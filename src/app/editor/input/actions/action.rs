@@ -7,6 +7,7 @@ use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
 use crate::app::editor::command::grid_settings::GridSettings;
 use crate::app::editor::command::key_bindings::{KeyBindings, NO_BINDINGS};
+use crate::app::editor::command::meter_choice::MeterChoice;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::{Seeing, Walls};
 use crate::app::editor::command::selection::Selection;
@@ -38,6 +39,8 @@ pub struct ActionContext<'a> {
     pub tool: Tool,
     /// The keys that the user has chosen.
     pub bound: &'a KeyBindings,
+    /// The quantities that meters measure.
+    pub meters: MeterChoice,
     /// Whether the safe frame is shown.
     pub safe_frame: bool,
     /// The grid, which is shown or hidden.
@@ -159,6 +162,8 @@ impl Action {
             "boxes" => context.overlay.shown,
             "safe-frame" => context.safe_frame,
             "dimensions" => context.dimensions,
+            "daylight-factors" => context.meters.daylight,
+            "rate-glare" => context.meters.glare,
             "wireframe" => context.seeing.wireframe,
             "see-into-rooms" => context.seeing.walls != Walls::Shown,
             "cut-open" => context.seeing.cut.is_some(),
@@ -209,6 +214,7 @@ impl<'a> ActionContext<'a> {
             selection,
             tool: Tool::default(),
             bound: &NO_BINDINGS,
+            meters: MeterChoice::default(),
             safe_frame: false,
             grid: GridSettings::default(),
             dimensions: false,
@@ -258,6 +264,7 @@ impl ActionContext<'_> {
             Command::View(ViewCommand::Walk(walks)) => self.walks = *walks,
             Command::View(ViewCommand::ShowSideViews(shown)) => self.side_views.shown = *shown,
             Command::View(ViewCommand::ShowSidesInClay(clay)) => self.side_views.clay = *clay,
+            Command::Display(DisplayCommand::SetMeters(choice)) => self.meters = *choice,
             Command::Display(DisplayCommand::ShowSafeFrame(shown)) => self.safe_frame = *shown,
             Command::Display(DisplayCommand::SetGrid(grid)) => self.grid = *grid,
             Command::Display(DisplayCommand::ShowDimensions(shown)) => self.dimensions = *shown,

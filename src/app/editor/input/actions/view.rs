@@ -7,6 +7,7 @@ use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::grid_settings::GridSettings;
+use crate::app::editor::command::meter_choice::MeterChoice;
 use crate::app::editor::command::navigation_preset::NavigationPreset;
 use crate::app::editor::command::seeing::Seeing;
 use crate::app::editor::command::shortcut::Shortcut;
@@ -214,6 +215,32 @@ pub const ACTIONS: &[Action] = &[
             .into(),
         )
     }),
+    action(
+        Group::View,
+        "daylight-factors",
+        "Meters show daylight factors",
+        &[],
+        |context| {
+            let choice = MeterChoice {
+                daylight: !context.meters.daylight,
+                ..context.meters
+            };
+            Some(DisplayCommand::SetMeters(choice).into())
+        },
+    ),
+    action(
+        Group::View,
+        "rate-glare",
+        "Rate the glare of the view",
+        &[],
+        |context| {
+            let choice = MeterChoice {
+                glare: !context.meters.glare,
+                ..context.meters
+            };
+            Some(DisplayCommand::SetMeters(choice).into())
+        },
+    ),
     action(
         Group::View,
         "clear-rulers",
