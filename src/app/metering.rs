@@ -6,7 +6,8 @@ use bevy::math::Vec3;
 use bevy::prelude::{Entity, Name, Without, World};
 
 use crate::meter::daylight::{lit_by, overcast_sky};
-use crate::meter::sites::{AskedMeter, MeterKind, MeterLimits};
+use crate::meter::job::MeterError;
+use crate::meter::sites::{AskedMeter, MOST_POINTS_OF_SCENE, MeterKind, MeterLimits};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::scene::{DocumentOrder, Emitter, EmitterKind, Hidden, ToWorld};
@@ -51,11 +52,17 @@ pub fn meters_among<'a>(emitters: impl Iterator<Item = MeterParts<'a>>) -> Vec<(
 
 /// The problems with the meters of an open scene: a sentence for each.
 pub fn meter_faults(world: &mut World) -> Vec<String> {
-    let fault = |asked: AskedMeter| {
-        let error = asked.sites().err()?;
-        Some(format!("{}: {error}", asked.name))
-    };
-    asked_meters(world).into_iter().filter_map(fault).collect()
+    let (mut faults, mut points) = (Vec::new(), 0);
+    for asked in asked_meters(world) {
+        match asked.sites() {
+            Ok(sites) => points += sites.texels.texels.len(),
+            Err(error) => faults.push(format!("{}: {error}", asked.name)),
+        }
+    }
+    if points > MOST_POINTS_OF_SCENE {
+        faults.push(MeterError::TooManyPoints(points).to_string());
+    }
+    faults
 }
 
 /// What a kind of emitter measures; None for lights and probes.
