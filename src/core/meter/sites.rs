@@ -4,8 +4,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use crate::accel::Detail;
 use crate::bake::texels::{Texel, Texels};
-use crate::math::{Ray, offset_origin};
-use crate::render::borders::medium_at;
+use crate::math::Ray;
 use crate::render::irradiance::{ImmersedReceiver, Receiver};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
@@ -134,7 +133,7 @@ impl Sites {
         let bounds = geometry.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         for texel in &mut self.texels.texels {
-            let ImmersedReceiver { receiver, medium } = &mut texel.receiver;
+            let receiver = &mut texel.receiver.receiver;
             let slack = 2.0 * ROUNDING * receiver.position.abs().max_element().max(extent);
             if !(slack > 0.0 && slack.is_finite()) {
                 continue;
@@ -148,10 +147,7 @@ impl Sites {
                 let off = surface.position.distance(receiver.position);
                 receiver.error = receiver.error.max(surface.error + off);
             }
-            if !scene.media.is_empty() {
-                let above = offset_origin(receiver.position, receiver.error, receiver.normal, receiver.normal);
-                *medium = medium_at(scene, eye, view.medium, above);
-            }
+            texel.receiver = ImmersedReceiver::seen_from(*receiver, scene, eye, view.medium);
         }
     }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::borders::behind_borders;
 use super::gathering::{Gathering, Site};
-use super::irradiance::{ReceivedLight, Receiver};
+use super::irradiance::{ImmersedReceiver, ReceivedLight, Receiver};
 use super::lanes::Job;
 use super::path_state::PathSample;
 use super::scene::RenderScene;
@@ -36,7 +36,9 @@ pub(super) fn trace(
             sample.normal = met.point.shading_normal;
             sample.depth = met.hit.t;
             sample.first_hit = Some(met.hit);
-            sites.push((receiver(&met.point, &ray), camera.sampler));
+            let receiver = receiver(&met.point, &ray);
+            let site = ImmersedReceiver::seen_from(receiver, scene, ray.origin, view.medium);
+            sites.push((site, camera.sampler));
             places.push(samples.len());
         }
         samples.push((sample, camera.weight));
@@ -46,7 +48,7 @@ pub(super) fn trace(
         view,
         light: ReceivedLight::All,
     };
-    let arrived = Receiver::trace(&gathering, &sites, cancel)?;
+    let arrived = ImmersedReceiver::trace(&gathering, &sites, cancel)?;
     for (place, arrived) in places.into_iter().zip(arrived) {
         let (sample, _) = &mut samples[place];
         sample.radiance = arrived.light;

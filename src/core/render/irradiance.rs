@@ -10,10 +10,12 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
+use super::borders::medium_at;
 use super::dimensions::BounceDraw;
 use super::gathering::{Arrived, Gathering, Site};
 use super::path::{Departure, Scatterer};
 use super::path_state::{Arrival, PathState};
+use super::scene::RenderScene;
 use super::view::PathSettings;
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightTable};
@@ -107,6 +109,17 @@ pub struct ImmersedReceiver {
     pub receiver: Receiver,
     /// The medium on the side that is lit; None in empty space.
     pub medium: Option<MediumId>,
+}
+
+impl ImmersedReceiver {
+    /// The receiver in the medium in front of it, which is found from a point whose medium is known.
+    pub fn seen_from(receiver: Receiver, scene: &RenderScene, from: Vec3, medium: Option<MediumId>) -> Self {
+        let medium = match scene.media.is_empty() {
+            true => None,
+            false => medium_at(scene, from, medium, receiver.leave(receiver.geometric_normal)),
+        };
+        Self { receiver, medium }
+    }
 }
 
 impl Site for ImmersedReceiver {
