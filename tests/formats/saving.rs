@@ -892,6 +892,14 @@ fn the_units_of_light_are_a_default_beside_that_of_length() {
     assert_eq!(changes(&both, units(LightUnits::Radiometric)), (lines(&[line]), vec![]));
     assert_eq!(changes(&both, |_| {}), (vec![], vec![]));
 
+    // A file that says the usual ones keeps them, and can be given the others in their place.
+    let usual = line.replace("photometric", "radiometric");
+    assert_eq!(changes(&usual, units(LightUnits::Radiometric)), (vec![], vec![]));
+    assert_eq!(
+        changes(&usual, units(LightUnits::Photometric)),
+        (lines(&[&usual]), lines(&[line]))
+    );
+
     let text = format!("<scene version='3.0.0'>\n{both}\n<sensor type='perspective'/>\n</scene>\n");
     let folder = Folder::with(&[("main.xml", &text)]);
     let scene = folder.read("main.xml");

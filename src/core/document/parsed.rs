@@ -93,8 +93,10 @@ pub const UNIT: &str = "length_unit";
 pub const LIGHT_UNITS: &str = "light_units";
 /// The units in which a scene is shown and typed, with their values. With another value one is a `default` like any
 /// other.
-pub(super) const SCENE_UNITS: [(&str, &[&str]); 2] =
-    [(UNIT, &["m", "cm", "mm", "in", "ft"]), (LIGHT_UNITS, &["photometric"])];
+pub(super) const SCENE_UNITS: [(&str, &[&str]); 2] = [
+    (UNIT, &["m", "cm", "mm", "in", "ft"]),
+    (LIGHT_UNITS, &["radiometric", "photometric"]),
+];
 
 /// The unit of the scene that a `default` directly inside `object` declares, by its name; None for another `default`.
 pub(super) fn scene_unit(object: &Object, name: &str, value: &str) -> Option<&'static str> {

@@ -11,9 +11,9 @@ declare_names! {
     #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
     #[reflect(Resource, PartialEq)]
     pub enum LightUnits {
-        /// Watts, W/sr, W/m² and W/(m² sr), as in the file.
+        /// Watts, W/sr, W/m² and W/(m² sr), as in the file, which need not say so.
         #[default]
-        Radiometric = "" => "watts and radiance",
+        Radiometric = "radiometric" => "watts and radiance",
         /// Lumens, candela, lux and nits.
         Photometric = "photometric" => "lumens, candela, lux and nits",
     }

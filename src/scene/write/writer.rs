@@ -13,7 +13,7 @@ use crate::document::{Category, Child, Crowd, LIGHT_UNITS, Object, Property, Spa
 use crate::scene::components::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::components::medium::{EXTERIOR, INTERIOR};
 use crate::scene::encode::{lights, objects};
-use crate::scene::{Authored, IntegratorSettings, Keys};
+use crate::scene::{Authored, IntegratorSettings, Keys, LightUnits};
 
 /// The deepest nesting of materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
@@ -214,9 +214,13 @@ impl<'s> Writer<'s> {
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);
         let origin = scene.remains.origin.as_ref();
-        for (name, value) in [(UNIT, scene.unit.name()), (LIGHT_UNITS, scene.light_units.name())] {
+        let usual_light_units = LightUnits::default().name();
+        for (name, value, usual) in [
+            (UNIT, scene.unit.name(), ""),
+            (LIGHT_UNITS, scene.light_units.name(), usual_light_units),
+        ] {
             let is_taken = origin.is_some_and(|origin| origin.taken_unit_names.contains(&name));
-            write_unit((name, value), is_taken, &mut root.properties);
+            write_unit(name, [value, usual], is_taken, &mut root.properties);
         }
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
@@ -409,20 +413,16 @@ fn name_what_is_referred_to(
     }
 }
 
-/// Writes a unit of the scene to its properties; an empty value stands for none. An existing one keeps its place in the
-/// file. If the file uses the name for something else (`is_taken`), the unit cannot be added or removed.
-fn write_unit((name, unit): (&str, &str), is_taken: bool, properties: &mut Vec<Property>) {
+/// Writes a unit of the scene to its properties, where the `usual` one need not stand. An existing one keeps its place
+/// in the file. If the file uses the name for something else (`is_taken`), the unit cannot be added or removed.
+fn write_unit(name: &str, [unit, usual]: [&str; 2], is_taken: bool, properties: &mut Vec<Property>) {
     let known = properties.iter().position(|property| property.name == name);
     let value = Value::String(unit.to_owned());
-    match (known, unit) {
-        (Some(_), "") if is_taken => {}
-        (Some(known), "") => {
-            properties.remove(known);
-        }
-        (Some(known), _) => properties[known].value = value,
-        (None, "") => {}
-        (None, _) if is_taken => {}
-        (None, _) => properties.push(Property::new(name, value, Span::default())),
+    match known {
+        Some(known) if unit != usual || properties[known].value == value => properties[known].value = value,
+        Some(known) if !is_taken => drop(properties.remove(known)),
+        None if unit != usual && !is_taken => properties.push(Property::new(name, value, Span::default())),
+        Some(_) | None => {}
     }
 }
 
