@@ -16,6 +16,9 @@ const ONE_DIGIT_FROM: f64 = 35.0;
 /// From here on, and below the inverse, numbers are written with an exponent.
 const LARGEST_PLAIN: f64 = 1e9;
 
+/// The relative error that counts as rounding: values come from computations of single precision.
+const ROUNDING: f64 = f32::EPSILON as f64;
+
 macro_rules! quantities {
     ($($(#[$doc:meta])* $name:ident, $symbol:literal;)*) => {$(
         $(#[$doc])*
@@ -72,9 +75,9 @@ pub fn short(value: f64) -> String {
 }
 
 /// A value and its standard error with as many digits as the error has meaning, with a unit: `532 ± 4 lx`. The error
-/// is left out if it is 0, and unknown if it is not finite.
+/// is left out if it is not above the rounding of single precision, and unknown if it is not finite.
 pub fn with_error(value: f64, error: f64, symbol: &str) -> String {
-    if error == 0.0 || !value.is_finite() {
+    if error.abs() <= ROUNDING * value.abs() || !value.is_finite() {
         return format!("{} {symbol}", short(value));
     }
     if !error.is_finite() {
@@ -147,6 +150,9 @@ mod tests {
             (12_345.0, 678.0, "12300 ± 700 lx"),
             (5.0, f64::NAN, "5.00 ± ? lx"),
             (1e12, 1e9, "1.00e12 ± 1.0e9 lx"),
+            (3867.255_876_5, 4e-7, "3867 lx"),
+            (3867.255_876_5, 0.004, "3867.256 ± 0.004 lx"),
+            (0.0, 0.0, "0 lx"),
         ] {
             assert_eq!(with_error(value, error, "lx"), text, "{value} {error}");
         }
