@@ -1,7 +1,6 @@
 //! Real lamps and skies, with their light in photometric units and the sources of the figures.
 //!
-//! A standard or a regulation gives its figure itself. Where a source gives a range, the table has a round number
-//! within it.
+//! A standard gives its figure itself. Where a source gives a range, the table has a number within it.
 
 use super::LightUnit;
 
@@ -80,11 +79,12 @@ macro_rules! lamps {
     };
 }
 
-const BULBS: &str = "Regulation (EC) 244/2009, annex II, table 6: light of lamps that replace a filament bulb of these watts; 2700 K is warm white by ANSI C78.377";
-const TUBES: &str = "Regulation (EC) 245/2009, annex III: least efficacy of tubes of these watts; sizes by IEC 60081; 4000 K is neutral white by ANSI C78.377";
-const SODIUM: &str =
-    "Regulation (EC) 245/2009, annex III: least efficacy of high-pressure sodium lamps, 90 lm/W at 70 W; about 2000 K";
-const REFLECTOR: &str = "Regulation (EU) 1194/2012, annex III: light within 90 degrees of a reflector lamp PAR16 of 50 W; beams of 36 degrees are usual";
+const BULBS: &str = "European Commission, How to read the packaging: lamps that replace filament bulbs of 40, 60 and 100 W have 410 to 470, 700 to 810 and 1,300 to 1,530 lm; 2700 K is warm white by ANSI C78.377";
+const TUBES: &str =
+    "Usual in catalogues of T8 tubes in colour 840, which is 4000 K: 93 lm/W at 36 W, and 90 lm/W at 58 W";
+const SODIUM: &str = "van Bommel, Road Lighting, Springer 2015, section 10.2.3: 80 lm/W of small high-pressure sodium lamps, and around 2000 K";
+const REFLECTOR: &str =
+    "Lux magazine, May 2012: 350 lm of a halogen lamp GU10 of 50 W; beams of 36 degrees and 3000 K are usual";
 
 /// Half of the intensity is 18 degrees beside the axis, since it falls linearly with the angle.
 const DOWNLIGHT: LampForm = LampForm::Spot {
@@ -94,27 +94,27 @@ const DOWNLIGHT: LampForm = LampForm::Spot {
 
 lamps! {
     "candle" "Candle": 12.57 Lumen, 1850.0 K, LampForm::Point,
-        "One candela in all directions, after which the unit is named; flames have 1800 to 1900 K";
+        "One candela in all directions, after which the unit is named; flames have 1850 to 2000 K";
     "bulb-40w" "Bulb, 40 W": 470.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
     "bulb-60w" "Bulb, 60 W": 806.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
     "bulb-100w" "Bulb, 100 W": 1521.0 Lumen, 2700.0 K, LampForm::Point, BULBS;
-    "filament-60w" "Filament bulb, 60 W": 702.0 Lumen, 2700.0 K, LampForm::Point,
-        "Regulation (EC) 244/2009, annex II, table 6, column of halogen lamps, which are filament bulbs";
-    "spotlight" "Spotlight, 50 W halogen": 300.0 Lumen, 3000.0 K, DOWNLIGHT, REFLECTOR;
+    "filament-60w" "Filament bulb, 60 W": 700.0 Lumen, 2700.0 K, LampForm::Point,
+        "European Commission, How to read the packaging: at least 700 lm of a lamp that replaces a filament bulb of 60 W";
+    "spotlight" "Spotlight, 50 W halogen": 350.0 Lumen, 3000.0 K, DOWNLIGHT, REFLECTOR;
     "tube-36w" "Tube T8, 36 W": 3350.0 Lumen, 4000.0 K, LampForm::Tube { radius: 0.013, length: 1.2 }, TUBES;
-    "tube-58w" "Tube T8, 58 W": 5220.0 Lumen, 4000.0 K, LampForm::Tube { radius: 0.013, length: 1.5 }, TUBES;
-    "street-lamp" "Street lamp, 70 W sodium": 6300.0 Lumen, 2000.0 K,
+    "tube-58w" "Tube T8, 58 W": 5200.0 Lumen, 4000.0 K, LampForm::Tube { radius: 0.013, length: 1.5 }, TUBES;
+    "street-lamp" "Street lamp, 70 W sodium": 5600.0 Lumen, 2000.0 K,
         LampForm::Spot { cutoff: 80.0, beam: 60.0 }, SODIUM;
     "screen" "Screen": 80.0 Nit, 6504.0 K duv 0.0032, LampForm::Rectangle { size: [0.6, 0.34] },
         "IEC 61966-2-1:1999, reference display of sRGB: 80 cd/m² and D65";
     "hdr-screen" "Screen, HDR white": 203.0 Nit, 6504.0 K duv 0.0032, LampForm::Rectangle { size: [1.2, 0.68] },
         "ITU-R BT.2408: reference white of HDR production, 203 cd/m² and D65";
     "full-moon" "Full moon": 0.25 Lux, 4100.0 K, LampForm::Parallel,
-        "Kyba, Mohar and Posch, How bright is moonlight?, Astronomy & Geophysics 58, 2017: 0.05 to 0.3 lx";
+        "Kyba, Mohar and Posch, How bright is moonlight?, Astronomy & Geophysics 58, 2017: up to 0.32 lx high in the sky, and 0.05 to 0.1 lx on level ground as a rule";
     "overcast-sky" "Overcast sky": 10000.0 Lux, 6504.0 K duv 0.0032, LampForm::Sky,
-        "10,000 lx outdoors, to which daylight factors are referred; D65 is the colour of an overcast day (CIE 15:2018)";
+        "A round number of which daylight factors are often told; D65 stands for average daylight (CIE 15)";
     "noon-sun" "Noon sun": 100000.0 Lux, 5500.0 K, LampForm::Parallel,
-        "Three quarters of the luminous solar constant of 133,100 lx (Darula, Kittler and Gueymard, Solar Energy 79, 2005) pass a clear sky";
+        "Some four fifths of the solar illuminance constant, 128,000 lx, pass a clear sky";
 }
 
 #[cfg(test)]
