@@ -82,9 +82,6 @@ impl SunroomLevel {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelReady;
 
-/// The level's punctual lights are in candela and lux, of which 683 are one W/sr or W/m², the units of its lightmaps.
-const LUMENS_PER_WATT: f32 = 683.0;
-
 /// The exposure with which Bevy's picture is as bright as Sunroom's at an exposure of so many stops.
 pub fn exposure(stops: f32) -> Exposure {
     // Bevy's factor is 2^-ev100 / 1.2.
@@ -176,6 +173,7 @@ fn settle(
                 part,
                 manifest.has_direct_light(),
                 !manifest.irradiance_volumes.is_empty(),
+                manifest.lumens_per_watt(),
             );
             parts.settle_material(part);
             if parts.cameras.contains(part) {
@@ -251,24 +249,25 @@ impl Parts<'_, '_> {
 
     /// Turns a light into what the file says, and keeps it from lighting meshes with lightmaps if these have its light.
     /// It then lights what moves, and casts shadows only if `has_volume`: without one it is the sole light there,
-    /// which must come through to what stands in its shadow.
-    fn settle_light(&mut self, light: Entity, is_baked: bool, has_volume: bool) {
+    /// which must come through to what stands in its shadow. So many of its lumens are one watt, of which the lightmaps
+    /// are.
+    fn settle_light(&mut self, light: Entity, is_baked: bool, has_volume: bool, lumens_per_watt: f32) {
         // Its light ends nowhere; that of Bevy's loader ends after 20 units.
         let range = 1e4;
         let casts = !is_baked || has_volume;
         if let Ok(mut light) = self.points.get_mut(light) {
             light.color = linear(light.color);
-            light.intensity /= LUMENS_PER_WATT;
+            light.intensity /= lumens_per_watt;
             light.range = range;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.spots.get_mut(light) {
             light.color = linear(light.color);
-            light.intensity /= LUMENS_PER_WATT;
+            light.intensity /= lumens_per_watt;
             light.range = range;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         } else if let Ok(mut light) = self.suns.get_mut(light) {
             light.color = linear(light.color);
-            light.illuminance /= LUMENS_PER_WATT;
+            light.illuminance /= lumens_per_watt;
             (light.affects_lightmapped_mesh_diffuse, light.shadow_maps_enabled) = (!is_baked, casts);
         }
     }

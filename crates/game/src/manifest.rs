@@ -15,6 +15,9 @@ pub struct LevelManifest {
     format: String,
     version: u32,
     light: String,
+    /// The units of the punctual lights.
+    #[serde(default)]
+    light_units: Option<String>,
     /// The files of each lightmap.
     pub lightmaps: Vec<LightmapFiles>,
     /// What reflecting surfaces see.
@@ -69,6 +72,14 @@ impl LevelManifest {
     /// Whether the direct light of points, spots and directional lights is in the lightmaps.
     pub fn has_direct_light(&self) -> bool {
         self.light == "all"
+    }
+
+    /// The lumens of the level's punctual lights that are one watt: the levels of older bakes have watts.
+    pub(crate) fn lumens_per_watt(&self) -> f32 {
+        match self.light_units.as_deref() {
+            Some("candela and lux") => 683.0,
+            _ => 1.0,
+        }
     }
 
     fn read(bytes: &[u8]) -> Result<Self, ManifestError> {
@@ -144,6 +155,10 @@ mod tests {
         };
         let manifest = LevelManifest::read(text(1).as_bytes()).expect("a manifest");
         assert!(manifest.has_direct_light());
+        assert_eq!(manifest.lumens_per_watt(), 1.0);
+        let in_units = text(1).replace(r#""light":"#, r#""light_units":"candela and lux","light":"#);
+        let manifest = LevelManifest::read(in_units.as_bytes()).expect("a manifest");
+        assert_eq!(manifest.lumens_per_watt(), 683.0);
         assert_eq!(manifest.lightmaps[0].ktx2, "a.ktx2");
         assert!(matches!(
             LevelManifest::read(text(2).as_bytes()),

@@ -24,6 +24,9 @@ pub struct Manifest {
     pub quantity: &'static str,
     /// The light that the lightmaps hold: all of it, or indirect light alone.
     pub light: BakedLight,
+    /// The units of the level's punctual lights: candela and lux, of which [`crate::photometry::LUMENS_PER_WATT`] are one
+    /// W/sr or W/m^2. Older manifests do not have the field, nor their lights these units.
+    pub light_units: &'static str,
     /// Texels per unit of length.
     pub texels_per_unit: f32,
     /// Samples of each texel.
@@ -116,6 +119,8 @@ impl Manifest {
     pub const FORMAT: &'static str = "sunroom-lightmaps";
     /// [`Self::version`].
     pub const VERSION: u32 = 1;
+    /// [`Self::light_units`].
+    pub const LIGHT_UNITS: &'static str = "candela and lux";
     /// [`Self::generator`].
     pub const GENERATOR: &'static str = concat!("Sunroom ", env!("CARGO_PKG_VERSION"));
     /// [`Self::coordinates`].
