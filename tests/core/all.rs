@@ -66,6 +66,7 @@ mod gltf_layers;
 mod gltf_limits;
 mod gltf_meshes;
 mod gltf_poses;
+mod gltf_profiles;
 mod guide;
 mod inspect;
 mod inverse_lighting;

@@ -401,6 +401,76 @@ fn lights_and_cameras_keep_what_they_are() {
     }
 }
 
+#[test]
+fn lamps_keep_the_files_of_their_intensities() {
+    let shop = Workshop::new();
+    let photometry = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/photometry/");
+    for name in ["half.ies", "type_b.ies", "without_symmetry.ldt"] {
+        std::fs::copy(Path::new(photometry).join(name), shop.path(name)).expect("it is copied");
+    }
+    let lamp = |id: &str, file: &str, rest: &str| {
+        format!(
+            r#"<emitter type="ies" id="{id}"><string name="filename" value="{file}"/>{rest}<transform name="to_world">
+              <rotate x="1" y="0.2" angle="110"/><translate x="1" y="2" z="3"/></transform></emitter>"#
+        )
+    };
+    let half = r#"<rgb name="scale" value="2, 1, 0.5"/><float name="flux" value="500"/>"#;
+    let text = scene(
+        &[
+            CAMERA,
+            &lamp("half", "half.ies", half),
+            &lamp("flood", "type_b.ies", ""),
+        ]
+        .concat(),
+    );
+    shop.put("before.xml", &text);
+    let before = shop.describe("before.xml");
+    for file in ["lamps.glb", "lamps.gltf"] {
+        let after = shop.round_trip(&text, file);
+        assert_eq!(after.emitters.len(), 2, "{file}");
+        for (old, new) in before.emitters.iter().zip(&after.emitters) {
+            assert_eq!(old.identity.name, new.identity.name);
+            assert_near(new.to_world.translation.into(), old.to_world.translation.into());
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                assert_near(
+                    new.to_world.transform_vector3(axis),
+                    old.to_world.transform_vector3(axis),
+                );
+            }
+            let [old, new] = [old, new].map(|light| match &light.emitter.kind {
+                EmitterKind::Luminaire { profile, scale, flux } => {
+                    (std::fs::read(profile).expect("a file"), *scale, *flux)
+                }
+                other => panic!("{file}: {other:?}"),
+            });
+            assert_eq!(old.0, new.0);
+            let own = sunroom::photometry::read_profile(&old.0)
+                .expect("a lamp")
+                .picture()
+                .lumens() as f32;
+            let factor = if old.2 > 0.0 { old.2 / own } else { 1.0 };
+            assert_near(new.1 / factor, old.1);
+            assert_eq!(new.2, 0.0);
+        }
+    }
+    assert!(shop.path("lamps-lamp-1.ies").is_file());
+    // glTF has no EULUMDAT: the closest standard light takes its place, as a message says.
+    shop.put(
+        "scene.xml",
+        &scene(&[CAMERA, &lamp("even", "without_symmetry.ldt", "")].concat()),
+    );
+    let said = shop.convert("scene.xml", "other.glb");
+    assert!(
+        said.concat().contains("without the intensities of its file"),
+        "{said:?}"
+    );
+    let after = shop.describe("other.glb");
+    assert!(matches!(
+        after.emitters[0].emitter.kind,
+        EmitterKind::Point { .. } | EmitterKind::Spot { .. }
+    ));
+}
+
 fn power(kind: &EmitterKind) -> Vec3 {
     match kind {
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => *intensity,

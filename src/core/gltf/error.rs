@@ -68,6 +68,8 @@ pub enum GltfError {
     Poses(usize),
     #[error("image {index}: {what}")]
     Image { index: usize, what: String },
+    #[error("light profile {index}: {what}")]
+    Profile { index: usize, what: String },
     /// A number is out of the range of the scene format.
     #[error("`{name}` of {owner} is too large for a number of single precision")]
     Number { name: String, owner: String },

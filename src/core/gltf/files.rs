@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::allowances::PictureAllowance;
 use super::objects::{object, with};
 use super::picture::{Picture, PictureFile};
+use super::profiles::{KnownProfile, MOST_PROFILE_BYTES};
 use super::scene::{Imported, References};
 use super::{Gltf, GltfError, ReadFile};
 use crate::document::{Category, Object, Value};
@@ -27,6 +28,7 @@ pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Resu
         read,
         last: None,
         allowance: PictureAllowance::default(),
+        profile_bytes_left: MOST_PROFILE_BYTES,
         replaced: BTreeSet::new(),
     };
     let mut imported = gltf.scene(&mut parts)?;
@@ -44,6 +46,7 @@ struct Parts<'a, 'k, 'r> {
     /// The latest picture, whose mean may be asked for next.
     last: Option<(Picture, PictureFile)>,
     allowance: PictureAllowance<'a>,
+    profile_bytes_left: usize,
     /// The images whose files were replaced since they were written with the glTF file.
     replaced: BTreeSet<usize>,
 }
@@ -83,6 +86,18 @@ impl References for Parts<'_, '_, '_> {
         })?;
         // Pictures brighter than white are stored as linear numbers.
         Ok(image.mean(made.extension == "exr"))
+    }
+
+    fn profile(&mut self, index: usize) -> Result<KnownProfile, GltfError> {
+        let gltf = self.gltf;
+        let (bytes, geometry) = gltf.profile(index, self.read)?;
+        let left = self.profile_bytes_left.checked_sub(bytes.len());
+        self.profile_bytes_left = left.ok_or_else(|| GltfError::Profile {
+            index,
+            what: "all light profiles together have too many bytes".to_owned(),
+        })?;
+        let name = self.keep(format!("lamp-{index}.ies"), &bytes)?;
+        Ok(KnownProfile { name, geometry })
     }
 
     fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError> {

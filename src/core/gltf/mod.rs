@@ -35,6 +35,7 @@ mod nodes;
 mod objects;
 mod picture;
 mod pose;
+pub mod profiles;
 pub mod scene;
 mod schema;
 mod skin;
@@ -56,7 +57,8 @@ use crate::memory::{self, Held};
 
 /// The extensions that a file may require. Of iridescence, dispersion and variants only a warning remains, but a file
 /// is better opened without them than not at all.
-const SUPPORTED: [&str; 24] = [
+const SUPPORTED: [&str; 25] = [
+    "EXT_lights_ies",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

@@ -8,7 +8,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::allowances::{MOST_INSTANCES, MeshAllowance, RepeatAllowance};
 use super::animation::{Animations, rotation};
-use super::schema::Node;
+use super::schema::{Node, NodeExtensions};
 use super::{Gltf, GltfError};
 use crate::geometry::mesh::MeshData;
 use crate::math::is_invertible;
@@ -82,10 +82,17 @@ impl Gltf {
     }
 }
 
+impl NodeExtensions {
+    /// Whether the node has a light.
+    pub(super) fn has_light(&self) -> bool {
+        self.light.is_some() || self.profile.is_some()
+    }
+}
+
 impl Node {
     /// Whether the node has a thing of the scene.
     pub(super) fn places_something(&self) -> bool {
-        self.mesh.is_some() || self.camera.is_some() || self.extensions.light.is_some()
+        self.mesh.is_some() || self.camera.is_some() || self.extensions.has_light()
     }
 
     /// The transform parent from local, at rest.

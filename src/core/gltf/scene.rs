@@ -15,6 +15,7 @@ use super::motion::{Allowance, Placement, affine, is_sound};
 use super::objects::*;
 use super::picture::{KnownPicture, Picture};
 use super::pose::Pose;
+use super::profiles::KnownProfile;
 use super::schema::{Node, Primitive};
 use super::{Gltf, GltfError, id_character, studio};
 use crate::document::write::check_finite;
@@ -34,6 +35,8 @@ pub trait References {
     fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError>;
     /// The mean colour of a picture, linear.
     fn mean(&mut self, picture: &Picture) -> Result<Vec3, GltfError>;
+    /// Stores the file of a light profile. Called once for each that is used.
+    fn profile(&mut self, index: usize) -> Result<KnownProfile, GltfError>;
     /// The name of a file with these bytes, which is no picture of the glTF file; `name` is a plain one.
     fn file(&mut self, name: &str, bytes: &[u8]) -> Result<String, GltfError>;
 }
@@ -80,6 +83,8 @@ pub(super) struct Builder<'a> {
     /// The emission by material and vertex attributes.
     glows: BTreeMap<(Option<usize>, MeshValues), Option<Glow>>,
     pub(super) emitters: Vec<Object>,
+    /// The stored light profiles; None for unreadable ones.
+    pub(super) profiles: BTreeMap<usize, Option<KnownProfile>>,
     /// The groups of folders.
     pub(super) groups: Vec<Object>,
     /// The folder of the current node.
@@ -130,6 +135,7 @@ impl Gltf {
             media: Vec::new(),
             glows: BTreeMap::new(),
             emitters: Vec::new(),
+            profiles: BTreeMap::new(),
             groups: Vec::new(),
             folder: "".into(),
             pose: Pose::default(),
@@ -205,7 +211,7 @@ impl Builder<'_> {
             self.mesh((index, node), mesh, &place)?;
         }
         let mesh = node.mesh.filter(|_| node.skin.is_none());
-        if mesh.is_none() && node.camera.is_none() && node.extensions.light.is_none() {
+        if mesh.is_none() && node.camera.is_none() && !node.extensions.has_light() {
             return Ok(());
         }
         let Some(placement) = self.possible(index, placement) else {
@@ -233,7 +239,17 @@ impl Builder<'_> {
             let id = self.unique_in_folder(name);
             self.camera(camera, id, &placement);
         }
-        if let Some(light) = &node.extensions.light {
+        // Beside a profile stands a light for programs that have no profiles.
+        let has_lamp = match &node.extensions.profile {
+            Some(lamp) => {
+                let profile = gltf.root.extensions.profiles.lights.get(lamp.light);
+                let name = node.name.as_deref();
+                let name = name.or_else(|| profile.and_then(|profile| profile.name.as_deref()));
+                self.lamp(lamp, name, &placement)
+            }
+            None => false,
+        };
+        if let Some(light) = node.extensions.light.as_ref().filter(|_| !has_lamp) {
             let lights = &gltf.root.extensions.lights.lights;
             let light = gltf.get("light", lights, light.light)?;
             let name = node.name.as_deref().or(light.name.as_deref());

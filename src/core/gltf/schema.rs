@@ -58,6 +58,8 @@ pub struct Asset {
 pub struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub lights: Lights,
+    #[serde(rename = "EXT_lights_ies")]
+    pub profiles: Profiles,
     #[serde(rename = "KHR_materials_variants")]
     pub variants: Variants,
 }
@@ -74,6 +76,22 @@ pub struct Variants {
 #[serde(default)]
 pub struct Variant {
     pub name: String,
+}
+
+/// The light profiles of EXT_lights_ies.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Profiles {
+    pub lights: Vec<Profile>,
+}
+
+/// A file of IES LM-63, in a file of its own or in a buffer.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Profile {
+    pub name: Option<String>,
+    pub uri: Option<String>,
+    pub buffer_view: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -143,6 +161,8 @@ pub struct Node {
 pub struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub light: Option<NodeLight>,
+    #[serde(rename = "EXT_lights_ies")]
+    pub profile: Option<NodeProfile>,
     #[serde(rename = "KHR_node_visibility")]
     pub visibility: Visibility,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
@@ -173,6 +193,19 @@ impl Default for Visibility {
 pub struct NodeLight {
     /// The index of the light.
     pub light: usize,
+}
+
+/// A lamp with measured intensities at a node.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct NodeProfile {
+    /// The index of the light profile.
+    pub light: usize,
+    /// The factor on its intensities.
+    #[serde(default = "one")]
+    pub multiplier: f32,
+    /// A factor on them by colour, linear, at most 1.
+    #[serde(default = "white")]
+    pub color: [f32; 3],
 }
 
 /// The bones of skinned meshes: indices of nodes, and the accessor of the matrices from mesh to bone space.

@@ -116,6 +116,11 @@ impl Distribution {
         })
     }
 
+    /// The meaning of its angles.
+    pub fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
     /// The intensity in candela in a unit direction. The beam goes along +z; +y is up for types A and B, and +x is at
     /// the horizontal angle 0 of type C, with -y at 90 degrees.
     pub fn intensity(&self, direction: DVec3) -> f64 {

@@ -36,13 +36,18 @@ pub fn is_profile(bytes: &[u8]) -> bool {
     !is_pnm && !is_binary && (ies::is_ies(beginning) || eulumdat::is_eulumdat(beginning))
 }
 
+/// Whether the bytes are an IES file (LM-63), and no EULUMDAT file.
+pub fn is_ies(bytes: &[u8]) -> bool {
+    ies::is_ies(&bytes[..bytes.len().min(BEGINNING)])
+}
+
 /// Reads a file of luminous intensities, IES LM-63 or EULUMDAT; its content decides on the format.
 pub fn read_profile(bytes: &[u8]) -> Result<Distribution, ProfileError> {
     if bytes.len() > MOST_BYTES {
         return Err(ProfileError::new(1, "the file has more than 16 MiB"));
     }
     let text = String::from_utf8_lossy(bytes);
-    match ies::is_ies(&bytes[..bytes.len().min(BEGINNING)]) {
+    match is_ies(bytes) {
         true => ies::read(&text),
         false => eulumdat::read(&text),
     }

@@ -1,4 +1,5 @@
-//! Replaces lamps with measured intensities by the closest standard light, for formats that have no such lamps.
+//! Lamps with measured intensities for other formats: their files for those that have such lamps, and the closest
+//! standard light for those that have none.
 
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
@@ -6,7 +7,8 @@ use std::path::Path;
 use super::texture_map::load_picture;
 use crate::color::{Rgb, luminance};
 use crate::files::Access;
-use crate::photometry::{LUMENS_PER_WATT, solid_angle_of_row};
+use crate::memory::read_data;
+use crate::photometry::{Geometry, LUMENS_PER_WATT, is_ies, read_profile, solid_angle_of_row};
 use crate::scene::{Cone, Emitter, EmitterKind};
 use crate::texture::Image;
 
@@ -23,6 +25,36 @@ pub(crate) fn standard_light(emitter: &Emitter, access: &Access) -> Option<Resul
         return None;
     };
     Some(of_file(profile, *scale, *flux, access))
+}
+
+/// A lamp as its file and a factor.
+pub(crate) struct MeasuredLamp {
+    /// The file, IES LM-63.
+    pub bytes: Vec<u8>,
+    /// The meaning of its angles.
+    pub geometry: Geometry,
+    /// The factor on its intensities, by colour.
+    pub factor: Rgb,
+}
+
+/// The file of a lamp with measured intensities, if it is one of IES LM-63; None for other lights and files.
+pub(crate) fn measured_lamp(emitter: &Emitter, access: &Access) -> Option<MeasuredLamp> {
+    let EmitterKind::Luminaire { profile, scale, flux } = &emitter.kind else {
+        return None;
+    };
+    let bytes = read_data(profile, access).ok()?;
+    let distribution = is_ies(&bytes).then(|| read_profile(&bytes).ok()).flatten()?;
+    let own = distribution.picture().lumens();
+    let replaced = if *flux > 0.0 && own > 0.0 {
+        (f64::from(*flux) / own) as f32
+    } else {
+        1.0
+    };
+    Some(MeasuredLamp {
+        geometry: distribution.geometry(),
+        factor: *scale * replaced,
+        bytes,
+    })
 }
 
 fn of_file(profile: &Path, scale: Rgb, flux: f32, access: &Access) -> Result<EmitterKind, String> {

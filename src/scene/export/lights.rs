@@ -9,12 +9,13 @@ use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of, rigid};
 use crate::color::Rgb;
 use crate::files::Access;
+use crate::gltf::profiles::node_from_lamp;
 use crate::gltf::write::GltfWriter;
-use crate::gltf::write::model::{Camera, Light, Node, Orthographic, Perspective, Projection, Spot};
+use crate::gltf::write::model::{Camera, Light, Node, NodeProfile, Orthographic, Perspective, Projection, Spot};
 use crate::photometry::LUMENS_PER_WATT;
-use crate::scene::assets::lamp_file::standard_light;
+use crate::scene::assets::lamp_file::{MeasuredLamp, measured_lamp, standard_light};
 use crate::scene::components::description::{EmitterDescription, Identity, SensorDescription};
-use crate::scene::{EmitterKind, FovAxis, Lens, SunSky};
+use crate::scene::{Cone, EmitterKind, FovAxis, Lens, SunSky};
 
 /// The parts of an export used for lights and cameras.
 pub(super) struct Stage<'s> {
@@ -41,6 +42,15 @@ fn light_of(kind: &'static str, power: Rgb, spot: Option<Spot>) -> Light {
     }
 }
 
+fn spot_of(cone: &Cone) -> Spot {
+    let outer = cone.cutoff_angle.to_radians().clamp(1e-4, FRAC_PI_2);
+    Spot {
+        // glTF requires it to be less.
+        inner_cone_angle: cone.beam_width.to_radians().clamp(0.0, outer * (1.0 - 1e-4)),
+        outer_cone_angle: outer,
+    }
+}
+
 impl Stage<'_> {
     /// Adds a light.
     pub fn light(&mut self, about: &EmitterDescription) {
@@ -56,14 +66,7 @@ impl Stage<'_> {
                 if texture.is_some() {
                     self.messages.note("light", name, "the slide is left out");
                 }
-                let outer = cone.cutoff_angle.to_radians().clamp(1e-4, FRAC_PI_2);
-                // glTF requires it to be less.
-                let inner = cone.beam_width.to_radians().clamp(0.0, outer * (1.0 - 1e-4));
-                let spot = Spot {
-                    inner_cone_angle: inner,
-                    outer_cone_angle: outer,
-                };
-                ("spot", *intensity, Some(spot))
+                ("spot", *intensity, Some(spot_of(cone)))
             }
             EmitterKind::Constant { .. }
             | EmitterKind::Environment { .. }
@@ -108,17 +111,53 @@ impl Stage<'_> {
         let name = &*about.identity.name;
         match standard_light(&about.emitter, self.access) {
             Some(Ok(kind)) => {
-                let what =
-                    "it keeps its flux, but shines as a spot or a point light, without the intensities of its file";
-                self.messages.note("light", name, what);
-                self.light(&EmitterDescription {
+                let standard = EmitterDescription {
                     emitter: kind.into(),
                     ..about.clone()
-                });
+                };
+                // Games, for which levels are baked, have no profiles.
+                let measured = measured_lamp(&about.emitter, self.access).filter(|_| !self.is_baked);
+                match measured {
+                    Some(lamp) => self.measured(&standard, lamp),
+                    None => {
+                        let what = "it keeps its flux, but shines as a spot or a point light, without the intensities of its file";
+                        self.messages.note("light", name, what);
+                        self.light(&standard);
+                    }
+                }
             }
             Some(Err(error)) => self.messages.left_out("light", name, error),
             None => {}
         }
+    }
+
+    /// Adds a lamp by its file, with a standard light at the same node for programs that have no profiles.
+    fn measured(&mut self, standard: &EmitterDescription, lamp: MeasuredLamp) {
+        let (power, spot) = match &standard.emitter.kind {
+            EmitterKind::Spot { intensity, cone, .. } => (*intensity, Some(spot_of(cone))),
+            EmitterKind::Point { intensity } => (*intensity, None),
+            _ => return self.light(standard),
+        };
+        let light = light_of(if spot.is_some() { "spot" } else { "point" }, power, spot);
+        let most = lamp.factor.max_element().max(0.0);
+        let color = if most > 0.0 { lamp.factor / most } else { Rgb::ONE };
+        let profile = NodeProfile {
+            light: self.writer.add_profile(lamp.bytes),
+            multiplier: most.min(f32::MAX),
+            color: color.max(Rgb::ZERO).to_array(),
+        };
+        let turn = Affine3A::from_mat4(node_from_lamp(lamp.geometry).transpose());
+        self.stand(
+            "light",
+            &standard.identity,
+            &standard.to_world,
+            &|map: &Affine3A| Some(rigid(map)? * turn),
+            |writer, mut node, leaf, parent| {
+                node.extensions.profile = Some(profile);
+                let name = leaf.to_owned();
+                writer.add_light(node, Light { name, ..light }, parent)
+            },
+        );
     }
 
     /// Adds the sun of a sky as a directional light.

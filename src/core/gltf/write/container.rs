@@ -1,6 +1,6 @@
 //! Writes the files: one binary container (section 4.4), or JSON with files for the buffer and the pictures.
 
-use super::model::{Buffer, FileExtras, Image};
+use super::model::{Buffer, FileExtras, Image, Profile};
 use super::{GltfWriteError, GltfWriter};
 use crate::gltf::plain_character;
 
@@ -12,6 +12,9 @@ pub struct BesideFile {
     /// The content.
     pub bytes: Vec<u8>,
 }
+
+/// The media type of light profiles in buffers.
+const PROFILE_TYPE: &str = "application/x-ies-lm-63";
 
 impl GltfWriter {
     /// The `.glb` file, which names no other files.
@@ -25,6 +28,14 @@ impl GltfWriter {
                 mime_type,
                 buffer_view,
                 extras: None,
+            });
+        }
+        for profile in std::mem::take(&mut self.profiles) {
+            let buffer_view = Some(self.add_view(profile, None));
+            self.root.extensions.profiles.lights.push(Profile {
+                mime_type: Some(PROFILE_TYPE),
+                buffer_view,
+                ..Profile::default()
             });
         }
         let mut data = std::mem::take(&mut self.bytes);
@@ -72,6 +83,14 @@ impl GltfWriter {
                 extras: FileExtras::of(&picture.bytes),
             });
             let bytes = picture.bytes;
+            files.push(BesideFile { name, bytes });
+        }
+        for (index, bytes) in std::mem::take(&mut self.profiles).into_iter().enumerate() {
+            let name = format!("{stem}-lamp-{index}.ies");
+            self.root.extensions.profiles.lights.push(Profile {
+                uri: Some(escaped(&name)),
+                ..Profile::default()
+            });
             files.push(BesideFile { name, bytes });
         }
         let bytes = std::mem::take(&mut self.bytes);

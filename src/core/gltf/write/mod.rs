@@ -71,6 +71,8 @@ pub struct GltfWriter {
     root: Root,
     bytes: Vec<u8>,
     pictures: Vec<PictureBytes>,
+    /// Files of light profiles.
+    profiles: Vec<Vec<u8>>,
 }
 
 fn push<T>(list: &mut Vec<T>, item: T) -> usize {
@@ -130,6 +132,11 @@ impl GltfWriter {
             Some(index) => index,
             None => push(&mut self.pictures, picture),
         }
+    }
+
+    /// Adds a light profile, a file of IES LM-63, unless there is an equal one. Nodes refer to it by its index.
+    pub fn add_profile(&mut self, bytes: Vec<u8>) -> usize {
+        push_new(&mut self.profiles, bytes)
     }
 
     /// Adds a texture, a picture with a sampler, unless there is an equal one.

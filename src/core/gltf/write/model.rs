@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::material::{Material, MaterialExtensions, TextureInfo};
 use crate::files::checksum;
 pub(super) use crate::gltf::schema::Texture;
-pub use crate::gltf::schema::{NodeLight, Orthographic, Perspective, Sampler, Spot};
+pub use crate::gltf::schema::{NodeLight, NodeProfile, Orthographic, Perspective, Sampler, Spot};
 use crate::gltf::schema::{Scene, is_usual};
 
 /// The whole file.
@@ -65,6 +65,25 @@ impl Default for Asset {
 pub(super) struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "is_usual")]
     pub lights: Lights,
+    #[serde(rename = "EXT_lights_ies", skip_serializing_if = "is_usual")]
+    pub profiles: Profiles,
+}
+
+/// The light profiles of EXT_lights_ies.
+#[derive(Debug, Default, PartialEq, Serialize)]
+pub(super) struct Profiles {
+    pub lights: Vec<Profile>,
+}
+
+#[derive(Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Profile {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uri: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mime_type: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer_view: Option<usize>,
 }
 
 #[derive(Debug, Default, PartialEq, Serialize)]
@@ -142,6 +161,9 @@ pub struct NodeExtensions {
     /// The light at the node.
     #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
     pub light: Option<NodeLight>,
+    /// The light profile at the node.
+    #[serde(rename = "EXT_lights_ies", skip_serializing_if = "Option::is_none")]
+    pub profile: Option<NodeProfile>,
 }
 
 /// A light of KHR_lights_punctual, which shines along -z of its node.
@@ -304,6 +326,7 @@ impl Root {
         let of = |is_used: &dyn Fn(&MaterialExtensions) -> bool| any(&|material| is_used(&material.extensions));
         let is_transformed = |info: &TextureInfo| info.extensions.transform.is_some();
         let all = [
+            ("EXT_lights_ies", !self.extensions.profiles.lights.is_empty()),
             ("KHR_lights_punctual", !self.extensions.lights.lights.is_empty()),
             ("KHR_materials_anisotropy", of(&|has| has.anisotropy.is_some())),
             ("KHR_materials_clearcoat", of(&|has| has.clearcoat.is_some())),
