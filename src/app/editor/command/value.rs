@@ -3,6 +3,7 @@
 use bevy::math::Affine3A;
 use bevy::prelude::Entity;
 
+use super::lamps::PhotometricValue;
 use super::traits::Traits;
 use crate::scene::{AreaLight, Emitter, EulerAngles, Film, Material, Medium, Sensor, Shape};
 
@@ -24,6 +25,9 @@ pub enum ValueEdit {
     SetAreaLight(Entity, Option<AreaLight>),
     /// Sets kind and parameters of a light that is no shape.
     SetEmitter(Entity, Emitter),
+    /// Sets the strength of a light, as the edit inside does. Other selected lights get the same amount in its unit,
+    /// each by its own size and shape: lumens all that have any, other units those with the parameter of this name.
+    Shine(Box<ValueEdit>, &'static str, PhotometricValue),
     /// Sets the lens and field of view of a camera.
     SetSensor(Entity, Sensor),
     /// Sets size, crop, filter and samples of a camera.
@@ -45,6 +49,7 @@ impl ValueEdit {
             Self::SetAreaLight(light, _) | Self::SetEmitter(light, _) => {
                 Traits::drag("Edit light").of(&[*light]).scaling_picture()
             }
+            Self::Shine(edit, ..) => edit.traits(),
             Self::SetSensor(camera, _) => Traits::drag("Edit camera").of(&[*camera]),
             Self::SetFilm(camera, _) => Traits::drag("Edit film").of(&[*camera]),
         }

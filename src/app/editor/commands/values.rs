@@ -12,14 +12,17 @@ use super::{grouping, materials, media};
 use crate::app::editor::command::ValueEdit;
 use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
 use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::lamps::PhotometricValue;
 use crate::app::editor::command::material_tree::materials_inside;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::model::difference::rounding;
+use crate::app::editor::model::gather_light::measures_of;
 use crate::app::editor::session::history::{Edit, StepKind};
+use crate::photometry::LightUnit;
 use crate::scene::carry_over::{Vectors, carry_over};
 use crate::scene::{
-    AreaLight, Declared, ExteriorMedium, InMedium, InteriorMedium, Locked, Material, Medium, MemberOf, Placements,
-    Shape, ShapeKind, Solid, UsesMaterial,
+    AreaLight, Declared, Emitter, ExteriorMedium, InMedium, InteriorMedium, Locked, Material, Medium, MemberOf,
+    Placements, Shape, ShapeKind, Solid, UsesMaterial,
 };
 
 /// The depth to which nested materials are followed.
@@ -88,6 +91,10 @@ fn set(edit: &mut Edit, command: ValueEdit, selected: &[Entity]) -> Result<(), C
                 }
             });
             replace(edit, entity, emitter)?;
+        }
+        ValueEdit::Shine(value, parameter, amount) => {
+            shine_alike(edit, parameter, &amount, selected);
+            set(edit, *value, &[])?;
         }
         ValueEdit::SetSensor(entity, sensor) => {
             carry(edit, entity, &sensor, selected, carry_whole);
@@ -196,6 +203,24 @@ fn carry_light(edit: &mut Edit, shape: Entity, after: Option<&AreaLight>, others
                 edit.set(other, changed);
             }
             (Some(_), Some(_), None) | (None, Some(_), Some(_)) => {}
+        }
+    }
+}
+
+/// Gives lights this amount, each by its own measures. Those that have none in the unit, or cannot be so bright, stay.
+fn shine_alike(edit: &mut Edit, parameter: &str, amount: &PhotometricValue, lights: &[Entity]) {
+    let is_flux = amount.amount.is_some_and(|(_, unit)| unit == LightUnit::Lumen);
+    let parameter = Some(parameter).filter(|_| !is_flux);
+    for &light in lights {
+        let measures = measures_of(edit.world, light);
+        if let Some(mut emitter) = edit.world.get::<Emitter>(light).cloned() {
+            if amount.apply(&mut emitter, &measures, parameter).is_ok() {
+                edit.set(light, emitter);
+            }
+        } else if let Some(mut area) = edit.world.get::<AreaLight>(light).cloned()
+            && amount.apply(&mut area, &measures, parameter).is_ok()
+        {
+            edit.set(light, area);
         }
     }
 }

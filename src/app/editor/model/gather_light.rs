@@ -13,7 +13,7 @@ use crate::accel::Tlas;
 use crate::color::luminance;
 use crate::engine::{MeasureOf, PackedScene, measures_of_area_light, measures_of_emitter, own_flux};
 use crate::light::PictureLight;
-use crate::photometry::{IntensityPicture, LUMENS_PER_WATT, PolarCurve};
+use crate::photometry::{IntensityPicture, LUMENS_PER_WATT, LightUnit, PolarCurve};
 use crate::scene::{AreaLight, Emitter, EmitterKind, LengthUnit, LightUnits, Pictures, TextureMap, ToWorld};
 use crate::texture::Image;
 
@@ -163,6 +163,18 @@ pub(crate) fn gather_light_figures(
     }
 }
 
+/// The lumens and the candela of a lamp with measured intensities; None for other lights.
+fn emitted(emitter: &Emitter, measures: &[MeasureOf]) -> Option<[f32; 2]> {
+    let EmitterKind::Luminaire { scale, .. } = &emitter.kind else {
+        return None;
+    };
+    let amount = |unit: LightUnit| {
+        let (_, measure) = measures.iter().find(|(_, measure)| measure.unit == unit)?;
+        Some(measure.per_strength * luminance(*scale))
+    };
+    Some([amount(LightUnit::Lumen)?, amount(LightUnit::Candela)?])
+}
+
 fn figures(inspected: &Inspected, sources: &Sources, is_photometric: bool, known: &mut Known) -> LightFigures {
     let mut figures = LightFigures::default();
     if let Some(emitter) = &inspected.emitter {
@@ -172,12 +184,43 @@ fn figures(inspected: &Inspected, sources: &Sources, is_photometric: bool, known
         let (picture, curves) = image.map(|image| known.picture(image, is_lamp)).unzip();
         figures.curves = curves.flatten();
         figures.own_flux = picture.as_ref().filter(|_| is_lamp).map(own_flux);
-        if is_photometric {
+        if is_photometric || is_lamp {
             let to_world = inspected.to_world.unwrap_or_default();
-            figures.measures = known.measures(emitter, to_world, picture, sources.metres);
+            let measures = known.measures(emitter, to_world, picture, sources.metres);
+            figures.emitted = emitted(emitter, &measures);
+            figures.measures = if is_photometric { measures } else { Vec::new() };
         }
     } else if let Some(light) = inspected.area_light.as_ref().filter(|_| is_photometric) {
         figures.measures = measures_of_area_light(light, known.area(inspected.entity, sources), sources.metres);
     }
     figures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+
+    #[test]
+    fn a_lamp_emits_its_flux_times_its_strength() {
+        let picture = PictureLight {
+            mean: 0.1,
+            peak: 0.5,
+            irradiance: 0.2,
+        };
+        let own = own_flux(&picture);
+        for (flux, scale, lumens) in [(0.0, 1.0, own), (0.0, 0.5, 0.5 * own), (1000.0, 0.5, 500.0)] {
+            let lamp = Emitter::from(EmitterKind::Luminaire {
+                profile: "lamp.ies".into(),
+                scale: Rgb::splat(scale),
+                flux,
+            });
+            let measures = measures_of_emitter(&lamp, Affine3A::IDENTITY, Some(picture), 1.0);
+            let [found, peak] = emitted(&lamp, &measures).expect("it is a lamp");
+            let candela = lumens / own * LUMENS_PER_WATT * picture.peak;
+            assert!((found / lumens - 1.0).abs() < 1e-5, "{found} {lumens}");
+            assert!((peak / candela - 1.0).abs() < 1e-5, "{peak} {candela}");
+        }
+        assert_eq!(emitted(&Emitter::default(), &[]), None);
+    }
 }

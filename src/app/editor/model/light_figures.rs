@@ -15,6 +15,9 @@ pub struct LightFigures {
     pub measures: Vec<MeasureOf>,
     /// The flux in lumens that the file of a lamp gives.
     pub own_flux: Option<f32>,
+    /// The flux in lumens that a lamp with a file emits, and its greatest intensity in candela: with its strength, and
+    /// with the flux that replaces that of the file.
+    pub emitted: Option<[f32; 2]>,
     /// The intensities of the file of a lamp, in the planes of [`PLANES`].
     pub curves: Option<Arc<[PolarCurve]>>,
 }

@@ -79,7 +79,7 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
 }
 
 /// The number of selected things that are edited together with the shown one.
-fn others(inspected: &Inspected, model: &Model) -> usize {
+pub(super) fn others(inspected: &Inspected, model: &Model) -> usize {
     match inspected.members {
         Some(_) => 0,
         None => model.selection.entities().len().saturating_sub(1),

@@ -112,6 +112,7 @@ impl<'u> Rows<'u> {
 static NO_LIGHT: LightFigures = LightFigures {
     measures: Vec::new(),
     own_flux: None,
+    emitted: None,
     curves: None,
 };
 

@@ -13,18 +13,19 @@ const EDGE: f32 = 150.0;
 /// The colours of the planes C0 and C90.
 const COLORS: [Color32; 2] = [Color32::from_rgb(230, 150, 40), Color32::from_rgb(90, 150, 230)];
 
-/// Draws the curves of the planes at the horizontal angles 0 and 90 degrees.
-pub(super) fn polar_curve(ui: &mut Ui, curves: [&PolarCurve; 2]) {
+/// Draws the curves of the planes at the horizontal angles 0 and 90 degrees, with the flux in lumens and the greatest
+/// intensity in candela that the lamp emits.
+pub(super) fn polar_curve(ui: &mut Ui, curves: [&PolarCurve; 2], [lumens, peak]: [f32; 2]) {
     let most = curves[0].farthest.max(curves[1].farthest);
-    if most <= 0.0 {
+    if most <= 0.0 || curves[0].peak <= 0.0 {
         return;
     }
     let size = vec2(ui.available_width(), EDGE);
     let (place, response) = ui.allocate_exact_size(size, Sense::hover());
     let words = format!(
         "The intensities in the planes C0 and C90: {} in all directions, at most {}.",
-        Lumen(curves[0].lumens.into()),
-        Candela(curves[0].peak.into()),
+        Lumen(lumens.into()),
+        Candela(peak.into()),
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, &words));
     response.on_hover_text(&words);
@@ -47,7 +48,7 @@ pub(super) fn polar_curve(ui: &mut Ui, curves: [&PolarCurve; 2]) {
         painter.text(at, align, text, FontId::proportional(10.0), color);
     };
     let weak = ui.visuals().weak_text_color();
-    let candela = Candela(most.into()).to_string();
+    let candela = Candela((most / curves[0].peak * peak).into()).to_string();
     text(middle + vec2(3.0, radius), Align2::LEFT_BOTTOM, candela, weak);
     text(place.left_top(), Align2::LEFT_TOP, "C0".to_owned(), COLORS[0]);
     text(
