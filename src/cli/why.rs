@@ -62,7 +62,7 @@ pub fn run(args: &WhyArgs) -> Result<ExitCode, Failure> {
         things: Things::of(packed),
         scene: kernel,
         view,
-        cancel: &cancel,
+        cancel: cancel.clone(),
     };
     let threads = worker_count(args.threads.threads, false).get();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;

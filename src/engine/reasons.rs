@@ -268,6 +268,12 @@ pub fn thing_name_by(
     name_by(id, name, order, kind)
 }
 
+/// The sentence about a place at which no path has found light.
+pub const NO_LIGHT: &str = "No path found light here: all that it sees is dark, or the light comes on ways that path \
+    tracing hardly finds, such as through glass from a small lamp.";
+/// The sentence about a lamp none of whose light arrives at a thing.
+pub const NOTHING_LIT: &str = "None of its light arrives at a thing: the lamp is black, or nothing is in its way.";
+
 /// Groups with a smaller share are not listed.
 const LEAST_SHARE: f32 = 0.002;
 /// The most groups that are listed.
@@ -282,7 +288,7 @@ pub fn listed<T>(groups: &[T], share: impl Fn(&T) -> f32) -> (&[T], &[T]) {
 }
 
 /// A share with its standard error in percent: whole where the error is 1 % or more, else with tenths. The error is
-/// rounded up; none is written if it is 0.
+/// rounded up; none is written if it is rounding.
 pub fn percent(share: f32, error: f32) -> String {
     // Single precision does not make an error of 0.1 % one of 0.2 %.
     const ROUNDING: f64 = 1e-5;
@@ -291,7 +297,7 @@ pub fn percent(share: f32, error: f32) -> String {
     let digits = if error >= 1.0 { 1.0 } else { 10.0 };
     let share = if (digits * share).round() == 0.0 { 0.0 } else { share };
     match error {
-        0.0 => format!("{share:.1} %"),
+        ..=ROUNDING => format!("{share:.1} %"),
         1.0.. => format!("{share:.0} ± {:.0} %", (error - ROUNDING).ceil()),
         _ => format!("{share:.1} ± {:.1} %", (10.0 * error - ROUNDING).ceil() / 10.0),
     }
@@ -305,6 +311,7 @@ mod tests {
     fn shares_have_the_digits_of_their_errors() {
         for (share, error, text) in [
             (1.0, 0.0, "100.0 %"),
+            (0.25, 3e-9, "25.0 %"),
             (0.4123, 0.0161, "41 ± 2 %"),
             (0.4123, 0.0042, "41.2 ± 0.5 %"),
             (0.0601, 0.0001, "6.0 ± 0.1 %"),

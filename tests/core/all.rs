@@ -36,6 +36,7 @@ mod bake;
 mod bidirectional;
 mod bounded_work;
 mod breakdown;
+mod breakdown_hiding;
 mod breakdown_media;
 mod bsdf;
 mod bsdf_delta;

@@ -1,7 +1,6 @@
 //! The light of pixels by its routes: known scenes, sums, errors, and the same result on any number of threads.
 
 use std::f32::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use crate::support::{SceneBuilder, camera, render, view};
 use glam::{Affine3A, Quat, UVec2, Vec3};
@@ -10,7 +9,8 @@ use sunroom::color::{Rgb, luminance};
 use sunroom::light::{LightId, LightSource};
 use sunroom::material::{Material, MaterialId};
 use sunroom::render::breakdown::{
-    Area, Batches, Breakdown, Kind, Portion, Route, Source, Trouble, Way, break_down, contributions, followed, of_batch,
+    Area, Batches, Breakdown, Kind, Portion, Progress, Route, Source, Trouble, Way, break_down, contributions,
+    followed, of_batch,
 };
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::scene::RenderScene;
@@ -39,7 +39,7 @@ fn glass() -> Bsdf {
 
 pub fn broken_down(scene: &RenderScene, view: &View, area: Area, samples: u32) -> Breakdown {
     let batches = Batches::of(samples);
-    break_down(scene, view, area, batches, &AtomicBool::new(false)).expect("it is not cancelled")
+    break_down(scene, view, area, batches, &Progress::default()).expect("it is not cancelled")
 }
 
 fn of<K: PartialEq + std::fmt::Debug>(portions: &[Portion<K>], key: &K) -> Portion<()> {
@@ -140,7 +140,7 @@ fn bounces_in_a_furnace_are_a_geometric_series() {
 }
 
 /// A floor, a ball of glass, a mirror, a veil, a pane over it, a lamp, a bulb and a sky.
-fn everything(has_lamp: bool) -> (RenderScene, View) {
+pub fn everything(has_lamp: bool) -> (RenderScene, View) {
     let mut scene = SceneBuilder::default();
     let placed =
         |scale: f32, rotation, place| Affine3A::from_scale_rotation_translation(Vec3::splat(scale), rotation, place);
@@ -228,7 +228,7 @@ fn portions_of_each_grouping_sum_up_to_the_very_samples_of_the_picture() {
     let batches = Batches { count: 2, samples: 16 };
     let films = [0, 1].map(|batch| render(&scene, &of_batch(&followed(&look), batch), batches.samples));
     for pixel in (0..SIZE * SIZE).map(|place| UVec2::new(place % SIZE, place / SIZE)) {
-        let found = break_down(&scene, &look, Area::pixel(pixel), batches, &AtomicBool::new(false));
+        let found = break_down(&scene, &look, Area::pixel(pixel), batches, &Progress::default());
         let found = found.expect("it is not cancelled");
         let value = found.value();
         let shown = films
@@ -414,7 +414,6 @@ fn samples_that_are_alike_have_no_noise() {
 #[test]
 fn areas_outside_of_the_picture_have_no_light() {
     let (scene, look) = two_bulbs();
-    let never = AtomicBool::new(false);
     let outside = [
         Area::pixel(UVec2::X),
         Area {
@@ -427,9 +426,10 @@ fn areas_outside_of_the_picture_have_no_light() {
         },
     ];
     for area in outside {
-        assert!(break_down(&scene, &look, area, Batches::of(8), &never).is_none());
+        assert!(break_down(&scene, &look, area, Batches::of(8), &Progress::default()).is_none());
     }
-    let cancelled = AtomicBool::new(true);
+    let cancelled = Progress::default();
+    cancelled.cancel();
     let pixel = Area::pixel(UVec2::ZERO);
     assert!(break_down(&scene, &look, pixel, Batches::of(8), &cancelled).is_none());
     assert_eq!(Batches::of(0), Batches { count: 8, samples: 2 });

@@ -1,7 +1,6 @@
 //! Where the light of lamps goes: solid angles, and closed rooms in which nothing gets lost.
 
 use std::f32::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use crate::breakdown::{diffuse, two_bulbs};
 use crate::support::SceneBuilder;
@@ -10,7 +9,7 @@ use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::light::LightSource;
 use sunroom::material::Material;
-use sunroom::render::breakdown::destinations;
+use sunroom::render::breakdown::{Progress, destinations};
 
 /// A point lamp over a disk in empty space sends its solid angle's part there, and the rest leaves.
 #[test]
@@ -26,7 +25,7 @@ fn a_disk_takes_the_solid_angle_of_a_lamp() {
         intensity: Rgb::splat(2.0),
     });
     let (scene, (_, look)) = (scene.build(), two_bulbs());
-    let found = destinations(&scene, &look, 1 << 15, &AtomicBool::new(false)).expect("it is not cancelled");
+    let found = destinations(&scene, &look, 1 << 15, &Progress::default()).expect("it is not cancelled");
     let near = |[value, error]: [f32; 2], expected: f32| {
         let most = 4.5 * error + 1e-5 * expected;
         assert!(
@@ -37,7 +36,7 @@ fn a_disk_takes_the_solid_angle_of_a_lamp() {
     let power = 8.0 * PI;
     near(found.emitted(), power);
     assert_eq!(found.paths(), 1 << 15);
-    let few = destinations(&scene, &look, 4, &AtomicBool::new(false)).expect("it is not cancelled");
+    let few = destinations(&scene, &look, 4, &Progress::default()).expect("it is not cancelled");
     assert_eq!(few.paths(), 32);
     let solid_angle = 0.5 * (1.0 - 0.5_f32.sqrt());
     let disk = found.by(|instance| instance);
@@ -57,7 +56,7 @@ fn all_light_stays_in_a_closed_room() {
     let lamp = Affine3A::from_scale_rotation_translation(Vec3::splat(0.2), Quat::IDENTITY, Vec3::X);
     scene.add(Primitive::Sphere, lamp, diffuse(0.0), Some(Rgb::ONE));
     let (scene, (_, look)) = (scene.build(), two_bulbs());
-    let found = destinations(&scene, &look, 1 << 15, &AtomicBool::new(false)).expect("it is not cancelled");
+    let found = destinations(&scene, &look, 1 << 15, &Progress::default()).expect("it is not cancelled");
     let [emitted, error] = found.emitted();
     let expected = 4.0 * PI * 0.04 * PI;
     assert!(

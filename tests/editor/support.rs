@@ -16,6 +16,7 @@ use sunroom::app::editor::picture::lamp_light::LampFollower;
 use sunroom::app::editor::picture::outline::SelectionOutline;
 use sunroom::app::editor::picture::overlay::BoxList;
 use sunroom::app::editor::picture::paths::PathInspector;
+use sunroom::app::editor::picture::reasons::Reasons;
 use sunroom::app::editor::picture::wireframe::Wireframe;
 use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
@@ -52,6 +53,7 @@ pub struct ViewportContent {
     pub wireframe: Wireframe,
     pub lamp: LampFollower,
     pub paths: PathInspector,
+    pub reasons: Reasons,
     pub things: Outline,
     pub locked: EntityHashSet,
 }
@@ -101,7 +103,7 @@ impl ViewportContent {
             painting: None,
             things: &self.things,
             packed: &self.packed,
-            reasons: None,
+            reasons: &self.reasons,
             lamp: &self.lamp,
             paths: &self.paths,
             legend: None,

@@ -1,13 +1,12 @@
 //! Where the light of places comes from, by the things of scenes: sums, and what is missing without a lamp.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::*;
 use sunroom::app::headless::headless;
 use sunroom::engine::reasons::{Group, Grouping, Lamp, Things, thing_name};
 use sunroom::engine::{Limits, PackedScene, RenderControl, load_to_completion};
-use sunroom::render::breakdown::{Area, Batches, Breakdown, Route, break_down, destinations};
+use sunroom::render::breakdown::{Area, Batches, Breakdown, Progress, Route, break_down, destinations};
 use sunroom::scene::{AreaLight, OpenScene};
 
 const SIZE: UVec2 = UVec2::new(32, 24);
@@ -43,8 +42,7 @@ fn broken_down(app: &App, seed: u32) -> Breakdown {
         packed.view.clone().expect("packed"),
     );
     view.seed = seed;
-    let cancel = AtomicBool::new(false);
-    break_down(&scene, &view, AREA, Batches::of(128), &cancel).expect("it is not cancelled")
+    break_down(&scene, &view, AREA, Batches::of(128), &Progress::default()).expect("it is not cancelled")
 }
 
 /// Portions sum up to the value of the area, and without a lamp its portion is missing.
@@ -140,7 +138,7 @@ fn the_light_of_a_lamp_goes_to_the_things_of_the_room() {
         .into_iter()
         .find(|lamp| thing_name(app.world(), *lamp) == "pendant");
     let alone = things.lit_by(&scene, pendant.expect("a pendant")).expect("it shines");
-    let found = destinations(&alone, &view, 1 << 13, &AtomicBool::new(false)).expect("it is not cancelled");
+    let found = destinations(&alone, &view, 1 << 13, &Progress::default()).expect("it is not cancelled");
     let shares = found.by(|instance| things.instance(instance));
     let sum: f32 = shares.iter().map(|thing| thing.share).sum();
     let [escaped, _] = found.escaped();
@@ -161,7 +159,7 @@ fn every_lamp_of_a_room_with_shining_shapes_can_be_followed() {
     assert!(things.shining().len() >= 3);
     for lamp in things.shining() {
         let alone = things.lit_by(&scene, *lamp).expect("it shines");
-        let found = destinations(&alone, &view, 1 << 12, &AtomicBool::new(false)).expect("it is not cancelled");
+        let found = destinations(&alone, &view, 1 << 12, &Progress::default()).expect("it is not cancelled");
         let sum: f32 = found
             .by(|instance| things.instance(instance))
             .iter()

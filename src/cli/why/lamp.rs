@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 use serde::Serialize;
 use sunroom::document::suggest::did_you_mean;
-use sunroom::engine::reasons::{percent, thing_name};
+use sunroom::engine::reasons::{NOTHING_LIT, percent, thing_name};
 use sunroom::photometry::units::Lumen;
 use sunroom::render::breakdown::{Destination, destinations};
 
@@ -54,7 +54,7 @@ impl Question<'_> {
             return Err(Failure::Usage(format!("`{name}` does not shine")));
         };
         let paths = self.args.spp.unwrap_or(PATHS);
-        let found = pool.install(|| destinations(&scene, &self.view, paths, self.cancel));
+        let found = self.search(pool, |progress| destinations(&scene, &self.view, paths, progress));
         let Some(found) = found else {
             return Ok(None);
         };
@@ -142,8 +142,12 @@ impl Report {
                 counted(self.paths, "path")
             ),
             String::new(),
-            format!("{:>18}  {:>24}", "stays", "arrives"),
         ];
+        if self.things.is_empty() {
+            lines.push(NOTHING_LIT.to_owned());
+        } else {
+            lines.push(format!("{:>18}  {:>24}", "stays", "arrives"));
+        }
         for thing in self.things.iter().take(MOST_THINGS) {
             let [stays, arrives] = [
                 percent(thing.absorbed, thing.absorbed_error),

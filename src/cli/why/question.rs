@@ -1,11 +1,14 @@
 //! The arguments of `sunroom why`, and the question that they ask about a loaded scene.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use clap::Args;
 use sunroom::engine::reasons::Things;
-use sunroom::render::breakdown::LEAST_SAMPLES;
+use sunroom::render::breakdown::{LEAST_SAMPLES, Progress};
 use sunroom::render::part::Crop;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::view::View;
@@ -13,6 +16,7 @@ use sunroom::render::view::View;
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
 use crate::cli::picture_args::SizeArgs;
+use crate::cli::progress::{self, Shown};
 
 #[derive(Args)]
 pub struct WhyArgs {
@@ -45,6 +49,9 @@ pub struct WhyArgs {
     /// Treat warnings about the scene as errors
     #[arg(long)]
     pub strict: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// The subject of the question: a pixel, a rectangle of pixels, or a lamp.
@@ -69,5 +76,43 @@ pub struct Question<'a> {
     pub things: Things,
     pub scene: RenderScene,
     pub view: View,
-    pub cancel: &'a AtomicBool,
+    pub cancel: Arc<AtomicBool>,
+}
+
+/// The time between two looks at the progress. What is found earlier shows none.
+const TICK: Duration = Duration::from_secs(1);
+
+impl Question<'_> {
+    /// Searches on the threads of `pool`, and shows the progress. None if interrupted.
+    pub fn search<T: Send>(
+        &self,
+        pool: &rayon::ThreadPool,
+        search: impl FnOnce(&Progress) -> Option<T> + Send,
+    ) -> Option<T> {
+        let progress = &Progress::cancelled_by(self.cancel.clone());
+        let mut shown = progress::Progress::new(self.args.quiet, None);
+        let (begin, mut last) = (Instant::now(), Shown::default());
+        let found = std::thread::scope(|scope| {
+            let (sender, found) = mpsc::channel();
+            scope.spawn(move || drop(sender.send(pool.install(|| search(progress)))));
+            loop {
+                match found.recv_timeout(TICK) {
+                    Ok(found) => return found,
+                    // The scope passes on the panic of the thread.
+                    Err(RecvTimeoutError::Disconnected) => return None,
+                    Err(RecvTimeoutError::Timeout) => {
+                        last = Shown {
+                            done: progress.done(),
+                            seconds: begin.elapsed().as_secs_f64(),
+                            message: "traced".to_owned(),
+                            ..Shown::default()
+                        };
+                        shown.show(&last);
+                    }
+                }
+            }
+        });
+        shown.end(&last);
+        found
+    }
 }

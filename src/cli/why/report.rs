@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use sunroom::engine::reasons::{Group, Grouping, listed, percent, thing_name};
+use sunroom::engine::reasons::{Group, Grouping, NO_LIGHT, listed, percent, thing_name};
 use sunroom::photometry::units::Nit;
 use sunroom::render::breakdown::{Area, Batches, Breakdown, Portion, break_down};
 use sunroom::render::part::Crop;
@@ -79,7 +79,9 @@ impl Question<'_> {
         }
         let usual = (SAMPLES / area.pixels()).clamp(SAMPLES_OF_PIXEL, SAMPLES) as u32;
         let batches = Batches::of(self.args.spp.unwrap_or(usual));
-        let found = pool.install(|| break_down(&self.scene, &self.view, area, batches, self.cancel));
+        let found = self.search(pool, |progress| {
+            break_down(&self.scene, &self.view, area, batches, progress)
+        });
         let Some(breakdown) = found else {
             return Ok(None);
         };
@@ -146,7 +148,7 @@ impl Report {
             counted(self.spp, "sample") + if (width, height) != (1, 1) { " per pixel" } else { "" },
         )];
         if self.luminance == 0.0 {
-            lines.push("No light was found.".to_owned());
+            lines.push(NO_LIGHT.to_owned());
         }
         for grouped in self.groupings.iter().filter(|_| self.luminance != 0.0) {
             let label = Grouping::of_name(grouped.grouping).map_or("", Grouping::label);

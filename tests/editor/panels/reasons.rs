@@ -1,5 +1,7 @@
 //! Why a place is as it is: shares that show their paths, and names that select things.
 
+use std::sync::Arc;
+
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::inspected_paths::InspectedPaths;
@@ -8,7 +10,8 @@ use sunroom::app::editor::command::{Command, SelectionCommand, ToolCommand};
 use sunroom::app::editor::panels::paths::paths;
 use sunroom::app::editor::picture::lamp_light::LampFollower;
 use sunroom::app::editor::picture::paths::PathInspector;
-use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion};
+use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion, Reasons};
+use sunroom::app::editor::picture::search::SearchState;
 use sunroom::color::Rgb;
 use sunroom::engine::reasons::{Group, Grouping, Lamp, Via};
 use sunroom::render::breakdown::{Advice, Portion, Trouble};
@@ -19,7 +22,7 @@ use super::{Shown, click, entity, show};
 struct Given {
     follower: LampFollower,
     inspector: PathInspector,
-    known: Option<Explanation>,
+    reasons: Reasons,
 }
 
 fn portion<K>(key: K, share: f32) -> Portion<K> {
@@ -59,16 +62,17 @@ fn explanation() -> Explanation {
 fn shown(known: Option<Explanation>) -> Harness<'static, Shown<Given>> {
     let mut inspector = PathInspector::default();
     inspector.wanted = Some(InspectedPaths::at(Default::default()));
-    panel(Given {
+    let mut given = Given {
         inspector,
-        known,
         ..Given::default()
-    })
+    };
+    given.reasons.explanation = known.map(Arc::new);
+    panel(given)
 }
 
 fn panel(given: Given) -> Harness<'static, Shown<Given>> {
     show(given, |ui, given, commands| {
-        paths(ui, &given.inspector, given.known.as_ref(), &given.follower, commands);
+        paths(ui, &given.inspector, &given.reasons, &given.follower, commands);
     })
 }
 
@@ -144,4 +148,60 @@ fn nothing_is_told_before_it_is_known() {
     assert!(harness.query_by_label_contains("more are being traced").is_some());
     assert!(harness.query_by_label_contains("`bdpt`").is_some());
     assert!(harness.state().commands.is_empty());
+}
+
+#[test]
+fn the_progress_of_a_search_is_told() {
+    let mut harness = shown(None);
+    harness.state_mut().given.reasons.state = SearchState::Running(0.437);
+    harness.step();
+    assert!(harness.query_by_label("Tracing… 43 %").is_some());
+    let mut harness = shown(Some(explanation()));
+    harness.state_mut().given.reasons.state = SearchState::Running(0.437);
+    harness.step();
+    assert!(harness.query_by_label_contains("more are being traced 43 %").is_some());
+}
+
+#[test]
+fn a_search_that_has_failed_says_why() {
+    let failed = || SearchState::Failed("the lamp is gone".to_owned());
+    let mut harness = shown(None);
+    harness.state_mut().given.reasons.state = failed();
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("Tracing").is_none());
+    assert!(
+        harness
+            .query_by_label_contains("could be traced: the lamp is gone.")
+            .is_some()
+    );
+    // So does one that has found something before.
+    let mut harness = shown(Some(explanation()));
+    harness.state_mut().given.reasons.state = failed();
+    harness.run_steps(2);
+    assert!(
+        harness
+            .query_by_label_contains("could not be traced: the lamp is gone")
+            .is_some()
+    );
+    let mut follower = LampFollower::default();
+    follower.lamp = Some(entity(1));
+    follower.state = failed();
+    let harness = panel(Given {
+        follower,
+        ..Given::default()
+    });
+    assert!(
+        harness
+            .query_by_label_contains("could be traced: the lamp is gone.")
+            .is_some()
+    );
+}
+
+#[test]
+fn a_dark_place_says_that_no_light_was_found() {
+    let mut dark = explanation();
+    dark.value = portion((), 0.0);
+    dark.groupings = Vec::new();
+    let harness = shown(Some(dark));
+    assert!(harness.query_by_label_contains("No path found light here").is_some());
 }

@@ -41,7 +41,7 @@ use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::picture::lamp_light::{LampFollower, LampLight, Receiver};
 use sunroom::app::editor::picture::metering::{ShownMeter, ShownMeters};
 use sunroom::app::editor::picture::paths::PathInspector;
-use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion};
+use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion, Reasons};
 use sunroom::bake::progress::{Progress, Stage};
 use sunroom::color::Rgb;
 use sunroom::document::{Interpolation, Key, Severity, Track, Value};
@@ -373,7 +373,7 @@ pub fn paths() -> RgbImage {
         panels::paths::paths(
             ui,
             &PathInspector::default(),
-            None,
+            &Reasons::default(),
             &LampFollower::default(),
             &mut Vec::new(),
         )
@@ -436,9 +436,11 @@ pub fn reasons() -> RgbImage {
         width: 64,
         height: 48,
     });
-    let given = (Arc::new(inspector), known);
-    let show = |ui: &mut Ui, (inspector, known): &mut (Arc<PathInspector>, Explanation)| {
-        panels::paths::paths(ui, inspector, Some(known), &LampFollower::default(), &mut Vec::new());
+    let mut reasons = Reasons::default();
+    reasons.explanation = Some(Arc::new(known));
+    let given = (Arc::new(inspector), Arc::new(reasons));
+    let show = |ui: &mut Ui, (inspector, reasons): &mut (Arc<PathInspector>, Arc<Reasons>)| {
+        panels::paths::paths(ui, inspector, reasons, &LampFollower::default(), &mut Vec::new());
     };
     panel([RIGHT, 400], given, show, |_| ())
 }
@@ -471,7 +473,8 @@ pub fn lamp_light() -> RgbImage {
             .to_vec(),
     }));
     let show = |ui: &mut Ui, follower: &mut Arc<LampFollower>| {
-        panels::paths::paths(ui, &PathInspector::default(), None, follower, &mut Vec::new());
+        let reasons = Reasons::default();
+        panels::paths::paths(ui, &PathInspector::default(), &reasons, follower, &mut Vec::new());
     };
     panel([RIGHT, 260], Arc::new(follower), show, |_| ())
 }

@@ -2,11 +2,11 @@
 
 use bevy_egui::egui::Ui;
 
-use super::reasons::{link, share_bar};
+use super::reasons::{link, search_without_result, share_bar};
 use super::section::section;
 use crate::app::editor::command::{Command, ToolCommand};
 use crate::app::editor::picture::lamp_light::{LampFollower, LampLight, Receiver};
-use crate::engine::reasons::{listed, percent};
+use crate::engine::reasons::{NOTHING_LIT, listed, percent};
 use crate::photometry::units::Lumen;
 
 /// Shows the light of the followed lamp, and offers to follow that of the selected one.
@@ -28,7 +28,7 @@ pub fn lamp_light(ui: &mut Ui, follower: &LampFollower, commands: &mut Vec<Comma
     section(ui, "Where does the light of the lamp go?", |ui| {
         match &follower.light {
             Some(light) => rows(ui, follower, light, commands),
-            None => drop(ui.weak("Tracing…")),
+            None => search_without_result(ui, &follower.state),
         }
         if ui.button("Forget the lamp").clicked() {
             commands.push(ToolCommand::FollowLamp(None).into());
@@ -39,6 +39,9 @@ pub fn lamp_light(ui: &mut Ui, follower: &LampFollower, commands: &mut Vec<Comma
 fn rows(ui: &mut Ui, follower: &LampFollower, light: &LampLight, commands: &mut Vec<Command>) {
     let [emitted, error] = light.emitted.map(lumens);
     ui.label(format!("{} emits {}.", follower.name, emitted.with_error(error.0)));
+    if light.receivers.is_empty() {
+        ui.weak(NOTHING_LIT);
+    }
     let (told, rest) = listed(&light.receivers, |receiver| receiver.destination.share);
     for Receiver { destination, name } in told {
         ui.horizontal_wrapped(|ui| {

@@ -11,7 +11,7 @@ use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::{Command, ToolCommand};
 use crate::app::editor::picture::lamp_light::LampFollower;
 use crate::app::editor::picture::paths::{NamedPath, PathInspector};
-use crate::app::editor::picture::reasons::Explanation;
+use crate::app::editor::picture::reasons::Reasons;
 use crate::color::Rgb;
 use crate::material::Lobe;
 use crate::render::breakdown::Area;
@@ -23,7 +23,7 @@ use crate::render::tonemap::Display;
 pub fn paths(
     ui: &mut Ui,
     inspector: &PathInspector,
-    known: Option<&Explanation>,
+    known: &Reasons,
     follower: &LampFollower,
     commands: &mut Vec<Command>,
 ) {

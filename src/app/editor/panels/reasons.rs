@@ -1,29 +1,43 @@
 //! Why the inspected place is as it is: its light by lamps and ways as sentences with bars, and what the noise there is
 //! made of. A click on a share shows its paths, and a click on a name selects the thing.
 
+use std::time::Duration;
+
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Align2, Response, RichText, Sense, TextStyle, Ui, WidgetInfo, WidgetType};
 
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::{Command, SelectionCommand};
-use crate::app::editor::picture::reasons::{Explanation, NamedPortion};
-use crate::engine::reasons::{Grouping, listed, percent};
+use crate::app::editor::picture::reasons::{Explanation, NamedPortion, Reasons};
+use crate::app::editor::picture::search::SearchState;
+use crate::engine::reasons::{Grouping, NO_LIGHT, listed, percent};
 use crate::photometry::units::Nit;
 
 /// The size of a bar in points.
 const BAR: egui::Vec2 = egui::vec2(92.0, 18.0);
 
-/// Shows the reasons; None while nothing is known. The choice of a grouping or a group changes `wanted`.
-pub fn reasons(ui: &mut Ui, known: Option<&Explanation>, wanted: &mut InspectedPaths, commands: &mut Vec<Command>) {
-    let Some(known) = known else {
-        ui.weak("Tracing…");
-        return;
+/// The time after which progress is shown anew.
+const PROGRESS: Duration = Duration::from_millis(250);
+
+/// Shows the reasons, or the search for them. The choice of a grouping or a group changes `wanted`.
+pub fn reasons(
+    ui: &mut Ui,
+    Reasons { explanation, state, .. }: &Reasons,
+    wanted: &mut InspectedPaths,
+    commands: &mut Vec<Command>,
+) {
+    let Some(known) = explanation.as_deref() else {
+        return search_without_result(ui, state);
     };
     let [value, error] = [known.value.luminance, known.value.error].map(|watts| Nit::of_watts(f64::from(watts)));
     ui.horizontal_wrapped(|ui| {
         ui.label(value.with_error(error.0));
-        let more = if known.is_final { "" } else { ", more are being traced" };
+        let more = match (known.is_final, state) {
+            (true, _) => String::new(),
+            (false, SearchState::Failed(reason)) => format!("; more could not be traced: {reason}"),
+            (false, state) => format!(", more are being traced{}", share_done(ui, state)),
+        };
         ui.weak(format!("by {} samples{more}", known.samples));
     });
     ui.horizontal_wrapped(|ui| {
@@ -35,7 +49,7 @@ pub fn reasons(ui: &mut Ui, known: Option<&Explanation>, wanted: &mut InspectedP
         }
     });
     if known.value.luminance == 0.0 {
-        ui.weak("No light was found here.");
+        ui.weak(NO_LIGHT);
     }
     let place = Grouping::ALL.iter().position(|grouping| *grouping == wanted.grouping);
     let portions = place.and_then(|place| known.groupings.get(place));
@@ -50,6 +64,33 @@ pub fn reasons(ui: &mut Ui, known: Option<&Explanation>, wanted: &mut InspectedP
         ui.weak(format!("{:.1} % in {} smaller {groups}", 100.0 * share, rest.len()));
     }
     noise(ui, known);
+}
+
+/// Says how a search that has found nothing so far is going.
+pub(super) fn search_without_result(ui: &mut Ui, state: &SearchState) {
+    match state {
+        SearchState::Failed(reason) => {
+            let text =
+                format!("Nothing could be traced: {reason}. The next change of the scene or the view tries again.");
+            ui.label(text);
+        }
+        SearchState::Idle | SearchState::Running(_) => {
+            let text = format!("Tracing…{}", share_done(ui, state));
+            ui.weak(text);
+        }
+    }
+}
+
+/// The finished share of a search that takes more than a moment, in words with a blank before them.
+fn share_done(ui: &Ui, state: &SearchState) -> String {
+    let SearchState::Running(done) = state else {
+        return String::new();
+    };
+    ui.ctx().request_repaint_after(PROGRESS);
+    match (100.0 * done).floor() {
+        percent @ 1.0.. => format!(" {percent} %"),
+        _ => String::new(),
+    }
 }
 
 /// A group: the bar of its share, which is a button, and its sentence.

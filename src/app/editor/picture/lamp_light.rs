@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::paths::Names;
-use super::search::Search;
+use super::search::{Search, SearchState};
 use crate::app::editor::command::selection::Selection;
 use crate::engine::reasons::Things;
 use crate::engine::{PackedScene, RenderControl, WakeUp};
@@ -60,6 +60,8 @@ pub struct LampFollower {
     pub selected: Option<(Entity, String)>,
     /// Where its light goes; None while that is unknown.
     pub light: Option<Arc<LampLight>>,
+    /// The state of the search for that.
+    pub state: SearchState,
     search: Search<Question, Destinations>,
     answered: Option<Question>,
 }
@@ -68,6 +70,7 @@ impl LampFollower {
     fn forget(&mut self) {
         self.search.cancel();
         (self.light, self.answered) = (None, None);
+        self.state = SearchState::Idle;
     }
 }
 
@@ -90,7 +93,7 @@ pub(crate) fn follow_lamp(
         follower.lamp = None;
     }
     let (Some(lamp), Some(scene), Some(view)) = (lamp, &packed.scene, &packed.view) else {
-        if follower.search.is_running() || follower.answered.is_some() {
+        if follower.state != SearchState::Idle || follower.answered.is_some() {
             follower.forget();
         }
         return;
@@ -106,15 +109,18 @@ pub(crate) fn follow_lamp(
     }
     let is_known = |known: &Question| known.is_same(&question);
     if follower.answered.as_ref().is_some_and(is_known) || follower.search.is_about(is_known) {
+        follower.state = follower.search.state();
         return;
     }
     follower.forget();
     let (things, view) = (Things::of(&packed), view.clone());
-    let find = move |question: Question, cancel: &_| {
-        let alone = things.lit_by(&question.scene, question.lamp)?;
-        destinations(&alone, &view, PATHS, cancel)
+    let find = move |question: Question, progress: &_| {
+        let alone = things.lit_by(&question.scene, question.lamp);
+        let alone = alone.ok_or("it does not shine in the scene as it is rendered")?;
+        destinations(&alone, &view, PATHS, progress).ok_or_else(|| "the search was given up".to_owned())
     };
     follower.search.start(question, control.threads.get(), &wake_up, find);
+    follower.state = follower.search.state();
 }
 
 fn named(found: &Destinations, things: &Things, names: &Names) -> LampLight {

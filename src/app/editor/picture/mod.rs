@@ -30,7 +30,7 @@ pub(crate) mod plugin;
 pub mod reasons;
 pub(crate) mod reframing;
 pub(crate) mod resolution;
-mod search;
+pub mod search;
 pub mod side_pictures;
 pub(crate) mod texture;
 pub mod wireframe;

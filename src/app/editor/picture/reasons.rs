@@ -2,15 +2,14 @@
 //! the scene or the view has changed.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::*;
 
 use super::paths::{Names, PathInspector};
-use super::search::Search;
+use super::search::{Search, SearchState};
 use crate::engine::reasons::{Group, Grouping, Things};
 use crate::engine::{PackedScene, RenderControl, WakeUp};
-use crate::render::breakdown::{Advice, Area, Batches, Breakdown, Portion, break_down, followed};
+use crate::render::breakdown::{Advice, Area, Batches, Breakdown, Portion, Progress, break_down, followed};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
@@ -64,12 +63,14 @@ pub(super) struct Answer {
 }
 
 /// The search for reasons, and its last result.
-#[derive(Resource, Default)]
+#[derive(Resource, Debug, Default)]
 pub struct Reasons {
     search: Search<Question, Answer>,
     pub(super) answer: Option<Arc<Answer>>,
     /// The answer for the panel; None while nothing is known of the present scene and view.
     pub explanation: Option<Arc<Explanation>>,
+    /// The state of the search for it, or for a better one.
+    pub state: SearchState,
 }
 
 impl Reasons {
@@ -96,17 +97,18 @@ impl Reasons {
                 0
             }
         };
-        let find = move |question, cancel: &_| find(question, step, cancel);
+        let find = move |question, progress: &_| find(question, step, progress);
         self.search.start(question, threads, wake_up, find);
     }
 }
 
 /// Traces the samples of the first answer, or of the final one.
-fn find(question: Question, step: usize, cancel: &AtomicBool) -> Option<Answer> {
+fn find(question: Question, step: usize, progress: &Progress) -> Result<Answer, String> {
     let Question { scene, view, area } = &question;
     let [samples, last] = [SAMPLES[step], SAMPLES[1]].map(|all| Batches::of((all / area.pixels()) as u32));
-    let breakdown = break_down(scene, view, *area, samples, cancel)?;
-    Some(Answer {
+    let breakdown = break_down(scene, view, *area, samples, progress);
+    let breakdown = breakdown.ok_or("the place is not in the picture")?;
+    Ok(Answer {
         breakdown,
         question,
         is_final: samples == last,
@@ -127,6 +129,9 @@ pub(crate) fn follow_reasons(
             reasons.search.cancel();
             (reasons.answer, reasons.explanation) = (None, None);
         }
+        if reasons.state != SearchState::Idle {
+            reasons.state = SearchState::Idle;
+        }
         return;
     };
     let found = reasons.search.collect().map(|(_, answer)| Arc::new(answer));
@@ -142,6 +147,7 @@ pub(crate) fn follow_reasons(
         area: wanted.area(view),
     };
     reasons.ask(question, control.threads.get(), &wake_up);
+    reasons.state = reasons.search.state();
 }
 
 fn explain(answer: &Answer, things: &Things, names: &Names) -> Explanation {

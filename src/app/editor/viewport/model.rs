@@ -30,7 +30,7 @@ use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
-use crate::app::editor::picture::reasons::Explanation;
+use crate::app::editor::picture::reasons::Reasons;
 use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{Outdated, PackedScene};
@@ -59,7 +59,7 @@ pub struct ViewportModel<'a> {
     /// The boxes of the acceleration structures to draw.
     pub boxes: &'a BoxList,
     /// Why the inspected pixels are as they are; None while that is unknown.
-    pub reasons: Option<&'a Explanation>,
+    pub reasons: &'a Reasons,
     /// The lamp whose light is followed.
     pub lamp: &'a LampFollower,
     /// The inspected paths to draw.

@@ -374,7 +374,7 @@ fn viewport_model<'a>(
         compared: seen.compared,
         region: model.render.region,
         paths: &scene.paths,
-        reasons: scene.reasons.explanation.as_deref(),
+        reasons: &scene.reasons,
         lamp: &scene.lamp,
         navigation: settings.navigation,
         denoiser: model.status.denoiser,

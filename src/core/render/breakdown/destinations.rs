@@ -6,12 +6,9 @@
 //! receive the same light several times, after it was reflected. Media are ignored.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use rayon::prelude::*;
 
 use super::account::{error_of_mean, mean_of, ratio};
-use super::{BATCHES, TASKS_AT_ONCE, of_batch};
+use super::{BATCHES, Progress, of_batch};
 use crate::color::{Rgb, luminance};
 use crate::render::bidirectional::{Journey, journeys};
 use crate::render::scene::RenderScene;
@@ -92,7 +89,7 @@ pub struct Destination<K> {
 
 /// Traces about `paths` light paths of all lamps of `scene`, at least one for each batch. Tasks run on the threads of
 /// the current `rayon` pool; the result does not depend on their number. None if cancelled.
-pub fn destinations(scene: &RenderScene, view: &View, paths: u32, cancel: &AtomicBool) -> Option<Destinations> {
+pub fn destinations(scene: &RenderScene, view: &View, paths: u32, progress: &Progress) -> Option<Destinations> {
     let mut unbounded = view.clone();
     // Light goes on where the paths of a picture end.
     unbounded.integrator.settings_mut().max_depth = u32::MAX;
@@ -104,7 +101,7 @@ pub fn destinations(scene: &RenderScene, view: &View, paths: u32, cancel: &Atomi
         let mut sums = Sums::default();
         let last = paths.min(first.saturating_add(PATHS_OF_TASK));
         for number in first..last {
-            if cancel.load(Ordering::Relaxed) {
+            if progress.is_cancelled() {
                 return None;
             }
             let all = journeys(scene, &views[batch], number..number + 1);
@@ -114,15 +111,7 @@ pub fn destinations(scene: &RenderScene, view: &View, paths: u32, cancel: &Atomi
     };
     let mut batches = vec![Sums::default(); BATCHES as usize];
     let tasks = u64::from(BATCHES) * u64::from(paths.div_ceil(PATHS_OF_TASK));
-    for first_task in (0..tasks).step_by(TASKS_AT_ONCE) {
-        let last_task = tasks.min(first_task + TASKS_AT_ONCE as u64);
-        let sums: Vec<Option<(usize, Sums)>> = (first_task..last_task).into_par_iter().map(trace).collect();
-        // Sums of floats depend on their order, which is that of the tasks.
-        for sums in sums {
-            let (batch, sums) = sums?;
-            batches[batch].append(sums);
-        }
-    }
+    progress.follow(tasks, trace, |(batch, sums)| batches[batch].append(sums))?;
     Some(Destinations { batches, paths })
 }
 

@@ -12,16 +12,15 @@
 
 mod account;
 mod destinations;
+mod progress;
 mod remedies;
 mod route;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use glam::{DVec2, DVec3, UVec2};
-use rayon::prelude::*;
 
 pub use self::account::{Breakdown, Portion};
 pub use self::destinations::{Destination, Destinations, destinations};
+pub use self::progress::Progress;
 pub use self::remedies::{Advice, Trouble};
 pub use self::route::{Contribution, Kind, Route, Source, Way, contributions};
 
@@ -44,8 +43,6 @@ pub const LEAST_SAMPLES: u32 = LEAST_BATCHES * LEAST_OF_BATCH;
 
 /// The most pixels that are traced as one task.
 const PIXELS_OF_TASK: u64 = 64;
-/// The tasks whose accounts are in memory at a time.
-const TASKS_AT_ONCE: usize = 1024;
 
 /// A rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,7 +157,7 @@ pub fn break_down(
     view: &View,
     area: Area,
     batches: Batches,
-    cancel: &AtomicBool,
+    progress: &Progress,
 ) -> Option<Breakdown> {
     if !area.is_within(view.width, view.height) {
         return None;
@@ -169,24 +166,15 @@ pub fn break_down(
     let views: Vec<View> = (0..batches.count).map(|batch| of_batch(&view, batch)).collect();
     let tasks = area.pixels().div_ceil(PIXELS_OF_TASK) * u64::from(batches.count);
     let mut breakdown = Breakdown::new(area, batches);
-    for first_task in (0..tasks).step_by(TASKS_AT_ONCE) {
-        let last_task = tasks.min(first_task + TASKS_AT_ONCE as u64);
-        let trace = |task: u64| {
-            let batch = (task % u64::from(batches.count)) as usize;
-            let first = task / u64::from(batches.count) * PIXELS_OF_TASK;
-            let last = area.pixels().min(first + PIXELS_OF_TASK);
-            let pixels = (first..last).map(|number| area.pixel_at(number));
-            let view = &views[batch];
-            let account = trace_pixels(scene, view, batch as u32, pixels, batches.samples, cancel);
-            account.map(|account| (batch, account))
-        };
-        let accounts: Vec<Option<(usize, Account)>> = (first_task..last_task).into_par_iter().map(trace).collect();
-        // Sums of floats depend on their order, which is that of the tasks.
-        for account in accounts {
-            let (batch, account) = account?;
-            breakdown.add(batch, account);
-        }
-    }
+    let trace = |task: u64| {
+        let batch = (task % u64::from(batches.count)) as usize;
+        let first = task / u64::from(batches.count) * PIXELS_OF_TASK;
+        let last = area.pixels().min(first + PIXELS_OF_TASK);
+        let pixels = (first..last).map(|number| area.pixel_at(number));
+        let account = trace_pixels(scene, &views[batch], batch as u32, pixels, batches.samples, progress);
+        account.map(|account| (batch, account))
+    };
+    progress.follow(tasks, trace, |(batch, account)| breakdown.add(batch, account))?;
     Some(breakdown)
 }
 
@@ -197,14 +185,14 @@ fn trace_pixels(
     batch: u32,
     pixels: impl Iterator<Item = UVec2>,
     samples: u32,
-    cancel: &AtomicBool,
+    progress: &Progress,
 ) -> Option<Account> {
     let mut account = Account::default();
     let mut found = Vec::new();
     for pixel in pixels {
         let mut sums = PixelSums::default();
         for sample in 0..samples {
-            if cancel.load(Ordering::Relaxed) {
+            if progress.is_cancelled() {
                 return None;
             }
             let id = PathId { pixel, batch, sample };

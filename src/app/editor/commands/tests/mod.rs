@@ -16,6 +16,7 @@ mod materials;
 mod picking;
 mod placing;
 mod projecting;
+mod reasons;
 mod replacing;
 mod saving;
 mod seeing;
