@@ -11,6 +11,7 @@ mod flying;
 mod gbuffer;
 mod guide;
 mod large;
+mod light_amounts;
 mod light_mixing;
 mod noise;
 mod reasons;
