@@ -244,7 +244,7 @@ pub type NameParts = (
     Option<&'static Emitter>,
 );
 
-/// The name of a thing in reports: its id or its name, or else its kind and its index in the file.
+/// The name of a thing in reports: its id, or else its name or its kind with its index in the file.
 pub fn thing_name(world: &World, entity: Entity) -> String {
     let parts = (
         world.get(entity),
@@ -265,7 +265,11 @@ pub fn thing_name_by(
     ),
 ) -> String {
     let kind = emitter.map_or("thing", |emitter| emitter.info().label);
-    name_by(id, name, order, kind)
+    match (id, name, order) {
+        // Such a name is that of a kind, which many things may have.
+        (None, Some(name), Some(order)) => format!("{name} {}", order.0),
+        _ => name_by(id, name, order, kind),
+    }
 }
 
 /// The sentence about a place at which no path has found light.
@@ -321,6 +325,15 @@ mod tests {
         ] {
             assert_eq!(percent(share, error), text);
         }
+    }
+
+    #[test]
+    fn things_of_one_kind_are_told_apart() {
+        let (id, name, order) = (SceneId("desk lamp".into()), Name::new("sphere"), DocumentOrder(3));
+        let parts = |id, name| (id, name, Some(&order), None);
+        assert_eq!(thing_name_by(parts(Some(&id), Some(&name))), "desk lamp");
+        assert_eq!(thing_name_by(parts(None, Some(&name))), "sphere 3");
+        assert_eq!(thing_name_by(parts(None, None)), "thing 3");
     }
 
     #[test]

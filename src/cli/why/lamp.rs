@@ -100,10 +100,9 @@ impl Question<'_> {
             [lamp] => return Ok(lamp),
             [] => {}
             _ => {
-                let text = format!(
-                    "{} lamps have the name `{wanted}`: give one an id of its own",
-                    found.len()
-                );
+                let names = found.iter().take(MOST_THINGS).map(|lamp| thing_name(self.world, *lamp));
+                let names: Vec<String> = names.collect();
+                let text = format!("{} lamps have the name `{wanted}`: {}", found.len(), names.join(", "));
                 return Err(Failure::Usage(text));
             }
         }
