@@ -190,15 +190,18 @@ fn variance_of_scores(values: &[[f64; 2]]) -> f64 {
     squares.sum::<f64>() / (count - 1.0)
 }
 
-const SEEDS: u32 = 400;
+const SEEDS: u32 = 200;
 
-/// Errors of 32 batches have 31 degrees of freedom, with which the variance of scores is 31 / 29. That of 400 seeds
-/// deviates by 0.08 from it, and by four times that once in ten thousand cases.
+/// Enough for sums of rare bright samples to be nearly normal.
+const SAMPLES: u32 = 256;
+
+/// Errors of 32 batches have 31 degrees of freedom, with which the variance of scores is 31 / 29. That of 200 seeds
+/// deviates by 0.1 from it, and by four times that once in ten thousand cases.
 #[track_caller]
 fn assert_calibrated(what: &str, values: &[[f64; 2]]) {
     let variance = variance_of_scores(values);
     assert!(
-        (variance - 31.0 / 29.0).abs() < 0.32,
+        (variance - 31.0 / 29.0).abs() < 0.4,
         "{what}: the variance of scores is {variance}"
     );
 }
@@ -209,7 +212,7 @@ fn errors_of_shares_have_the_size_of_their_deviations() {
         let (scene, look) = scene(true);
         let pixel = Area::pixel(UVec2::ONE);
         let found: Vec<Breakdown> = (0..SEEDS)
-            .map(|seed| broken_down(&scene, &View { seed, ..look.clone() }, pixel, 64))
+            .map(|seed| broken_down(&scene, &View { seed, ..look.clone() }, pixel, SAMPLES))
             .collect();
         let own = |found: &Breakdown| {
             let mut own = found.portions(|route| is_of_thing(route).then_some(()));

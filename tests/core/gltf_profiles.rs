@@ -17,6 +17,9 @@ fn profile(kind: u32) -> String {
     format!("IES:LM-63-2019\nTILT=NONE\n1 -1 1 2 {horizontals} {kind} 2 0 0 0\n1 1 10\n{planes}")
 }
 
+/// The warning about a file of lamps alone.
+const NOTHING_ELSE: &str = "the scene has no triangles";
+
 /// Opens a file whose nodes have profiles, with these files beside it. Returns the emitters, the stored files and the
 /// warnings.
 fn opened(lights: &str, nodes: &str, beside: &[(&str, String)]) -> (Vec<Object>, Vec<(String, Vec<u8>)>, Vec<String>) {
@@ -70,7 +73,7 @@ fn lamps_shine_along_minus_z_with_their_sides_where_the_extension_says() {
         let node = r#"{"name": "lamp", "extensions": {"EXT_lights_ies": {"light": 0}}}, {}"#;
         let beside = [("a lamp.ies", profile(kind))];
         let (emitters, files, warnings) = opened(r#"{"uri": "a%20lamp.ies"}"#, node, &beside);
-        assert_eq!(warnings, Vec::<String>::new());
+        assert_eq!(warnings, [NOTHING_ELSE]);
         let [lamp] = &emitters[..] else { panic!("{emitters:?}") };
         assert_eq!((lamp.plugin.as_str(), lamp.id.as_deref()), ("ies", Some("lamp")));
         let [(name, bytes)] = &files[..] else {
@@ -99,7 +102,7 @@ fn multipliers_and_colours_scale_the_lamp_and_equal_profiles_share_a_file() {
             "KHR_lights_punctual": {"light": 0}}},
         {"translation": [1, 2, 3], "scale": [3, 3, 3], "extensions": {"EXT_lights_ies": {"light": 0}}}"#;
     let (emitters, files, warnings) = opened(&lights, nodes, &[]);
-    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(warnings, [NOTHING_ELSE]);
     // The light beside the first profile is for programs without profiles.
     let [first, second] = &emitters[..] else {
         panic!("{emitters:?}")

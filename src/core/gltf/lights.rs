@@ -11,12 +11,31 @@ use super::GltfError;
 use super::motion::Placement;
 use super::objects::*;
 use super::scene::Builder;
-use super::schema::Light;
+use super::schema::{Light, Node};
 use crate::document::{Category, Object, Value};
 use crate::photometry::LUMENS_PER_WATT;
 
 impl Builder<'_> {
-    pub(super) fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
+    /// Adds the lamp or the light of a node.
+    pub(super) fn lights_of(&mut self, node: &Node, placement: &Placement) -> Result<(), GltfError> {
+        let gltf = self.gltf;
+        let of_node = node.name.as_deref();
+        if let Some(lamp) = &node.extensions.profile {
+            let profile = gltf.root.extensions.profiles.lights.get(lamp.light);
+            let name = of_node.or_else(|| profile.and_then(|profile| profile.name.as_deref()));
+            // The light beside a profile is for programs that have no profiles.
+            if self.lamp(lamp, name, placement) {
+                return Ok(());
+            }
+        }
+        if let Some(light) = &node.extensions.light {
+            let light = gltf.get("light", &gltf.root.extensions.lights.lights, light.light)?;
+            self.light(light, of_node.or(light.name.as_deref()), placement);
+        }
+        Ok(())
+    }
+
+    fn light(&mut self, light: &Light, name: Option<&str>, placement: &Placement) {
         let title = format!("light `{}`", name.unwrap_or("unnamed"));
         let power = self.possible_light(Vec3::from(light.color) * (light.intensity / LUMENS_PER_WATT), &title);
         let emitter = |plugin: &str| object(Category::Emitter, plugin);

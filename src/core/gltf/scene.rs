@@ -239,23 +239,7 @@ impl Builder<'_> {
             let id = self.unique_in_folder(name);
             self.camera(camera, id, &placement);
         }
-        // Beside a profile stands a light for programs that have no profiles.
-        let has_lamp = match &node.extensions.profile {
-            Some(lamp) => {
-                let profile = gltf.root.extensions.profiles.lights.get(lamp.light);
-                let name = node.name.as_deref();
-                let name = name.or_else(|| profile.and_then(|profile| profile.name.as_deref()));
-                self.lamp(lamp, name, &placement)
-            }
-            None => false,
-        };
-        if let Some(light) = node.extensions.light.as_ref().filter(|_| !has_lamp) {
-            let lights = &gltf.root.extensions.lights.lights;
-            let light = gltf.get("light", lights, light.light)?;
-            let name = node.name.as_deref().or(light.name.as_deref());
-            self.light(light, name, &placement);
-        }
-        Ok(())
+        self.lights_of(node, &placement)
     }
 
     /// The placement if it is invertible; None (reported) otherwise.

@@ -41,8 +41,8 @@ impl Progress {
         if all > 0.0 { done / all } else { 0.0 }
     }
 
-    /// Does tasks on the threads of the current `rayon` pool, and takes their results in the order of the tasks: sums of
-    /// floats depend on it. None if cancelled, or if a task has no result.
+    /// Does tasks on the threads of the current `rayon` pool, and takes their results in the order of the tasks: sums
+    /// of floats depend on it. None if cancelled, or if a task has no result.
     pub(super) fn follow<T: Send>(
         &self,
         tasks: u64,
