@@ -411,7 +411,7 @@ fn lamps_keep_the_files_of_their_intensities() {
     let lamp = |id: &str, file: &str, rest: &str| {
         format!(
             r#"<emitter type="ies" id="{id}"><string name="filename" value="{file}"/>{rest}<transform name="to_world">
-              <rotate x="1" y="0.2" angle="110"/><translate x="1" y="2" z="3"/></transform></emitter>"#
+              <rotate x="1" angle="110"/><rotate y="1" angle="20"/><translate x="1" y="2" z="3"/></transform></emitter>"#
         )
     };
     let half = r#"<rgb name="scale" value="2, 1, 0.5"/><float name="flux" value="500"/>"#;
