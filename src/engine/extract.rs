@@ -30,6 +30,7 @@ use super::pack::medium::PackedMedia;
 use super::pack::surface::{SurfacePacker, SurfaceSource};
 use super::pack::texture::{TexturePacker, no_picture};
 use super::packed_scene::PackedScene;
+use super::portals::PortalsInUse;
 use super::renderer::Renderer;
 use super::sight::{SeenAlone, SeenThrough};
 use super::status::BvhStatus;
@@ -89,6 +90,8 @@ pub(super) struct Extracted {
     /// The groups of lights, and (next) the group of each light.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
+    /// The portals of the scene's lights.
+    portals: PortalsInUse,
     environments: Environments,
     /// The unfinished packing of all shapes.
     pub(super) packing: Option<Packing>,
@@ -171,6 +174,7 @@ impl Default for Extracted {
             packed_media: PackedMedia::default(),
             owners: Arc::default(),
             layers: LightGroups::default(),
+            portals: PortalsInUse::default(),
             environments: Environments::default(),
             packing: None,
             packs_revision: 0,
@@ -433,6 +437,8 @@ impl Extracted {
             LightSource::Surface { instance, .. } => moved.get(*instance as usize) == Some(&true),
             _ => false,
         });
+        let portals = PortalsInUse::new(self.layout.portals(), &self.scene);
+        let has_same_portals = self.portals.are(&portals);
         if has_moved || (is_textured && repainted) || !is_same {
             // Lights without textures do not keep old textures alive.
             let textures = if is_textured {
@@ -440,8 +446,13 @@ impl Extracted {
             } else {
                 Arc::default()
             };
-            self.scene.lights = Arc::new(LightTable::build(sources, &self.scene.geometry, &textures));
+            let table = LightTable::build(sources, &self.scene.geometry, &textures);
+            self.scene.lights = Arc::new(portals.applied_to(table, &self.scene));
+        } else if !has_same_portals {
+            let table = LightTable::clone(&self.scene.lights);
+            self.scene.lights = Arc::new(portals.applied_to(table, &self.scene));
         }
+        self.portals = portals;
         if !is_same {
             self.lamps = Arc::new(lamps);
         }

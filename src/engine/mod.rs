@@ -26,6 +26,7 @@ mod light_groups;
 mod light_measures;
 mod pack;
 pub mod packed_scene;
+mod portals;
 mod priority;
 pub mod reasons;
 mod renderer;

@@ -86,6 +86,7 @@ mod motion;
 mod outer_walls;
 mod patterns;
 mod photometry;
+mod portals;
 mod probes;
 mod projected_light;
 mod reach;

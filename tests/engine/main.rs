@@ -14,6 +14,7 @@ mod large;
 mod light_amounts;
 mod light_mixing;
 mod noise;
+mod portals;
 mod reasons;
 mod rebuilding;
 mod relighting;

@@ -939,3 +939,37 @@ fn a_default_of_that_name_may_be_something_else() {
     let folder = Folder::with(&[("main.xml", &used)]);
     assert_eq!(folder.edited(|scene| scene.unit = LengthUnit::None), used);
 }
+
+#[test]
+fn a_portal_is_kept_and_left_out_of_portable_files() {
+    let text = r#"<scene version="3.0.0">
+  <shape type="rectangle"><boolean name="portal" value="true"/></shape>
+  <shape type="rectangle"/>
+</scene>
+"#;
+    let folder = Folder::with(&[("main.xml", text)]);
+    let scene = folder.read("main.xml");
+    assert_eq!([0, 1].map(|shape| scene.shapes[shape].shape.portal), [true, false]);
+    let written = |extensions| {
+        write_anew(&scene, &folder.path("new.xml"), extensions).unwrap();
+        folder.text("new.xml").matches("portal").count()
+    };
+    assert_eq!([Extensions::Keep, Extensions::Approximate].map(written), [1, 0]);
+    let saved = folder.edited(|scene| scene.shapes[1].shape.portal = true);
+    assert_eq!(
+        saved.matches(r#"<boolean name="portal" value="true"/>"#).count(),
+        2,
+        "{saved}"
+    );
+    let saved = folder.edited(|scene| (0..2).for_each(|shape| scene.shapes[shape].shape.portal = false));
+    assert_eq!(saved.matches("true").count(), 0, "{saved}");
+    let disk = text.replace("rectangle", "disk");
+    std::fs::write(folder.path("disk.xml"), disk).unwrap();
+    let mut document = document::load(&folder.path("disk.xml"), &[]).unwrap();
+    read(&mut document);
+    assert!(
+        document.diagnostics.to_string().contains("portal"),
+        "{}",
+        document.diagnostics
+    );
+}

@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::color::{Rgb, luminance};
 use sunroom::geometry::mesh::MeshData;
-use sunroom::light::{LightId, LightReference, LightSource, LightTable, WeightedSource};
+use sunroom::light::{LightId, LightReference, LightSource, LightTable, Portal, WeightedSource};
 use sunroom::material::{Material, MaterialId, MaterialTable};
 use sunroom::medium::{MediumInterface, MediumSource, MediumTable};
 use sunroom::render::camera::Camera;
@@ -31,6 +31,8 @@ pub struct SceneBuilder {
     lights: Vec<WeightedSource>,
     textures: TextureTable,
     media: Vec<MediumSource>,
+    /// Openings through which lights at infinity come in.
+    pub portals: Vec<Portal>,
     /// The tables that models of the materials have ids of.
     pub tables: ShadingTables,
 }
@@ -132,7 +134,7 @@ impl SceneBuilder {
         let textures = Arc::new(self.textures);
         let materials = MaterialTable::with_tables(self.materials, self.tables);
         let lights = LightTable::build(&self.lights, &geometry, &textures);
-        RenderScene {
+        let scene = RenderScene {
             media: Arc::new(MediumTable::new(self.media)),
             reach: lights.reach(&geometry),
             lights: Arc::new(lights),
@@ -143,6 +145,16 @@ impl SceneBuilder {
             materials: Arc::new(materials.expect("materials that are there")),
             textures,
             geometry,
+        };
+        if self.portals.is_empty() {
+            return scene;
+        }
+        let lights = LightTable::clone(&scene.lights);
+        let portals = self.portals.into();
+        let lights = lights.with_portals(&portals, &scene.geometry, |shape| scene.is_clear(shape));
+        RenderScene {
+            lights: Arc::new(lights),
+            ..scene
         }
     }
 }

@@ -35,15 +35,7 @@ pub struct Hole {
 pub fn wall(length: f32, height: f32, thickness: f32, holes: &[Hole]) -> MeshData {
     // An invalid length gives an empty mesh.
     let [length, height] = [length, height].map(|extent| extent.max(0.0));
-    let inside: Vec<[f32; 4]> = holes
-        .iter()
-        .map(|hole| {
-            let [left, right] = [hole.from, hole.from + hole.width].map(|x| x.clamp(0.0, length));
-            let [low, high] = [hole.sill, hole.sill + hole.height].map(|z| z.clamp(0.0, height));
-            [left, right, low, high]
-        })
-        .filter(|[left, right, low, high]| left < right && low < high)
-        .collect();
+    let inside = clipped(length, height, holes);
     let xs = cuts(length, inside.iter().flat_map(|[left, right, ..]| [*left, *right]));
     let zs = cuts(height, inside.iter().flat_map(|[.., low, high]| [*low, *high]));
     let is_open = |i: usize, j: usize| {
@@ -84,6 +76,31 @@ pub fn wall(length: f32, height: f32, thickness: f32, holes: &[Hole]) -> MeshDat
         }
     }
     facets.finish()
+}
+
+/// The ends of the openings along the wall and upwards, without what reaches beyond the wall.
+fn clipped(length: f32, height: f32, holes: &[Hole]) -> Vec<[f32; 4]> {
+    holes
+        .iter()
+        .map(|hole| {
+            let [left, right] = [hole.from, hole.from + hole.width].map(|x| x.clamp(0.0, length));
+            let [low, high] = [hole.sill, hole.sill + hole.height].map(|z| z.clamp(0.0, height));
+            [left, right, low, high]
+        })
+        .filter(|[left, right, low, high]| left < right && low < high)
+        .collect()
+}
+
+/// The openings of a [`wall`] as rectangles in its middle: a corner, and the edges from there.
+pub fn openings(length: f32, height: f32, holes: &[Hole]) -> Vec<(Vec3, [Vec3; 2])> {
+    let [length, height] = [length, height].map(|extent| extent.max(0.0));
+    clipped(length, height, holes)
+        .into_iter()
+        .map(|[left, right, low, high]| {
+            let corner = Vec3::new(left, 0.0, low);
+            (corner, [Vec3::X * (right - left), Vec3::Z * (high - low)])
+        })
+        .collect()
 }
 
 /// The sorted positions of all edges between 0 and `end`, without duplicates.

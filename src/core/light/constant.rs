@@ -1,9 +1,7 @@
 //! The same radiance from all directions.
 
-use glam::Vec3;
-
 use super::reference::Reference;
-use super::{LightReference, LightSample, Target};
+use super::{LightSample, Target};
 use crate::color::Rgb;
 use crate::math::{Frame, Mask, Real, Vector};
 use crate::sampling::warp;
@@ -38,10 +36,9 @@ impl ConstantLight {
     }
 
     /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, reference: &LightReference, wi: Vec3) -> f32 {
-        match reference.normal {
-            Some(normal) => warp::cosine_hemisphere_pdf(normal.dot(wi)),
-            None => warp::UNIFORM_SPHERE_PDF,
-        }
+    #[inline(always)]
+    pub fn pdf<R: Real>(&self, from: &Reference<R>, wi: R::Vec3) -> R {
+        let cosine = warp::cosine_hemisphere_pdf(from.normal.dot(wi));
+        R::select(from.halved, cosine, R::splat(warp::UNIFORM_SPHERE_PDF))
     }
 }

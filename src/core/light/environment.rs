@@ -12,7 +12,7 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::{LightSample, Target};
 use crate::color::{Rgb, luminance};
-use crate::math::{Real, Vector, sin_cos};
+use crate::math::{Real, Vector, atan2, sin_cos};
 use crate::sampling::{PiecewiseBilinear2d, SquareSample};
 use crate::texture::Image;
 
@@ -145,23 +145,12 @@ impl EnvironmentLight {
     /// Samples a direction where `asked` is set; the density is zero if the image is black.
     #[inline(always)]
     pub fn sample<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> LightSample<R> {
-        let (mut uv, mut pdf) = ([R::ZERO; 2], R::ZERO);
-        if let Some(density) = &self.map.density {
-            let SquareSample {
-                position: [x, y],
-                pdf: of_picture,
-            } = density.sample(u);
-            uv = [x + R::splat(0.5 / self.map.image.width() as f32), y];
-            pdf = of_picture.only(asked);
-        }
+        let (uv, pdf) = self.sample_uv(asked, u);
         let radiance = |uv: [f32; 2]| (self.scale * self.map.radiance(uv.into())).to_array();
         let [red, green, blue] = R::each(asked, uv, radiance);
-        let (sin_phi, cos_phi) = sin_cos(R::splat(TAU) * uv[0]);
-        let (sin_theta, cos_theta) = sin_cos(R::splat(PI) * uv[1]);
-        let local = R::Vec3::of(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        let (wi, sin_theta) = self.towards(uv);
         LightSample {
-            wi: local.along([x_axis, y_axis, z_axis]),
+            wi,
             target: Target::Infinity,
             radiance: R::Vec3::of(red, green, blue),
             pdf: pdf * uv_density(sin_theta),
@@ -169,21 +158,55 @@ impl EnvironmentLight {
         }
     }
 
-    pub fn radiance(&self, wi: Vec3) -> Rgb {
-        self.scale * self.map.radiance(uv(self.world_from_local.transpose() * wi))
+    /// The directions of [`Self::sample`]; undefined where their density is zero.
+    #[inline(always)]
+    pub fn direction<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> R::Vec3 {
+        self.towards(self.sample_uv(asked, u).0).0
     }
 
-    /// The radiance as [`Self::radiance`], and the density per solid angle of [`Self::sample`].
-    pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        let local = self.world_from_local.transpose() * wi;
-        let uv = uv(local);
-        let x = uv.x - 0.5 / self.map.image.width() as f32;
-        let sin_theta = local.x.hypot(local.z);
-        let density = self.map.density.as_ref();
-        let pdf = density.map_or(0.0, |density| {
-            density.pdf([x - x.floor(), uv.y]) * uv_density(sin_theta)
-        });
-        (self.scale * self.map.radiance(uv), pdf)
+    /// Samples places of the picture where `asked` is set, with their densities there.
+    #[inline(always)]
+    fn sample_uv<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> ([R; 2], R) {
+        let Some(density) = &self.map.density else {
+            return ([R::ZERO; 2], R::ZERO);
+        };
+        let SquareSample {
+            position: [x, y],
+            pdf: of_picture,
+        } = density.sample(u);
+        let half_pixel = R::splat(0.5 / self.map.image.width() as f32);
+        ([x + half_pixel, y], of_picture.only(asked))
+    }
+
+    /// The direction of a place of the picture, and the sine of its angle from the pole.
+    #[inline(always)]
+    fn towards<R: Real>(&self, uv: [R; 2]) -> (R::Vec3, R) {
+        let (sin_phi, cos_phi) = sin_cos(R::splat(TAU) * uv[0]);
+        let (sin_theta, cos_theta) = sin_cos(R::splat(PI) * uv[1]);
+        let local = R::Vec3::of(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        (local.along([x_axis, y_axis, z_axis]), sin_theta)
+    }
+
+    pub fn radiance(&self, wi: Vec3) -> Rgb {
+        let [x, y] = uv::<f32>(self.world_from_local.transpose() * wi).place;
+        self.scale * self.map.radiance(Vec2::new(x, y))
+    }
+
+    /// The radiance as [`Self::radiance`] where `asked` is set, and the density per solid angle of [`Self::sample`].
+    #[inline(always)]
+    pub fn radiance_and_pdf<R: Real>(&self, asked: R::Mask, wi: R::Vec3) -> (R::Vec3, R) {
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        let uv = uv::<R>(wi.coordinates([x_axis, y_axis, z_axis]));
+        let [x, y] = uv.place;
+        let moved = x - R::splat(0.5 / self.map.image.width() as f32);
+        let mut pdf = R::ZERO;
+        if let Some(density) = &self.map.density {
+            pdf = (density.pdf([moved - moved.floor(), y]) * uv_density(uv.sin_theta)).only(asked);
+        }
+        let radiance = |uv: [f32; 2]| (self.scale * self.map.radiance(uv.into())).to_array();
+        let [red, green, blue] = R::each(asked, uv.place, radiance);
+        (R::Vec3::of(red, green, blue), pdf)
     }
 
     /// The average luminance over all directions.
@@ -192,12 +215,25 @@ impl EnvironmentLight {
     }
 }
 
-/// The longitude and latitude of a unit vector as fractions of the image's size.
-fn uv(local: Vec3) -> Vec2 {
-    let turn = local.x.atan2(-local.z) / TAU;
+/// A direction in the picture.
+struct Uv<R> {
+    /// Longitude and latitude as fractions of the image's size.
+    place: [R; 2],
+    /// The sine of the angle from the pole.
+    sin_theta: R,
+}
+
+/// The place of a unit vector in the picture.
+#[inline(always)]
+fn uv<R: Real>(local: R::Vec3) -> Uv<R> {
+    let turn = atan2(local.x(), -local.z()) * R::splat(1.0 / TAU);
+    let sin_theta = local.x().mul_add(local.x(), local.z().squared()).sqrt();
     // The arc cosine loses all digits near the poles.
-    let theta = local.x.hypot(local.z).atan2(local.y);
-    Vec2::new(turn - turn.floor(), (theta * FRAC_1_PI).min(1.0))
+    let theta = atan2(sin_theta, local.y());
+    Uv {
+        place: [turn - turn.floor(), (theta * R::splat(FRAC_1_PI)).min(R::ONE)],
+        sin_theta,
+    }
 }
 
 /// The density per solid angle of a density of 1 over the image.

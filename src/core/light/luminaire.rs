@@ -84,7 +84,7 @@ impl LuminaireLight {
 
     /// Density per solid angle of [`Self::sample_beam`].
     pub fn beam_pdf(&self, dir: Vec3) -> f32 {
-        self.sphere.radiance_and_pdf(dir).1
+        self.sphere.radiance_and_pdf::<f32>(true, dir).1
     }
 
     pub fn bounds(&self) -> LightBounds {

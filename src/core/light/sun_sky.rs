@@ -71,7 +71,36 @@ impl SunSkyLight {
 
     /// Samples the light where `asked` is set; the density is zero below the horizon and at night.
     #[inline(always)]
-    pub fn sample<R: Real>(&self, asked: R::Mask, [u, v]: [R; 2]) -> LightSample<R> {
+    pub fn sample<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> LightSample<R> {
+        let (local, mut sky_pdf, is_of_sun) = self.sample_local(asked, u);
+        if is_of_sun.any() {
+            sky_pdf = R::select(is_of_sun, self.sky_pdf::<R>(local, is_of_sun), sky_pdf);
+        }
+        let pdf = self.mixed(sky_pdf, local);
+        LightSample {
+            wi: self.to_world::<R>(local),
+            target: Target::Infinity,
+            radiance: self.model.sky::<R>(local) + self.model.sun::<R>(local),
+            pdf: pdf.only(asked),
+            is_delta: false,
+        }
+    }
+
+    /// The directions of [`Self::sample`]; undefined where their density is zero.
+    #[inline(always)]
+    pub fn direction<R: Real>(&self, asked: R::Mask, u: [R; 2]) -> R::Vec3 {
+        self.to_world::<R>(self.sample_local(asked, u).0)
+    }
+
+    #[inline(always)]
+    fn to_world<R: Real>(&self, local: R::Vec3) -> R::Vec3 {
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        local.along([x_axis, y_axis, z_axis])
+    }
+
+    /// Directions in local space, the densities of those of the sky, and a mask of those of the sun.
+    #[inline(always)]
+    fn sample_local<R: Real>(&self, asked: R::Mask, [u, v]: [R; 2]) -> (R::Vec3, R, R::Mask) {
         let is_of_sky = asked & u.is_less(R::splat(self.sky_share));
         let is_of_sun = asked & !is_of_sky;
         let (mut local, mut sky_pdf) = (R::Vec3::even(R::ZERO), R::ZERO);
@@ -89,23 +118,29 @@ impl SunSkyLight {
             let in_cone = warp::uniform_cone(u, R::splat(self.model.sun_one_minus_cos()));
             let of_sun = in_cone.along([self.sun.s, self.sun.t, self.sun.n]);
             local = R::Vec3::select(is_of_sky, local, of_sun);
-            sky_pdf = R::select(is_of_sky, sky_pdf, self.sky_pdf::<R>(of_sun, is_of_sun));
         }
-        let pdf = self.mixed(sky_pdf, local);
-        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
-        LightSample {
-            wi: local.along([x_axis, y_axis, z_axis]),
-            target: Target::Infinity,
-            radiance: self.model.sky::<R>(local) + self.model.sun::<R>(local),
-            pdf: pdf.only(asked),
-            is_delta: false,
-        }
+        (local, sky_pdf, is_of_sun)
     }
 
-    /// The radiance from a direction, and the density per solid angle of [`Self::sample`].
-    pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        let local = self.world_from_local.transpose() * wi;
-        (self.radiance(wi), self.mixed(self.sky_pdf::<f32>(local, true), local))
+    /// The radiance from a direction where `asked` is set, and the densities per solid angle with which
+    /// [`Self::sample`] finds it as a part of the sky and of the sun. Their sum is its density.
+    #[inline(always)]
+    pub fn radiance_and_pdfs<R: Real>(&self, asked: R::Mask, wi: R::Vec3) -> (R::Vec3, [R; 2]) {
+        let Mat3 { x_axis, y_axis, z_axis } = self.world_from_local;
+        let local = wi.coordinates([x_axis, y_axis, z_axis]);
+        let radiance = self.model.sky::<R>(local) + self.model.sun::<R>(local);
+        let sky = self.sky_pdf::<R>(local, asked) * R::splat(self.sky_share);
+        (radiance, [sky, self.sun_pdf::<R>(local)])
+    }
+
+    /// The probability of sampling the sky, which is done with the first number below it.
+    pub fn sky_share(&self) -> f32 {
+        self.sky_share
+    }
+
+    /// The radiance of the sky alone.
+    pub fn sky_radiance(&self, wi: Vec3) -> Rgb {
+        self.model.sky::<f32>(self.world_from_local.transpose() * wi)
     }
 
     pub fn radiance(&self, wi: Vec3) -> Rgb {
@@ -137,11 +172,16 @@ impl SunSkyLight {
     /// The density of sky and sun together, given the sky's density `sky_pdf`. The sun below the horizon is invisible.
     #[inline(always)]
     fn mixed<R: Real>(&self, sky_pdf: R, local: R::Vec3) -> R {
+        sky_pdf.mul_add(R::splat(self.sky_share), self.sun_pdf(local))
+    }
+
+    /// The density with which the sun is sampled, times the probability of sampling it.
+    #[inline(always)]
+    fn sun_pdf<R: Real>(&self, local: R::Vec3) -> R {
         let rim = self.model.sun_one_minus_cos();
         let here = R::HALF * (local - R::Vec3::same(self.sun.n)).length_squared();
         let is_in_sun = !(local.z().is_less(R::ZERO) | R::is_above(here, rim));
-        let sun = R::splat((1.0 - self.sky_share) * warp::uniform_cone_pdf(rim)).only(is_in_sun);
-        sky_pdf.mul_add(R::splat(self.sky_share), sun)
+        R::splat((1.0 - self.sky_share) * warp::uniform_cone_pdf(rim)).only(is_in_sun)
     }
 }
 
@@ -198,7 +238,8 @@ mod tests {
                         one.radiance
                     );
                     assert!(is_rim || (pdf - one.pdf).abs() <= 1e-3 * one.pdf, "{pdf} {}", one.pdf);
-                    let (_, again) = light.radiance_and_pdf(one.wi);
+                    let (_, [sky, sun]) = light.radiance_and_pdfs::<f32>(true, one.wi);
+                    let again = sky + sun;
                     assert!(
                         is_rim || (again - one.pdf).abs() <= 2e-3 * one.pdf,
                         "{again} {}",

@@ -15,6 +15,7 @@ use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
 use super::luminaire::LuminaireLight;
 use super::point::PointLight;
+use super::portal::{Portal, Portals, Rooms};
 use super::projector::ProjectorLight;
 use super::reference::Reference;
 use super::spot::SpotLight;
@@ -61,6 +62,10 @@ pub struct LightTable {
     places: Vec<Place>,
     finite: Vec<Finite>,
     infinite: Vec<(LightId, InfiniteLight)>,
+    /// The portals of the lights at infinity; none where they do not help.
+    portals: Vec<Option<Portals>>,
+    /// The portals that they were chosen from.
+    all_portals: Arc<[Portal]>,
     /// The light of each part of all finite lights.
     light_of_part: Vec<u32>,
     choice: LightChoice,
@@ -126,6 +131,31 @@ impl LightTable {
         table.choice = LightChoice::new(&part_bounds, &infinite_weights);
         table.emission = EmissionChoice::new(&part_bounds, &infinite_weights);
         table
+    }
+
+    /// The table with portals in place of those that it has: directions to lights at infinity are sampled through them
+    /// at places where that makes less noise, which rays through the scene tell. `is_clear` is true for shapes that
+    /// light may pass straight through, by their numbers of [`Tlas::shape_index`].
+    pub fn with_portals(mut self, portals: &Arc<[Portal]>, geometry: &Tlas, is_clear: impl Fn(usize) -> bool) -> Self {
+        self.portals.clear();
+        self.all_portals = portals.clone();
+        if !portals.is_empty() && !self.seen_at_infinity.is_empty() {
+            let rooms = Rooms::new(portals, geometry, &is_clear);
+            self.portals = self.infinite.iter().map(|(_, light)| rooms.portals_of(light)).collect();
+        }
+        self
+    }
+
+    /// The portals of [`Self::with_portals`].
+    pub(crate) fn all_portals(&self) -> &Arc<[Portal]> {
+        &self.all_portals
+    }
+
+    /// The light at infinity of this index, with its portals.
+    fn at_index(&self, index: u32) -> (LightId, &InfiniteLight, Option<&Portals>) {
+        let (id, light) = &self.infinite[index as usize];
+        let portals = self.portals.get(index as usize).and_then(Option::as_ref);
+        (*id, light, portals)
     }
 
     /// Prepares a light; None for a surface without area.
@@ -234,8 +264,8 @@ impl LightTable {
                 (finite.id, finite.light.sample(part, from, u, &self.textures))
             }
             Chosen::Infinite(index) => {
-                let (id, light) = &self.infinite[index as usize];
-                (*id, light.sample(from, u))
+                let (id, light, portals) = self.at_index(index);
+                (id, light.sample_with(portals, from, u))
             }
         };
         let pdf = (pmf * sample.pdf).only(from.asked);
@@ -304,7 +334,10 @@ impl LightTable {
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         self.at_infinity(id).map_or((Rgb::ZERO, 0.0), |(index, light)| {
             debug_assert!(wi.is_normalized(), "{wi} is not of unit length");
-            let (radiance, pdf) = light.radiance_and_pdf(reference, wi);
+            let (radiance, pdf) = match self.at_index(index).2 {
+                None => light.radiance_and_pdf(reference, wi),
+                Some(portals) => light.radiance_and_pdf_through(portals, reference, wi),
+            };
             debug_assert!(
                 radiance.is_finite() && pdf >= 0.0,
                 "{id:?} sends {radiance} from {wi} with density {pdf}"
@@ -363,6 +396,22 @@ const ALL: u32 = (1 << LANES) - 1;
 pub(crate) enum SoleLight<'a> {
     Rectangle(UniformRectangle, Glow),
     Constant(&'a ConstantLight),
+    Sky(Sky<'a>),
+}
+
+/// Any other light that is seen at infinity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sky<'a> {
+    light: &'a InfiniteLight,
+    portals: Option<&'a Portals>,
+}
+
+impl Sky<'_> {
+    /// Not inlined, because each kind of light has its own code.
+    #[inline(never)]
+    fn sample(&self, from: &Reference<Lanes>, u: [Lanes; 2]) -> LightSample<Lanes> {
+        self.light.sample_with(self.portals, from, u)
+    }
 }
 
 impl LightTable {
@@ -379,7 +428,10 @@ impl LightTable {
                 },
                 _ => None,
             },
-            ([], [(id, InfiniteLight::Constant(light))]) => Some((*id, SoleLight::Constant(light))),
+            ([], [(id, light)]) if light.is_seen() => match (light, self.at_index(0).2) {
+                (InfiniteLight::Constant(light), None) => Some((*id, SoleLight::Constant(light))),
+                (light, portals) => Some((*id, SoleLight::Sky(Sky { light, portals }))),
+            },
             _ => None,
         }
     }
@@ -395,6 +447,7 @@ impl SoleLight<'_> {
                 Same::<Lanes>::same(*glow).towards(point, reference.position)
             }
             Self::Constant(light) => light.sample(&reference.of_lanes(ALL), u),
+            Self::Sky(sky) => sky.sample(&reference.of_lanes(ALL), u),
         }
     }
 
@@ -403,7 +456,7 @@ impl SoleLight<'_> {
     pub fn place(&self, u: [Lanes; 2]) -> Option<Vec3Lanes> {
         match self {
             Self::Rectangle(shape, _) => Some(Same::<Lanes>::same(*shape).at(u)),
-            Self::Constant(_) => None,
+            Self::Constant(_) | Self::Sky(_) => None,
         }
     }
 }

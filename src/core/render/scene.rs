@@ -67,11 +67,13 @@ pub struct SurfaceTable {
 }
 
 impl RenderScene {
-    /// The scene with these lights in place of all of its own, and of the light of media. Surfaces do not shine when
-    /// paths come upon them: the emitting shapes among `sources` light by being sampled alone.
+    /// The scene with these lights in place of all of its own, and of the light of media, and with its portals. Surfaces
+    /// do not shine when paths come upon them: the emitting shapes among `sources` light by being sampled alone.
     pub fn lit_by(&self, sources: &[WeightedSource]) -> Self {
         let dark = |slot: &SurfaceSlot| SurfaceSlot { light: None, ..*slot };
+        let portals = self.lights.all_portals();
         let lights = LightTable::build(sources, &self.geometry, &self.textures);
+        let lights = lights.with_portals(portals, &self.geometry, |shape| self.is_clear(shape));
         Self {
             surfaces: Arc::new(SurfaceTable {
                 first_slot: self.surfaces.first_slot.clone(),
@@ -141,7 +143,7 @@ impl RenderScene {
     /// Whether light may pass straight through a shape's surface somewhere. Shapes are numbered as in
     /// [`Tlas::shape_index`].
     #[inline(never)]
-    pub(super) fn is_clear(&self, shape: usize) -> bool {
+    pub fn is_clear(&self, shape: usize) -> bool {
         let SurfaceTable { first_slot, slots } = &*self.surfaces;
         let first = first_slot[shape] as usize;
         let end = first_slot.get(shape + 1).map_or(slots.len(), |&next| next as usize);

@@ -105,12 +105,55 @@ impl Rectangle {
 }
 
 impl<R: Real> Rectangle<R> {
+    /// Unit normal.
+    #[inline(always)]
+    pub(crate) fn normal(&self) -> R::Vec3 {
+        self.z_axis
+    }
+
     /// The point at these fractions of the edges, from 0 to 1.
     #[inline(always)]
     pub fn at(&self, [a, b]: [R; 2]) -> R::Vec3 {
         self.corner
             .plus_scaled(a * self.width, self.x_axis)
             .plus_scaled(b * self.height, self.y_axis)
+    }
+
+    /// Selects `yes` where `condition` holds, else `no`.
+    #[inline(always)]
+    pub(crate) fn select(condition: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            corner: R::Vec3::select(condition, yes.corner, no.corner),
+            x_axis: R::Vec3::select(condition, yes.x_axis, no.x_axis),
+            y_axis: R::Vec3::select(condition, yes.y_axis, no.y_axis),
+            z_axis: R::Vec3::select(condition, yes.z_axis, no.z_axis),
+            width: R::select(condition, yes.width, no.width),
+            height: R::select(condition, yes.height, no.height),
+        }
+    }
+
+    /// The height of its highest corner over the plane through `origin` with this normal, and the cosine between the
+    /// normal and the direction to its middle.
+    #[inline(always)]
+    pub(crate) fn heights_over(&self, origin: R::Vec3, normal: R::Vec3) -> (R, R) {
+        let to_corner = self.corner - origin;
+        let along = normal.dot(self.x_axis) * self.width;
+        let across = normal.dot(self.y_axis) * self.height;
+        let highest = normal.dot(to_corner) + along.max(R::ZERO) + across.max(R::ZERO);
+        let to_middle = to_corner
+            .plus_scaled(R::HALF * self.width, self.x_axis)
+            .plus_scaled(R::HALF * self.height, self.y_axis);
+        (highest, normal.dot(to_middle.normalize()))
+    }
+
+    /// A mask of the rays from `origin` along `dir` that meet the rectangle.
+    #[inline(always)]
+    pub(crate) fn is_met(&self, origin: R::Vec3, dir: R::Vec3) -> R::Mask {
+        let to_corner = self.corner - origin;
+        let t = to_corner.dot(self.z_axis) / dir.dot(self.z_axis);
+        let [x, y] = [self.x_axis, self.y_axis].map(|axis| t * dir.dot(axis) - to_corner.dot(axis));
+        let within = |x: R, end: R| !x.is_less(R::ZERO) & !x.is_more(end);
+        t.is_more(R::ZERO) & within(x, self.width) & within(y, self.height)
     }
 
     /// The rectangle as seen from a point in the same space, on either side.
@@ -172,6 +215,19 @@ impl<R: Real> SphericalRectangle<R> {
         R::ONE / self.solid_angle
     }
 
+    /// The height of the rectangle's plane over the origin, along its normal.
+    #[inline(always)]
+    pub(crate) fn above(&self) -> R {
+        self.above
+    }
+
+    /// A mask of the origins that are higher over the plane, on either side, than this share of the longer edge.
+    #[inline(always)]
+    pub(crate) fn is_apart(&self, share: f32) -> R::Mask {
+        let longer = (self.x[1] - self.x[0]).max(self.y[1] - self.y[0]);
+        self.above.abs().is_more(longer * R::splat(share))
+    }
+
     /// A mask of the origins for which it can be sampled: not in the rectangle's plane, nor beside it and low above the
     /// plane, nor where the solid angle is tiny. Sample by area elsewhere.
     #[inline(always)]
@@ -185,7 +241,14 @@ impl<R: Real> SphericalRectangle<R> {
 
     /// Samples a point on the rectangle whose direction from the origin is uniform in solid angle.
     #[inline(always)]
-    pub fn sample(&self, [u, v]: [R; 2]) -> R::Vec3 {
+    pub fn sample(&self, u: [R; 2]) -> R::Vec3 {
+        self.origin + self.sample_offset(u)
+    }
+
+    /// [`Self::sample`] relative to the origin: the direction to the point, exact also where the origin is far from
+    /// that of the space.
+    #[inline(always)]
+    pub(crate) fn sample_offset(&self, [u, v]: [R; 2]) -> R::Vec3 {
         let ([x0, x1], [y0, y1], height) = (self.x, self.y, self.above.abs());
         // The planes through the origin and three of the edges. Their unit normals have, beside z, only an x or only a
         // y component, so that neighbours' dot products are products of z components. The interior angle
@@ -213,7 +276,7 @@ impl<R: Real> SphericalRectangle<R> {
         let rest = (-h).mul_add(h, R::ONE).max(R::splat(f32::MIN_POSITIVE));
         let y = (h * distance / rest.sqrt()).max(y0).min(y1);
         let [x_axis, y_axis, z_axis] = self.axes;
-        self.origin + (x_axis * x + y_axis * y + z_axis * self.above)
+        x_axis * x + y_axis * y + z_axis * self.above
     }
 }
 

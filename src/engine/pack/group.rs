@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::Checker;
 use super::instance::InstanceRecord;
 use crate::accel::{Instance, Instances, Placement, SplitMethod, Tlas};
+use crate::light::Portal;
 
 /// The placements of a group by one entity.
 #[derive(Clone, Debug)]
@@ -36,6 +37,8 @@ pub(in crate::engine) struct Layout {
     /// The number of members of each group.
     members: Vec<usize>,
     pub placed: Vec<PlacedGroup>,
+    /// The portals of the shapes of the world; None if they have to be collected.
+    portals: Option<Arc<[Portal]>>,
 }
 
 impl Layout {
@@ -54,6 +57,7 @@ impl Layout {
             members: members.iter().map(Vec::len).collect(),
             shapes,
             placed,
+            portals: None,
         };
         (layout, PackedShapes { in_world, members })
     }
@@ -76,6 +80,12 @@ impl Layout {
     ) {
         /// Up to this number of edits, moving all later entries is faster than making a new list.
         const FEW: usize = 8;
+        let gone = removed.iter().chain(replaced.iter().map(|(number, _)| number));
+        let old = gone.map(|&number| &self.shapes[number as usize]);
+        let new = replaced.iter().chain(&inserted).map(|(_, record)| record);
+        if old.chain(new).any(|record| !record.portals.is_empty()) {
+            self.portals = None;
+        }
         for (number, record) in replaced {
             self.shapes[number as usize] = record;
         }
@@ -102,6 +112,18 @@ impl Layout {
                 None => left.next(),
             })
             .collect();
+    }
+
+    /// The portals of the shapes of the world, in their order.
+    pub fn portals(&mut self) -> Arc<[Portal]> {
+        let in_world = &self.shapes[..self.in_world];
+        let collect = || {
+            in_world
+                .iter()
+                .flat_map(|record| record.portals.iter().copied())
+                .collect()
+        };
+        self.portals.get_or_insert_with(collect).clone()
     }
 
     /// Whether the placements of every group are unchanged.

@@ -5,7 +5,9 @@ use bevy::prelude::*;
 
 use super::super::blas_cache::BuiltMesh;
 use crate::accel::{Instance, Primitive};
+use crate::light::Portal;
 use crate::math::Frame;
+use crate::scene::assets::solid_mesh::openings_of;
 use crate::scene::{DocumentOrder, Shape, ShapeKind};
 
 /// A shape of the scene whose geometry is available: the data of its [`Instance`], and those of its surface.
@@ -25,6 +27,8 @@ pub(in crate::engine) struct InstanceRecord {
     flip_normals: bool,
     /// The number of material slots of its mesh; 1 for other shapes.
     pub slots: u32,
+    /// The openings of a wall, or the rectangle itself if it is a portal; in the space of the shape's transform.
+    pub portals: Box<[Portal]>,
 }
 
 /// The components from which a shape is packed.
@@ -147,8 +151,38 @@ pub(in crate::engine) fn pack_instance(
         face_normals,
         flip_normals: shape.flip_normals,
         slots: mesh.map_or(1, |mesh| mesh.slots),
+        portals: portals_of(shape, to_world),
     };
     Ok(Some((instance, record)))
+}
+
+/// The places of a shape through which light may come in.
+fn portals_of(shape: &Shape, to_world: Affine3A) -> Box<[Portal]> {
+    match &shape.kind {
+        ShapeKind::Solid(part) => openings_of(part)
+            .into_iter()
+            .map(|(corner, edges)| Portal {
+                corner: to_world.transform_point3(corner),
+                edges: edges.map(|edge| to_world.transform_vector3(edge)),
+            })
+            .collect(),
+        ShapeKind::Rectangle if shape.portal => {
+            let portal = Portal {
+                corner: to_world.transform_point3(Vec3::new(-1.0, -1.0, 0.0)),
+                edges: [Vec3::X, Vec3::Y].map(|half| to_world.transform_vector3(2.0 * half)),
+            };
+            Box::new([portal])
+        }
+        ShapeKind::Rectangle
+        | ShapeKind::Sphere { .. }
+        | ShapeKind::Cube
+        | ShapeKind::Disk
+        | ShapeKind::Triangle { .. }
+        | ShapeKind::Cylinder { .. }
+        | ShapeKind::Mesh(_)
+        | ShapeKind::Instance
+        | ShapeKind::Frame => Box::default(),
+    }
 }
 
 #[cfg(test)]

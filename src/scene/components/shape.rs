@@ -18,6 +18,8 @@ pub struct Shape {
     pub flip_normals: bool,
     /// The lightmap texels per length relative to other shapes, in [`Self::LIGHTMAP_SCALES`]; 0 means no lightmap.
     pub lightmap_scale: f32,
+    /// Whether a rectangle is a portal: light of the sky comes in through it. Other shapes are none.
+    pub portal: bool,
 }
 
 impl Default for Shape {
@@ -26,6 +28,7 @@ impl Default for Shape {
             kind: ShapeKind::default(),
             flip_normals: false,
             lightmap_scale: 1.0,
+            portal: false,
         }
     }
 }

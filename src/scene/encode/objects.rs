@@ -87,6 +87,7 @@ pub fn shape(
         }
     };
     let object = with_flag(object, "flip_normals", shape.flip_normals);
+    let object = with_flag(object, "portal", shape.portal && shape.kind == ShapeKind::Rectangle);
     let object = with_to_world(with_lightmap_scale(object, shape), to_world, angles);
     match area {
         Some(light) => with_child(object, area_light(light, folder)),

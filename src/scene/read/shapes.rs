@@ -45,6 +45,7 @@ impl<'a> SceneReader<'a> {
         if has_surface || is_instance {
             lightmap_scale = reader.float_in("lightmap_scale", Shape::LIGHTMAP_SCALES);
         }
+        let portal = kind == ShapeKind::Rectangle && reader.boolean_or("portal", false);
         reader.ignore(&["silhouette_sampling_weight"]);
         let to_world = reader.to_world();
         let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
@@ -69,6 +70,7 @@ impl<'a> SceneReader<'a> {
             kind,
             flip_normals,
             lightmap_scale: lightmap_scale.unwrap_or(1.0),
+            portal,
         };
         if let (ShapeKind::Mesh(mesh), Some(name)) = (&mut shape.kind, file_name) {
             mesh.path = self.find_mesh(object, name);

@@ -123,7 +123,8 @@ fn translate_inside(object: &mut Object, files: &mut BesideFiles, extensions: Ex
         let inner = Arc::make_mut(inner);
         translate_inside(inner, files, extensions);
         if inner.category == Category::Shape && extensions == Extensions::Approximate {
-            inner.properties.retain(|property| property.name != "lightmap_scale");
+            let is_ours = |name: &str| ["lightmap_scale", "portal"].contains(&name);
+            inner.properties.retain(|property| !is_ours(&property.name));
         }
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),

@@ -177,12 +177,12 @@ impl LightTable {
     ) -> Option<(LightId, LightSample, Start, EmissionPdf)> {
         let (chosen, pmf) = self.choice.sample(reference, || refined(u_choice, u))?;
         let (id, sample, start, pdf) = match chosen {
-            Chosen::Infinite(index) => {
-                let (id, light) = &self.infinite[index as usize];
-                let sample = light.sample::<f32>(&reference.into(), u.to_array()).if_lit()?;
+            Chosen::Infinite(_) => {
+                let (id, sample) = self.sample_chosen::<f32>((chosen, 1.0), &reference.into(), u.to_array());
+                let sample = sample.if_lit()?;
                 let is_delta = sample.is_delta;
-                let pdf = self.emission_pdf_from(*id, reach, sample.wi);
-                (*id, sample, Start::Infinity { is_delta }, pdf)
+                let pdf = self.emission_pdf_from(id, reach, sample.wi);
+                (id, sample, Start::Infinity { is_delta }, pdf)
             }
             Chosen::Part(chosen_part) => {
                 let finite = &self.finite[self.light_of_part[chosen_part as usize] as usize];

@@ -146,8 +146,8 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
             ShapeKind::Mesh(mesh) if !mesh.format.is_of_curves() => {
                 visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean);
             }
-            ShapeKind::Rectangle
-            | ShapeKind::Cube
+            ShapeKind::Rectangle => visitor.parsed("portal", &mut shape.portal, parse_boolean),
+            ShapeKind::Cube
             | ShapeKind::Disk
             | ShapeKind::Triangle { .. }
             | ShapeKind::Mesh(_)
