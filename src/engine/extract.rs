@@ -21,7 +21,7 @@ use super::detect::{Dirty, Touched};
 use super::instances::packing::Packing;
 use super::instances::rebuild::Rebuild;
 use super::instances::splice::{ListEdits, ShapeChanges};
-use super::light_groups::{Lamps, LightGroup, group_lights};
+use super::light_groups::{Lamps, LightGroup, MOST_FOR_GROUPS, group_lights, most_groups};
 use super::pack::environment::Environments;
 use super::pack::group::Layout;
 use super::pack::light::LightContext;
@@ -53,9 +53,6 @@ use crate::texture::TextureTable;
 /// The time for which a change waits, in an uninterrupted series of changes, until the preview of the previous one has
 /// been shown.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
-
-/// The most memory in bytes for layers of light groups that are kept only for `lights_are_free`.
-const MOST_FOR_GROUPS: u64 = 64 << 20;
 
 /// The tables that were packed last.
 #[derive(Resource)]
@@ -92,6 +89,8 @@ pub(super) struct Extracted {
     layers: LightGroups,
     /// The portals of the scene's lights.
     portals: PortalsInUse,
+    /// The most groups that they were made for; 0: they have to be made.
+    most_groups: usize,
     environments: Environments,
     /// The unfinished packing of all shapes.
     pub(super) packing: Option<Packing>,
@@ -175,6 +174,7 @@ impl Default for Extracted {
             owners: Arc::default(),
             layers: LightGroups::default(),
             portals: PortalsInUse::default(),
+            most_groups: 0,
             environments: Environments::default(),
             packing: None,
             packs_revision: 0,
@@ -424,7 +424,7 @@ impl Extracted {
         }
         let (owners, sources) = sources.into_iter().unzip();
         let lamps = Lamps { owners, sources };
-        (self.owners, self.layers) = group_lights(&lamps.owners);
+        self.most_groups = 0;
         self.update_lights(lamps, repainted, &changes.moved);
     }
 
@@ -468,16 +468,24 @@ impl Extracted {
             .any(|medium| medium.emission != Volume::ZERO)
     }
 
+    fn pixels(&self) -> u64 {
+        let view = self.view.as_ref();
+        view.map_or(0, |view| u64::from(view.width) * u64::from(view.height))
+    }
+
     /// Whether layers for several groups take little memory. A single group needs no layer: it is all light.
     fn has_room_for_groups(&self) -> bool {
-        let view = self.view.as_ref();
-        let pixels = view.map_or(0, |view| u64::from(view.width) * u64::from(view.height));
-        self.layers.count() > 1 && pixels * (self.layers.count() * size_of::<Rgb>()) as u64 <= MOST_FOR_GROUPS
+        self.layers.count() > 1 && self.pixels() * (self.layers.count() * size_of::<Rgb>()) as u64 <= MOST_FOR_GROUPS
     }
 
     /// Sets which groups the film keeps in layers: if `wanted`, all of them with their lights, or else if lights are
     /// free and memory allows.
     fn update_layers(&mut self, wanted: bool, lights_are_free: bool) {
+        let most = most_groups(self.pixels(), wanted);
+        if self.most_groups != most {
+            self.most_groups = most;
+            (self.owners, self.layers) = group_lights(&self.lamps.owners, most);
+        }
         self.light_groups = if wanted { self.owners.clone() } else { Arc::default() };
         let layers = match wanted || lights_are_free && self.has_room_for_groups() {
             true => self.layers.clone(),

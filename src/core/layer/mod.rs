@@ -59,7 +59,7 @@ declare_names! {
         Indirect = "indirect" => "Indirect light",
         /// The light that comes to the camera without having been scattered: lamps and the sky that are seen.
         Emitted = "emitted" => "Emitted light",
-        /// The light of each lamp or emitter of the scene, in a layer of its own; if there are more than sixteen, the
+        /// The light of each lamp or emitter of the scene, in a layer of its own; if there are very many, the
         /// last share one. They sum up to the picture.
         LightGroups = "light-groups" => "Light groups",
         /// The picture without noise, where a denoiser is there.

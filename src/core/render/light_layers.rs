@@ -17,7 +17,7 @@ pub struct LightGroups {
 
 impl LightGroups {
     /// Groups beyond this many share the last layer.
-    pub const MOST: usize = 16;
+    pub const MOST: usize = 64;
 
     /// Groups the lights. `group_of_light` is by [`LightId`], counted from 0.
     pub fn new(group_of_light: &[u32]) -> Self {
@@ -46,9 +46,9 @@ mod tests {
 
     #[test]
     fn groups_beyond_the_most_share_the_last_layer() {
-        let groups = LightGroups::new(&[0, 15, 16, 40]);
+        let groups = LightGroups::new(&[0, 63, 64, 90]);
         let layers: Vec<_> = (0..5).map(|light| groups.group(LightId(light))).collect();
-        assert_eq!(layers, [Some(0), Some(15), Some(15), Some(15), None]);
+        assert_eq!(layers, [Some(0), Some(63), Some(63), Some(63), None]);
         assert_eq!(groups.count(), LightGroups::MOST);
         assert_eq!(LightGroups::new(&[]), LightGroups::default());
     }
