@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use glam::Vec2;
 use sunroom_core::color::Rgb;
-use sunroom_core::inverse_lighting::{LampLight, LampLimits, Painting, Stroke, Target, Wish, solve};
+use sunroom_core::inverse_lighting::{LampLight, LampLimits, Painting, Seen, Stroke, Target, Wish, solve};
 
 const SIZE: [u32; 2] = [800, 500];
 const LAMPS: usize = 24;
@@ -21,9 +21,17 @@ impl LampLight for Floor {
         SIZE
     }
 
-    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<(Rgb, Rgb)> {
+    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
         light.copy_from_slice(&self.0[(y * SIZE[0] + x) as usize]);
-        Some((Rgb::splat(0.01), Rgb::ONE))
+        let rest = Rgb::splat(0.01);
+        Some(Seen {
+            rest,
+            present: rest + light.iter().sum::<Rgb>(),
+        })
+    }
+
+    fn irradiance_at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
+        self.at(x, y, light)
     }
 }
 
@@ -48,8 +56,8 @@ fn main() {
         hardness: 0.5,
     };
     for (name, target) in [
-        ("a picture of all pixels", Target::Picture(&picture)),
-        ("a stroke across the picture", Target::Stroke(&stroke)),
+        ("a picture of all pixels", Target::Picture(picture.into())),
+        ("a stroke across the picture", Target::Stroke(stroke)),
     ] {
         for colored in [false, true] {
             let limits = vec![
@@ -62,7 +70,7 @@ fn main() {
             let (mut observing, mut solving) = (f64::INFINITY, f64::INFINITY);
             for _ in 0..ROUNDS {
                 let start = Instant::now();
-                let observations = Painting { targets: &[target] }.observations(&floor, &limits);
+                let observations = Painting::observe_all(vec![target.clone()], &floor, LAMPS);
                 observing = observing.min(start.elapsed().as_secs_f64());
                 let start = Instant::now();
                 black_box(solve(&observations, &limits)).expect("an answer");

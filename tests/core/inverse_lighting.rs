@@ -4,8 +4,8 @@
 use glam::{Vec2, Vec3};
 use sunroom::color::{LUMINANCE, Rgb};
 use sunroom::inverse_lighting::{
-    Fit, LampLight, LampLimits, Limit, Observation, Observations, PULL, Painting, Stroke, Target, Unsolvable, Wanted,
-    Wish, solve,
+    Fit, LampLight, LampLimits, Limit, Observation, Observations, PULL, Painting, Range, Seen, Stroke, Target, Tried,
+    Unsolvable, Wanted, Wish, place, solve,
 };
 
 use crate::split_mix::Random;
@@ -52,8 +52,30 @@ impl Floor {
         (0..self.layers.first().map_or(0, Vec::len)).map(pixel).collect()
     }
 
-    fn fit(&self, targets: &[Target], limits: &[LampLimits]) -> Result<Fit, Unsolvable> {
-        solve(&Painting { targets }.observations(self, limits), limits)
+    fn fit(&self, target: impl Into<Want>, limits: &[LampLimits]) -> Result<Fit, Unsolvable> {
+        let targets = target.into().0;
+        solve(&Painting::observe_all(targets, self, limits.len()), limits)
+    }
+}
+
+/// A wanted picture or strokes.
+struct Want(Vec<Target>);
+
+impl From<&Vec<Option<Rgb>>> for Want {
+    fn from(picture: &Vec<Option<Rgb>>) -> Self {
+        Self(vec![Target::Picture(picture.clone().into())])
+    }
+}
+
+impl From<&Stroke> for Want {
+    fn from(stroke: &Stroke) -> Self {
+        Self(vec![Target::Stroke(stroke.clone())])
+    }
+}
+
+impl From<&[Stroke]> for Want {
+    fn from(strokes: &[Stroke]) -> Self {
+        Self(strokes.iter().cloned().map(Target::Stroke).collect())
     }
 }
 
@@ -62,12 +84,25 @@ impl LampLight for Floor {
         SIZE
     }
 
-    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<(Rgb, Rgb)> {
+    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
         let pixel = y * SIZE[0] + x;
         for (light, layer) in light.iter_mut().zip(&self.layers) {
             *light = layer[pixel as usize];
         }
-        Some((self.rest, albedo(pixel)))
+        Some(Seen {
+            rest: self.rest,
+            present: self.rest + light.iter().sum::<Rgb>(),
+        })
+    }
+
+    fn irradiance_at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
+        let scale = std::f32::consts::PI / albedo(y * SIZE[0] + x).x;
+        let seen = self.at(x, y, light)?;
+        light.iter_mut().for_each(|light| *light *= scale);
+        Some(Seen {
+            rest: scale * seen.rest,
+            present: scale * seen.present,
+        })
     }
 }
 
@@ -110,7 +145,7 @@ fn lamps_that_made_a_picture_come_back() {
         for colored in [false, true] {
             let truth = random_gains(lamps, colored, 100 + scene as u64);
             let picture = floor.picture(&truth);
-            let fit = floor.fit(&[Target::Picture(&picture)], &limits(lamps, colored));
+            let fit = floor.fit(&picture, &limits(lamps, colored));
             let fit = fit.expect("an answer");
             let error = worst(&fit.gains, &truth);
             assert!(error < 0.01, "{lamps} lamps, colours {colored}: {error}");
@@ -166,9 +201,7 @@ fn noise_of_the_layers_is_averaged_away() {
         // As with few samples: a third of the pixels have three times the light.
         *light *= if unit(&mut random) < 1.0 / 3.0 { 3.0 } else { 0.0 };
     }
-    let fit = noisy
-        .fit(&[Target::Picture(&picture)], &limits(6, false))
-        .expect("an answer");
+    let fit = noisy.fit(&picture, &limits(6, false)).expect("an answer");
     let mut pixels = Observations::new(6);
     for (place, wanted) in picture.iter().copied().flatten().enumerate() {
         let light: Vec<Rgb> = noisy.layers.iter().map(|layer| layer[place]).collect();
@@ -328,18 +361,18 @@ fn a_lamp_that_limits_is_named() {
     floor.rest = Rgb::ZERO;
     let brighter = stroke(Wish::Brighter(5.0), Vec2::splat(0.5));
     let weak = vec![LampLimits::of_strength(2.0); 2];
-    let fit = floor.fit(&[Target::Stroke(&brighter)], &weak).expect("an answer");
+    let fit = floor.fit(&brighter, &weak).expect("an answer");
     assert_eq!(fit.limits, [Some(Limit::Most); 2]);
     assert_eq!(fit.gains, [Rgb::splat(2.0); 2]);
     assert!(fit.error > 0.5, "{}", fit.error);
     let strong = vec![LampLimits::of_strength(20.0); 2];
-    let fit = floor.fit(&[Target::Stroke(&brighter)], &strong).expect("an answer");
+    let fit = floor.fit(&brighter, &strong).expect("an answer");
     assert_eq!(fit.limits, [None; 2]);
     assert!(fit.error < 0.05, "{}", fit.error);
     // Light that does not come from the lamps would have to be taken away.
     floor.rest = Rgb::splat(0.01);
     let dark = stroke(Wish::Luminance(0.0), Vec2::splat(0.5));
-    let fit = floor.fit(&[Target::Stroke(&dark)], &strong).expect("an answer");
+    let fit = floor.fit(&dark, &strong).expect("an answer");
     assert_eq!(
         (fit.gains, fit.limits),
         (vec![Rgb::ZERO; 2], vec![Some(Limit::Least); 2])
@@ -351,7 +384,7 @@ fn a_wide_range_does_not_turn_off_a_lamp() {
     let floor = Floor::new(1, 1);
     let darker = stroke(Wish::Darker(2.0), Vec2::splat(0.5));
     let wide = vec![LampLimits::of_strength(1e6); 1];
-    let fit = floor.fit(&[Target::Stroke(&darker)], &wide).expect("an answer");
+    let fit = floor.fit(&darker, &wide).expect("an answer");
     assert!(
         fit.gains.iter().all(|gain| gain.x > 0.1 && gain.x < 1.0),
         "{:?}",
@@ -365,7 +398,7 @@ fn errors_of_colours_are_relative_to_their_light() {
     (floor.layers, floor.rest) = (vec![vec![Rgb::ZERO; floor.layers[0].len()]], Rgb::Z);
     let blue: Vec<Option<Rgb>> = vec![Some(2.0 * Rgb::Z); floor.layers[0].len()];
     let limits = vec![LampLimits::of_strength(1.0)];
-    let fit = floor.fit(&[Target::Picture(&blue)], &limits).expect("an answer");
+    let fit = floor.fit(&blue, &limits).expect("an answer");
     assert!((fit.error - 0.5).abs() < 1e-3, "{}", fit.error);
 }
 
@@ -377,7 +410,7 @@ fn what_the_target_does_not_decide_stays() {
     floor.layers[2] = floor.layers[0].clone();
     floor.rest = Rgb::ZERO;
     let brighter = stroke(Wish::Brighter(2.0), Vec2::splat(0.5));
-    let fit = floor.fit(&[Target::Stroke(&brighter)], &limits(3, false));
+    let fit = floor.fit(&brighter, &limits(3, false));
     let fit = fit.expect("an answer");
     let expected = [2.0, 1.0, 2.0];
     for (gain, expected) in fit.gains.iter().zip(expected) {
@@ -392,9 +425,7 @@ fn lux_are_met_whatever_the_colour_of_the_floor() {
     floor.layers[0] = (0..SIZE[0] * SIZE[1]).map(albedo).collect();
     floor.rest = Rgb::ZERO;
     let lit = stroke(Wish::Illuminance(500.0), Vec2::new(0.4, 0.6));
-    let fit = floor
-        .fit(&[Target::Stroke(&lit)], &limits(1, false))
-        .expect("an answer");
+    let fit = floor.fit(&lit, &limits(1, false)).expect("an answer");
     let expected = 500.0 / 683.0 / std::f32::consts::PI;
     assert!(
         (fit.gains[0].x / expected - 1.0).abs() < 1e-3,
@@ -411,7 +442,7 @@ fn later_strokes_cover_earlier_ones() {
         hardness: 1.0,
         ..stroke(wish, Vec2::splat(0.4))
     });
-    let fit = floor.fit(&strokes.each_ref().map(Target::Stroke), &limits(4, false));
+    let fit = floor.fit(&strokes[..], &limits(4, false));
     assert!(worst(&fit.expect("an answer").gains, &[Rgb::ONE; 4]) < 0.01);
 }
 
@@ -425,7 +456,7 @@ fn the_same_bits_on_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .expect("a pool");
-        pool.install(|| floor.fit(&[Target::Picture(&picture)], &limits(24, true)))
+        pool.install(|| floor.fit(&picture, &limits(24, true)))
     });
     assert!(fits[0].is_ok());
     assert_eq!(fits[0], fits[1]);
@@ -435,25 +466,148 @@ fn the_same_bits_on_any_number_of_threads() {
 fn what_cannot_be_solved_is_said() {
     let floor = Floor::new(2, 1);
     let brighter = stroke(Wish::Brighter(2.0), Vec2::splat(0.5));
-    let target = [Target::Stroke(&brighter)];
-    assert_eq!(floor.fit(&target, &[]), Err(Unsolvable::NoLamps));
-    assert_eq!(floor.fit(&[], &limits(2, false)), Err(Unsolvable::NoPaint));
+    assert_eq!(floor.fit(&brighter, &[]), Err(Unsolvable::NoLamps));
+    assert_eq!(floor.fit(&[][..], &limits(2, false)), Err(Unsolvable::NoPaint));
     let outside = stroke(Wish::Keep, Vec2::splat(9.0));
-    assert_eq!(
-        floor.fit(&[Target::Stroke(&outside)], &limits(2, false)),
-        Err(Unsolvable::NoPaint)
-    );
+    assert_eq!(floor.fit(&outside, &limits(2, false)), Err(Unsolvable::NoPaint));
     let mut broken = Floor::new(2, 1);
     broken.layers[1].fill(Rgb::NAN);
-    assert_eq!(broken.fit(&target, &limits(2, false)), Err(Unsolvable::NotFinite));
+    assert_eq!(broken.fit(&brighter, &limits(2, false)), Err(Unsolvable::NotFinite));
     let mut wrong = limits(2, false);
     for (least, most) in [(2.0, 1.0), (-1.0, 1.0), (0.0, f32::INFINITY), (f32::NAN, 1.0)] {
         (wrong[1].least, wrong[1].most) = (least, most);
-        assert_eq!(floor.fit(&target, &wrong), Err(Unsolvable::Limits(1)));
+        assert_eq!(floor.fit(&brighter, &wrong), Err(Unsolvable::Limits(1)));
     }
     let count = Unsolvable::Count { limits: 1, lamps: 2 };
     assert_eq!(solve(&Observations::new(2), &limits(1, false)), Err(count));
     let mut fixed = limits(2, false);
     (fixed[0].least, fixed[0].most) = (1.5, 1.5);
-    assert_eq!(floor.fit(&target, &fixed).map(|fit| fit.gains[0]), Ok(Rgb::splat(1.5)));
+    assert_eq!(
+        floor.fit(&brighter, &fixed).map(|fit| fit.gains[0]),
+        Ok(Rgb::splat(1.5))
+    );
+}
+
+/// A lamp over a floor whose place is wanted back, with its strength: light is linear in the strength alone.
+#[test]
+fn a_lamp_is_put_back_to_its_place() {
+    let light = |at: Vec3| -> Vec<Rgb> {
+        let of_pixel = |pixel: u32| {
+            let floor = Vec2::new((pixel % SIZE[0]) as f32, (pixel / SIZE[0]) as f32) / SIZE[1] as f32;
+            let squared = floor.distance_squared(at.truncate()) + at.z * at.z;
+            albedo(pixel) * (at.z / squared.powf(1.5)) / 10.0
+        };
+        (0..SIZE[0] * SIZE[1]).map(of_pixel).collect()
+    };
+    let mut floor = Floor::new(1, 1);
+    let truth = Vec3::new(1.1, 0.35, 0.22);
+    floor.layers = vec![light(truth)];
+    let picture = floor.picture(&[Rgb::splat(1.7)]);
+    let ranges = [[0.8, 0.2, 1.4], [0.5, 0.0, 1.0], [0.3, 0.1, 0.6]].map(|[present, least, most]| Range {
+        present,
+        least,
+        most,
+        step: 1e-4,
+    });
+    let mut shares = Vec::new();
+    let mut try_at = |values: &[f64]| -> Result<_, ()> {
+        floor.layers = vec![light(Vec3::from(std::array::from_fn(|axis| values[axis] as f32)))];
+        let observations = Painting::observe_all(Want::from(&picture).0, &floor, 1);
+        let fit = solve(&observations, &limits(1, false)).expect("an answer");
+        Ok(Some(Tried {
+            residuals: observations.residuals(&fit.gains),
+            found: fit,
+        }))
+    };
+    let placed = place(&ranges, &mut try_at, &mut |share, _| shares.push(share));
+    let placed = placed.expect("it is not stopped").expect("there is light");
+    for (value, truth) in placed.values.iter().zip(truth.to_array()) {
+        assert!((value - f64::from(truth)).abs() < 0.005, "{placed:?}");
+    }
+    assert!((placed.found.gains[0].x / 1.7 - 1.0).abs() < 0.01, "{placed:?}");
+    assert!(placed.error < 0.01 && placed.error_before > 0.1, "{placed:?}");
+    assert!(placed.limits.iter().all(Option::is_none), "{placed:?}");
+    assert!(shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)));
+    // Where the place is out of reach, the limit that it is at is named.
+    let near = ranges.map(|range| Range {
+        most: range.most.min(0.9),
+        ..range
+    });
+    let placed = place(&near, &mut try_at, &mut |_, _| ()).expect("it is not stopped");
+    let placed = placed.expect("there is light");
+    assert_eq!(placed.limits, [Some(Limit::Most), None, None]);
+    assert_eq!(
+        place(&ranges, &mut |_| Err::<Option<Tried<Fit>>, _>(()), &mut |_, _| ()),
+        Err(())
+    );
+}
+
+#[test]
+fn a_dark_lamp_keeps_its_colour() {
+    let floor = Floor::new(1, 1);
+    let tint = Rgb::new(1.0, 0.5, 0.25);
+    let picture = floor.picture(&[2.0 * tint]);
+    let dark = LampLimits {
+        strength: 0.0,
+        color: tint,
+        ..LampLimits::of_strength(MOST)
+    };
+    let fit = floor.fit(&picture, &[dark]).expect("an answer");
+    assert!(fit.gains[0].abs_diff_eq(2.0 * tint, 1e-3), "{:?}", fit.gains);
+}
+
+/// Observations of strokes that have not changed are used again; the answer is that of looking at everything.
+#[test]
+fn only_the_stroke_that_changed_is_looked_at() {
+    struct Watched(Floor, std::sync::atomic::AtomicUsize);
+
+    impl LampLight for Watched {
+        fn size(&self) -> [u32; 2] {
+            self.0.size()
+        }
+
+        fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
+            self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            self.0.at(x, y, light)
+        }
+
+        fn irradiance_at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
+            self.0.irradiance_at(x, y, light)
+        }
+    }
+
+    let watched = Watched(Floor::new(3, 1), Default::default());
+    let looks = || watched.1.swap(0, std::sync::atomic::Ordering::Relaxed);
+    let large = Stroke {
+        radius: 0.3,
+        ..stroke(Wish::Keep, Vec2::new(0.2, 0.5))
+    };
+    let small = stroke(Wish::Brighter(2.0), Vec2::new(0.8, 0.5));
+    let strokes = |last: &Stroke| Want::from(&[large.clone(), last.clone()][..]).0;
+    let mut painting = Painting::default();
+    painting.set(strokes(&small), SIZE, 3);
+    assert!(painting.observe(&watched, || false));
+    let all = looks();
+    let grown = Stroke {
+        path: vec![small.path[0], Vec2::new(0.85, 0.5)],
+        ..small.clone()
+    };
+    painting.set(strokes(&grown), SIZE, 3);
+    // It goes on where it was late.
+    let mut turns = 0;
+    while !painting.observe(&watched, || std::mem::replace(&mut turns, 1) == 0) {}
+    assert!((1..all / 2).contains(&looks()), "{all} before");
+    assert_eq!(
+        painting.observations(),
+        Painting::observe_all(strokes(&grown), &watched, 3)
+    );
+    looks();
+    // A stroke that covers another one changes both.
+    let over = stroke(Wish::Brighter(2.0), Vec2::new(0.2, 0.5));
+    painting.set(strokes(&over), SIZE, 3);
+    assert!(painting.observe(&watched, || false));
+    assert_eq!(
+        painting.observations(),
+        Painting::observe_all(strokes(&over), &watched, 3)
+    );
 }

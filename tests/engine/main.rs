@@ -20,6 +20,7 @@ mod rebuilding;
 mod relighting;
 mod stopping;
 mod view_size;
+mod wanted_light;
 
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};

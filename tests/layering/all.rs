@@ -29,7 +29,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("geometry", &["math", "color", "memory", "sampling"], false),
     ("accel", &["math", "color", "sampling", "geometry"], false),
     ("photometry", &[], false),
-    ("inverse_lighting", &["color", "photometry"], false),
+    ("inverse_lighting", &["color", "photometry", "sampling"], false),
     (
         "texture",
         &["math", "color", "memory", "sampling", "geometry", "photometry"],

@@ -60,6 +60,13 @@ impl Observations {
         self.light.extend(light.iter().copied().chain(dark).take(self.lamps));
     }
 
+    /// Adds those of another list of as many lamps, as those of the stroke with this number.
+    pub(super) fn append_as(&mut self, stroke: usize, other: &Self) {
+        let list = other.list.iter().map(|one| Observation { stroke, ..*one });
+        self.list.extend(list);
+        self.light.extend_from_slice(&other.light);
+    }
+
     /// Adds those of another list of as many lamps.
     pub(super) fn append(&mut self, mut other: Self) {
         self.list.append(&mut other.list);
@@ -100,6 +107,25 @@ impl Observations {
             Wanted::Luminance(wanted) => f64::from(luminance(shown) - wanted).powi(2),
         };
         error / (level * level)
+    }
+
+    /// The errors with these gains, each times the root of its share of the weight, so that the sum of their squares is
+    /// the mean squared relative error. They are in a fixed order of as many numbers whatever the gains are.
+    pub fn residuals(&self, gains: &[Rgb]) -> Vec<f64> {
+        let total: f64 = self.list.iter().map(|one| f64::from(one.weight)).sum();
+        let mut residuals = Vec::with_capacity(3 * self.list.len());
+        for (place, one) in self.list.iter().enumerate() {
+            let shown = self.shown(place, gains);
+            let scale = (f64::from(one.weight) / total.max(f64::MIN_POSITIVE)).sqrt() / f64::from(one.level);
+            match one.wanted {
+                Wanted::Color(color) => {
+                    let errors = (shown - color).as_dvec3() * (scale / 3.0_f64.sqrt());
+                    residuals.extend(errors.to_array());
+                }
+                Wanted::Luminance(wanted) => residuals.push(scale * f64::from(luminance(shown) - wanted)),
+            }
+        }
+        residuals
     }
 
     /// Whether all numbers are finite and no weight is negative.
@@ -193,7 +219,7 @@ pub(super) struct NormalEquations {
 }
 
 impl NormalEquations {
-    fn new(unknowns: usize) -> Self {
+    pub(super) fn new(unknowns: usize) -> Self {
         Self {
             matrix: vec![0.0; unknowns * unknowns],
             right: vec![0.0; unknowns],
@@ -201,7 +227,7 @@ impl NormalEquations {
         }
     }
 
-    fn add_row(&mut self, row: &[f64], wanted: f64, weight: f64) {
+    pub(super) fn add_row(&mut self, row: &[f64], wanted: f64, weight: f64) {
         let count = row.len();
         for (place, &value) in row.iter().enumerate() {
             let scaled = weight * value;

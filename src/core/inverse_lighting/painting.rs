@@ -4,13 +4,16 @@
 //! in the light of a lamp makes least squares underrate the lamp (errors in variables); means have much less of it.
 
 use std::ops::Range;
+use std::sync::Arc;
 
+use glam::UVec2;
 use rayon::prelude::*;
 
 use super::coverage::{Coverage, Stroke};
 use super::observations::{Observation, Observations, Wanted};
-use super::solve::LampLimits;
+use super::wish::Wish;
 use crate::color::{Rgb, luminance};
+use crate::sampling::hash::pcg3d;
 
 /// The width and height of a block in pixels.
 const BLOCK: u32 = 8;
@@ -23,25 +26,67 @@ pub trait LampLight: Sync {
     /// Width and height in pixels.
     fn size(&self) -> [u32; 2];
 
-    /// Writes the radiance of each lamp at a gain of one into `light`, which is black. Returns the radiance of
-    /// everything else and the albedo; None if the pixel has no light yet.
-    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<(Rgb, Rgb)>;
+    /// Writes the radiance of each lamp at a gain of one into `light`, which is black. None if the pixel has no light
+    /// yet.
+    fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen>;
+
+    /// The same of the irradiance on the surface that is seen. None where there is no surface, and where it is not
+    /// known.
+    fn irradiance_at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen>;
+}
+
+/// The light of a pixel besides that of each lamp.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// The light of everything but the lamps in question.
+    pub rest: Rgb,
+    /// The present light of all together, to which wishes refer.
+    pub present: Rgb,
 }
 
 /// Something that wants light.
-#[derive(Clone, Copy, Debug)]
-pub enum Target<'a> {
+#[derive(Clone, Debug)]
+pub enum Target {
     /// A brush stroke.
-    Stroke(&'a Stroke),
+    Stroke(Stroke),
     /// The radiance of each pixel, row by row; None where any will do.
-    Picture(&'a [Option<Rgb>]),
+    Picture(Arc<[Option<Rgb>]>),
 }
 
-/// All that is wanted. Later targets cover earlier ones.
-#[derive(Clone, Copy, Debug)]
-pub struct Painting<'a> {
-    /// The targets.
-    pub targets: &'a [Target<'a>],
+impl Target {
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Stroke(one), Self::Stroke(other)) => one == other,
+            (Self::Picture(one), Self::Picture(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+
+    /// Whether it wants illuminance.
+    fn is_of_irradiance(&self) -> bool {
+        matches!(self, Self::Stroke(stroke) if matches!(stroke.wish, Wish::Illuminance(_)))
+    }
+}
+
+/// All that is wanted, and the observations so far. Later targets cover earlier ones.
+#[derive(Debug, Default)]
+pub struct Painting {
+    size: [u32; 2],
+    lamps: usize,
+    parts: Vec<Part>,
+}
+
+/// A target with what is known of it.
+#[derive(Debug)]
+struct Part {
+    target: Target,
+    /// What it covers of the picture that later targets leave.
+    cover: Cover,
+    /// The size of the picture.
+    size: [u32; 2],
+    /// The rows of blocks that are left to observe.
+    left: Range<u32>,
+    found: Observations,
 }
 
 /// The means over a block.
@@ -55,6 +100,7 @@ struct Means {
 }
 
 /// What a target covers of the picture that later ones leave.
+#[derive(Debug, PartialEq)]
 enum Cover {
     Part(Coverage),
     /// The shares of all pixels, row by row.
@@ -70,7 +116,7 @@ impl Cover {
     }
 
     /// The columns and rows of blocks that it may cover.
-    fn blocks(&self, width: u32, height: u32) -> [Range<u32>; 2] {
+    fn blocks(&self, [width, height]: [u32; 2]) -> [Range<u32>; 2] {
         let (columns, rows) = match self {
             Self::Part(coverage) => (coverage.columns.clone(), coverage.rows.clone()),
             Self::All(_) => (0..width, 0..height),
@@ -79,27 +125,83 @@ impl Cover {
     }
 }
 
-impl Painting<'_> {
-    /// The observations of these lamps, with errors relative to the wanted or the present light, whichever is brighter.
-    /// Strokes are counted as in [`Self::targets`]; a target whose picture
-    /// has another size is left out.
-    pub fn observations(&self, source: &impl LampLight, lamps: &[LampLimits]) -> Observations {
-        let [width, height] = source.size();
-        let mut all = Observations::new(lamps.len());
-        for (target, cover) in self.covers(width, height).into_iter().enumerate() {
-            let [columns, rows] = cover.blocks(width, height);
-            let of_row = |row: u32| {
-                let mut found = Observations::new(lamps.len());
-                for column in columns.clone() {
-                    let means = self.means(target, &cover, [column, row], source, lamps);
-                    if let Some((observation, light)) = means.and_then(|means| means.observation(target)) {
-                        found.push(observation, &light);
-                    }
+impl Painting {
+    /// The observations of these targets in one go.
+    pub fn observe_all(targets: Vec<Target>, source: &impl LampLight, lamps: usize) -> Observations {
+        let mut painting = Self::default();
+        painting.set(targets, source.size(), lamps);
+        painting.observe(source, || false);
+        painting.observations()
+    }
+
+    /// Sets what is wanted of a picture of this size, and the number of lamps. Observations of targets that have not
+    /// changed, and are not covered otherwise, stay. A target whose picture has another size is left out.
+    pub fn set(&mut self, targets: Vec<Target>, size: [u32; 2], lamps: usize) {
+        if (self.size, self.lamps) != (size, lamps) {
+            (self.size, self.lamps, self.parts) = (size, lamps, Vec::new());
+        }
+        let covers = covers(&targets, size);
+        let mut known = std::mem::take(&mut self.parts);
+        let part = |(target, cover): (Target, Cover)| {
+            let same = known
+                .iter()
+                .position(|part| part.target.is_same(&target) && part.cover == cover);
+            same.map(|place| known.swap_remove(place)).unwrap_or_else(|| Part {
+                left: cover.blocks(size)[1].clone(),
+                found: Observations::new(lamps),
+                target,
+                cover,
+                size,
+            })
+        };
+        self.parts = targets.into_iter().zip(covers).map(part).collect();
+    }
+
+    /// The targets, as they were set.
+    pub fn targets(&self) -> Vec<Target> {
+        self.parts.iter().map(|part| part.target.clone()).collect()
+    }
+
+    /// Forgets the observations, because the light is another.
+    pub fn forget(&mut self) {
+        self.parts.iter_mut().for_each(Part::forget);
+    }
+
+    /// Forgets the observations of irradiance.
+    pub fn forget_irradiance(&mut self) {
+        let parts = self.parts.iter_mut();
+        parts
+            .filter(|part| part.target.is_of_irradiance())
+            .for_each(Part::forget);
+    }
+
+    /// Observes what is not known yet, until `is_late`, which is asked every few rows. Returns whether all is known.
+    pub fn observe(&mut self, source: &impl LampLight, mut is_late: impl FnMut() -> bool) -> bool {
+        let rows_at_once = 2 * rayon::current_num_threads() as u32;
+        for part in &mut self.parts {
+            while !part.left.is_empty() {
+                if is_late() {
+                    return false;
                 }
-                found
-            };
-            let of_rows: Vec<_> = rows.into_par_iter().map(of_row).collect();
-            of_rows.into_iter().for_each(|found| all.append(found));
+                let end = part.left.end.min(part.left.start + rows_at_once);
+                let rows = part.left.start..end;
+                let of_rows: Vec<_> = rows
+                    .into_par_iter()
+                    .map(|row| part.row(row, source, self.lamps))
+                    .collect();
+                of_rows.into_iter().for_each(|found| part.found.append(found));
+                part.left.start = end;
+            }
+        }
+        true
+    }
+
+    /// The observations, with errors relative to the wanted or the present light, whichever is brighter. Strokes are
+    /// counted as targets are.
+    pub fn observations(&self) -> Observations {
+        let mut all = Observations::new(self.lamps);
+        for (number, part) in self.parts.iter().enumerate() {
+            all.append_as(number, &part.found);
         }
         let mut levels: Vec<f32> = all.list().iter().map(|one| one.level).collect();
         let middle = levels.len() / 2;
@@ -114,68 +216,100 @@ impl Painting<'_> {
         all
     }
 
-    /// What each target covers that later ones leave.
-    fn covers(&self, width: u32, height: u32) -> Vec<Cover> {
-        let pixels = width as usize * height as usize;
-        let mut left = vec![1.0_f32; pixels];
-        let mut covers: Vec<Cover> = Vec::new();
-        for target in self.targets.iter().rev() {
-            covers.push(match target {
-                Target::Stroke(stroke) => {
-                    let mut coverage = stroke.coverage(width, height);
-                    let columns = coverage.columns.len().max(1);
-                    for (y, row) in coverage.rows.clone().zip(coverage.shares.chunks_mut(columns)) {
-                        let start = y as usize * width as usize + coverage.columns.start as usize;
-                        for (share, left) in row.iter_mut().zip(&mut left[start..]) {
-                            let own = *share;
-                            *share *= *left;
-                            *left *= 1.0 - own;
-                        }
-                    }
-                    Cover::Part(coverage)
-                }
-                Target::Picture(picture) if picture.len() == pixels => {
-                    Cover::All(std::mem::replace(&mut left, vec![0.0; pixels]))
-                }
-                Target::Picture(_) => Cover::Part(Coverage::default()),
-            });
+    /// The pixels whose radiance is wanted, or whose irradiance is: at most `most` of them, chosen evenly, row by row.
+    pub fn pixels(&self, irradiance: bool, most: usize) -> Vec<UVec2> {
+        let [width, height] = self.size;
+        let parts: Vec<&Part> = self
+            .parts
+            .iter()
+            .filter(|part| part.target.is_of_irradiance() == irradiance)
+            .collect();
+        let all = (0..height).flat_map(|y| (0..width).map(move |x| UVec2::new(x, y)));
+        let is_wanted = |at: &UVec2| parts.iter().any(|part| part.cover.share(at.x, at.y, width) > 0.0);
+        let mut wanted: Vec<UVec2> = all.filter(is_wanted).collect();
+        if wanted.len() > most {
+            // Every n-th pixel would be in few columns.
+            wanted.sort_by_cached_key(|at| pcg3d([at.x, at.y, 0]));
+            wanted.truncate(most);
+            wanted.sort_by_key(|at| [at.y, at.x]);
         }
-        covers.reverse();
-        covers
+        wanted
+    }
+}
+
+/// What each target covers that later ones leave.
+fn covers(targets: &[Target], [width, height]: [u32; 2]) -> Vec<Cover> {
+    let pixels = width as usize * height as usize;
+    let mut left = vec![1.0_f32; pixels];
+    let mut covers: Vec<Cover> = Vec::new();
+    for target in targets.iter().rev() {
+        covers.push(match target {
+            Target::Stroke(stroke) => {
+                let mut coverage = stroke.coverage(width, height);
+                let columns = coverage.columns.len().max(1);
+                for (y, row) in coverage.rows.clone().zip(coverage.shares.chunks_mut(columns)) {
+                    let start = y as usize * width as usize + coverage.columns.start as usize;
+                    for (share, left) in row.iter_mut().zip(&mut left[start..]) {
+                        let own = *share;
+                        *share *= *left;
+                        *left *= 1.0 - own;
+                    }
+                }
+                Cover::Part(coverage)
+            }
+            Target::Picture(picture) if picture.len() == pixels => {
+                Cover::All(std::mem::replace(&mut left, vec![0.0; pixels]))
+            }
+            Target::Picture(_) => Cover::Part(Coverage::default()),
+        });
+    }
+    covers.reverse();
+    covers
+}
+
+impl Part {
+    fn forget(&mut self) {
+        self.left = self.cover.blocks(self.size)[1].clone();
+        self.found = Observations::new(self.found.lamps());
     }
 
-    /// The means over a block of what a target covers; None if that is nothing.
-    fn means(
-        &self,
-        target: usize,
-        cover: &Cover,
-        block: [u32; 2],
-        source: &impl LampLight,
-        lamps: &[LampLimits],
-    ) -> Option<Means> {
-        let [width, height] = source.size();
+    /// The observations of a row of blocks.
+    fn row(&self, row: u32, source: &impl LampLight, lamps: usize) -> Observations {
+        let mut found = Observations::new(lamps);
+        for column in self.cover.blocks(self.size)[0].clone() {
+            let means = self.means([column, row], source, lamps);
+            if let Some((observation, light)) = means.and_then(Means::observation) {
+                found.push(observation, &light);
+            }
+        }
+        found
+    }
+
+    /// The means over a block; None if that is not covered.
+    fn means(&self, block: [u32; 2], source: &impl LampLight, lamps: usize) -> Option<Means> {
+        let [width, height] = self.size;
         let [columns, rows] =
             [(block[0], width), (block[1], height)].map(|(block, end)| block * BLOCK..((block + 1) * BLOCK).min(end));
         let mut means: Option<Means> = None;
-        let mut light = vec![Rgb::ZERO; lamps.len()];
+        let mut light = vec![Rgb::ZERO; lamps];
         for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
-            let share = cover.share(x, y, width);
+            let share = self.cover.share(x, y, width);
             if share <= 0.0 {
                 continue;
             }
             light.fill(Rgb::ZERO);
-            let Some((rest, albedo)) = source.at(x, y, &mut light) else {
-                continue;
+            let seen = match self.target.is_of_irradiance() {
+                true => source.irradiance_at(x, y, &mut light),
+                false => source.at(x, y, &mut light),
             };
-            let own = light.iter().zip(lamps).map(|(&light, lamp)| light * lamp.present);
-            let present = rest + own.sum::<Rgb>();
-            let wanted = match self.targets[target] {
-                Target::Stroke(stroke) => stroke.wish.wanted(present, albedo),
+            let Some(seen) = seen else { continue };
+            let wanted = match &self.target {
+                Target::Stroke(stroke) => stroke.wish.wanted(seen.present),
                 Target::Picture(picture) => picture[y as usize * width as usize + x as usize].map(Wanted::Color),
             };
             if let Some(wanted) = wanted {
-                let means = means.get_or_insert_with(|| Means::new(lamps.len()));
-                means.add(share.into(), wanted, present, rest, &light);
+                let means = means.get_or_insert_with(|| Means::new(lamps));
+                means.add(share.into(), wanted, seen, &light);
             }
         }
         means
@@ -194,7 +328,7 @@ impl Means {
         }
     }
 
-    fn add(&mut self, weight: f64, wanted: Wanted, present: Rgb, rest: Rgb, light: &[Rgb]) {
+    fn add(&mut self, weight: f64, wanted: Wanted, seen: Seen, light: &[Rgb]) {
         self.weight += weight;
         let wanted = match wanted {
             Wanted::Color(color) => {
@@ -206,7 +340,7 @@ impl Means {
         let sums = [&mut self.wanted, &mut self.present, &mut self.rest]
             .into_iter()
             .chain(&mut self.light);
-        for (sum, value) in sums.zip([&wanted, &present, &rest].into_iter().chain(light)) {
+        for (sum, value) in sums.zip([&wanted, &seen.present, &seen.rest].into_iter().chain(light)) {
             for (sum, value) in sum.iter_mut().zip(value.to_array()) {
                 *sum += weight * f64::from(value);
             }
@@ -214,7 +348,7 @@ impl Means {
     }
 
     /// The observation and the light of each lamp.
-    fn observation(self, stroke: usize) -> Option<(Observation, Vec<Rgb>)> {
+    fn observation(self) -> Option<(Observation, Vec<Rgb>)> {
         if self.weight <= 0.0 {
             return None;
         }
@@ -236,7 +370,7 @@ impl Means {
             rest: mean(self.rest),
             weight: self.weight as f32,
             level,
-            stroke,
+            stroke: 0,
         };
         Some((observation, light))
     }

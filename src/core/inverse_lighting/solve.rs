@@ -24,8 +24,10 @@ const AT_LIMIT: f64 = 1e-6;
 /// What may be changed of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LampLimits {
-    /// The present gain. If only the strength is unknown, gains are multiples of this colour.
-    pub present: Rgb,
+    /// The present strength, at least 0.
+    pub strength: f32,
+    /// The present colour, with a largest component of 1. If only the strength is unknown, gains are multiples of it.
+    pub color: Rgb,
     /// Whether the three components are unknown, each within the limits; otherwise they have one factor.
     pub colored: bool,
     /// The least strength, at least 0.
@@ -88,43 +90,39 @@ impl LampLimits {
     /// A lamp with the gain 1, of which only the strength may change, up to `most`.
     pub fn of_strength(most: f32) -> Self {
         Self {
-            present: Rgb::ONE,
+            strength: 1.0,
+            color: Rgb::ONE,
             colored: false,
             least: 0.0,
             most,
         }
     }
 
+    /// The present gain.
+    pub fn gain(&self) -> Rgb {
+        self.strength * self.color
+    }
+
     /// The factor of a component for a strength of one.
     pub(super) fn tint(&self, channel: usize) -> f64 {
-        f64::from(self.color()[channel])
-    }
-
-    /// The colour whose multiples the gains are, with a largest component of 1.
-    fn color(&self) -> Rgb {
-        let strength = self.strength();
-        match self.colored || strength <= 0.0 {
-            true => Rgb::ONE,
-            false => self.present / strength,
+        match self.colored {
+            true => 1.0,
+            false => f64::from(self.color[channel]),
         }
-    }
-
-    /// The present strength: the largest component of the gain.
-    fn strength(&self) -> f32 {
-        self.present.max_element()
     }
 
     /// The present values of the unknowns.
     fn unknowns(&self) -> Vec<f64> {
         match self.colored {
-            true => self.present.to_array().map(f64::from).to_vec(),
-            false => vec![f64::from(self.strength())],
+            true => self.gain().to_array().map(f64::from).to_vec(),
+            false => vec![f64::from(self.strength)],
         }
     }
 
     fn are_valid(&self) -> bool {
-        let are_finite = self.present.is_finite() && self.least.is_finite() && self.most.is_finite();
-        are_finite && self.present.min_element() >= 0.0 && 0.0 <= self.least && self.least <= self.most
+        let are_finite = self.gain().is_finite() && self.least.is_finite() && self.most.is_finite();
+        let is_color = self.color.min_element() >= 0.0 && self.color.max_element() > 0.0;
+        are_finite && self.strength >= 0.0 && is_color && 0.0 <= self.least && self.least <= self.most
     }
 }
 
@@ -159,7 +157,7 @@ pub fn solve(observations: &Observations, limits: &[LampLimits]) -> Result<Fit, 
     let at_limits = snap(&equations, &bounds, &mut values);
     let gain = |(limits, unknowns): (&LampLimits, &Range<usize>)| match values[unknowns.clone()] {
         [r, g, b] => Rgb::new(r as f32, g as f32, b as f32),
-        ref strength => strength[0] as f32 * limits.color(),
+        ref strength => strength[0] as f32 * limits.color,
     };
     let gains: Vec<Rgb> = limits.iter().zip(&unknowns).map(gain).collect();
     let limit = |unknowns: &Range<usize>| at_limits[unknowns.clone()].iter().copied().flatten().next();
@@ -196,6 +194,15 @@ impl NormalEquations {
         }
     }
 
+    /// Adds a slight pull towards zero, beside the largest element of the matrix.
+    pub(super) fn keep_still(&mut self) {
+        let count = self.right.len();
+        let largest = (0..count).map(|place| self.at(place, place)).fold(0.0, f64::max);
+        for place in 0..count {
+            self.matrix[place * count + place] += 1e-9 * largest + 1e-30;
+        }
+    }
+
     /// An element of the symmetric matrix.
     fn at(&self, row: usize, column: usize) -> f64 {
         self.matrix[row.max(column) * self.right.len() + row.min(column)]
@@ -212,7 +219,7 @@ impl NormalEquations {
 }
 
 /// Minimises the error within the bounds. Unknowns are scaled so that the matrix has ones on its diagonal.
-fn minimise(equations: &NormalEquations, bounds: &[[f64; 2]]) -> Result<Vec<f64>, Unsolvable> {
+pub(super) fn minimise(equations: &NormalEquations, bounds: &[[f64; 2]]) -> Result<Vec<f64>, Unsolvable> {
     let count = bounds.len();
     let scale: Vec<f64> = (0..count).map(|place| equations.at(place, place).sqrt()).collect();
     let upper = || (0..count).flat_map(|column| (0..=column).map(move |row| (row, column)));

@@ -1,13 +1,8 @@
 //! The light that a stroke wants, beside the present light.
 
-use std::f32::consts::PI;
-
 use super::observations::Wanted;
 use crate::color::{Rgb, luminance};
 use crate::photometry::LUMENS_PER_WATT;
-
-/// The least albedo at which the light that falls on a surface is told from the light that it scatters.
-const LEAST_ALBEDO: f32 = 0.02;
 
 /// The light that a stroke wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +13,7 @@ pub enum Wish {
     Darker(f32),
     /// This luminance in nit, of any colour.
     Luminance(f32),
-    /// This illuminance in lux, of any colour. The luminance of a Lambertian surface under it is albedo / pi times as
-    /// much; places with an albedo below 0.02 are left out.
+    /// This illuminance in lux, of any colour, on the side of the surface that faces the camera.
     Illuminance(f32),
     /// The present luminance with the hue and saturation of this linear Rec. 709 colour, which is not black.
     Color(Rgb),
@@ -50,17 +44,14 @@ impl Wish {
         }
     }
 
-    /// The light that is wanted at a place with this light and albedo; None where the wish makes no sense.
-    pub fn wanted(self, present: Rgb, albedo: Rgb) -> Option<Wanted> {
+    /// The light that is wanted at a place with this radiance, or this irradiance if illuminance is wanted; None where
+    /// the wish makes no sense.
+    pub fn wanted(self, present: Rgb) -> Option<Wanted> {
         let of_lumens = |lumens: f32| Wanted::Luminance(lumens / LUMENS_PER_WATT);
         match self {
             Self::Brighter(factor) => Some(Wanted::Color(present * factor)),
             Self::Darker(factor) => Some(Wanted::Color(present / factor)),
-            Self::Luminance(nit) => Some(of_lumens(nit)),
-            Self::Illuminance(lux) => {
-                let albedo = luminance(albedo);
-                (albedo >= LEAST_ALBEDO).then(|| of_lumens(lux * albedo / PI))
-            }
+            Self::Luminance(lumens) | Self::Illuminance(lumens) => Some(of_lumens(lumens)),
             Self::Color(color) => {
                 let level = luminance(present) / luminance(color);
                 level.is_finite().then_some(Wanted::Color(color * level))

@@ -22,6 +22,7 @@ mod hit;
 mod hosek_wilkie;
 mod infinite;
 mod luminaire;
+mod moved;
 mod output;
 mod plain;
 mod point;

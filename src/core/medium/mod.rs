@@ -140,6 +140,11 @@ impl MediumTable {
         }
     }
 
+    /// Whether a medium emits light.
+    pub fn glows(&self) -> bool {
+        self.media.iter().any(|medium| medium.source.emission != Volume::ZERO)
+    }
+
     /// The same media without light of their own.
     pub fn without_emission(&self) -> Self {
         let dark = |medium: &Medium| MediumSource {

@@ -21,6 +21,7 @@ mod illuminance;
 pub mod image_io;
 pub mod inspect;
 pub mod irradiance;
+pub mod lamps_alone;
 mod lanes;
 pub mod layered_image;
 pub mod layers;

@@ -18,7 +18,7 @@ use sunroom::app::editor::command::display::DisplaySettings;
 use sunroom::app::editor::command::inspected_paths::InspectedPaths;
 use sunroom::app::editor::command::key_bindings::NO_BINDINGS;
 use sunroom::app::editor::command::light_mix::LightMix;
-use sunroom::app::editor::command::light_paint::{Answer, Brush, LampChoice};
+use sunroom::app::editor::command::light_paint::{Answer, Brush, LampChoice, Placement, Proposal};
 use sunroom::app::editor::command::meter_choice::MeterChoice;
 use sunroom::app::editor::command::presets;
 use sunroom::app::editor::command::resolution::Resolution;
@@ -45,6 +45,7 @@ use sunroom::app::editor::picture::reasons::{Explanation, NamedPortion, Reasons}
 use sunroom::bake::progress::{Progress, Stage};
 use sunroom::color::Rgb;
 use sunroom::document::{Interpolation, Key, Severity, Track, Value};
+use sunroom::engine::lamp_freedom::{FreedomKind, LampFreedom};
 use sunroom::engine::reasons::{Group, Lamp, Via};
 use sunroom::engine::{PackedScene, RenderState, RenderStatus};
 use sunroom::geometry::primitives::unit_cube;
@@ -239,13 +240,35 @@ pub fn light_painting() -> RgbImage {
     let colored = LampChoice {
         colored: true,
         most: 4.0,
+        freedom: LampFreedom {
+            radius: 0.5,
+            turn: 30.0,
+            ..LampFreedom::default()
+        },
         ..LampChoice::default()
     };
     let fixed = LampChoice {
         chosen: false,
+        freedom: LampFreedom {
+            hours: Some([9.0, 17.0]),
+            ..LampFreedom::default()
+        },
         ..LampChoice::default()
     };
+    let proposal = Proposal {
+        placements: vec![(entity(51), Placement::Pose(Affine3A::IDENTITY))],
+        notes: vec![
+            "The error becomes 3.1 % in place of 11.9 %.".to_owned(),
+            "reading lamp moves by 0.412 and turns by 21.5°.".to_owned(),
+            "sky stands as at 14:35 on 2010-07-10.".to_owned(),
+        ],
+        ..Proposal::default()
+    };
+    let freedoms = [FreedomKind::Pose, FreedomKind::Place, FreedomKind::Sun];
     let model = PaintingModel {
+        picture: Some("wanted.exr".to_owned()),
+        freedoms: (51..).map(entity).zip(freedoms).collect(),
+        proposal: Some(Arc::new(proposal)),
         strokes: [Brush::default().stroke(vec![Vec2::splat(0.5)])].into(),
         lamps: vec![(entity(51), colored), (entity(53), fixed)],
         answer: Some(Arc::new(Answer {
@@ -262,7 +285,7 @@ pub fn light_painting() -> RgbImage {
         let lights = lights.map(|(light, name)| (entity(light), name.to_owned()));
         panels::light_painting::light_painting(ui, model, &lights, &mut Vec::new());
     };
-    panel([RIGHT, 600], model, show, |_| ())
+    panel([RIGHT, 860], model, show, |_| ())
 }
 
 pub fn library() -> RgbImage {

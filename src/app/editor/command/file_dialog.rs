@@ -23,6 +23,8 @@ pub enum FileDialogKind {
     FindFile(FileKind),
     /// A picture of all directions, for an environment light.
     OpenEnvironment,
+    /// The picture of the light you want.
+    WantedPicture,
     /// The folder for a level with its lightmaps.
     BakeFolder,
     /// A folder for the list of the browser of assets.

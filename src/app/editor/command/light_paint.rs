@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bevy::math::Affine3A;
 use bevy::prelude::{Entity, Resource, Vec2};
 
 use super::light_mix::LightMix;
@@ -10,9 +11,11 @@ use super::traits::Traits;
 use super::{Command, DisplayCommand};
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
+use crate::engine::lamp_freedom::LampFreedom;
 use crate::inverse_lighting::{Stroke, Wish};
 use crate::render::camera::Camera;
 use crate::render::view::View;
+use crate::scene::SunSky;
 
 /// The most strokes of a painting.
 pub const MOST_STROKES: usize = 64;
@@ -44,6 +47,30 @@ pub struct LightPainting {
     pub(crate) answered: Option<Answered>,
     /// What was found.
     pub answer: Option<Arc<Answer>>,
+    /// Places, aims and times of lamps that were found, until they are accepted or discarded.
+    pub proposal: Option<Arc<Proposal>>,
+}
+
+/// Places, aims and times of lamps, and the strengths that belong to them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Proposal {
+    /// The lamps that change.
+    pub placements: Vec<(Entity, Placement)>,
+    /// The mix with the strengths.
+    pub mix: LightMix,
+    /// Sentences about what would change, what is not met, and what limits it.
+    pub notes: Vec<String>,
+    /// The state of the painting that it is for.
+    pub(crate) revision: u64,
+}
+
+/// Where a lamp would be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Placement {
+    /// The transform to the world, of shapes from their middle.
+    Pose(Affine3A),
+    /// Sun and sky at another time.
+    Sun(Box<SunSky>),
 }
 
 /// What an answer is for.
@@ -108,6 +135,8 @@ pub struct LampChoice {
     pub least: f32,
     /// The largest strength.
     pub most: f32,
+    /// What else may change of it, in the slower search.
+    pub freedom: LampFreedom,
 }
 
 impl Default for LampChoice {
@@ -117,6 +146,7 @@ impl Default for LampChoice {
             colored: false,
             least: 0.0,
             most: USUAL_MOST,
+            freedom: LampFreedom::default(),
         }
     }
 }
@@ -188,6 +218,11 @@ pub enum LightPaintCommand {
     /// Finds the strengths with all samples of the picture. They are found again by themselves when strokes change and
     /// when the picture has twice as many samples.
     Solve,
+    /// Searches for places, aims and times of the lamps that may change them, in the background. The scene stays as it
+    /// is until what was found is accepted.
+    Place,
+    /// Ends the search without an answer, and discards what was found.
+    Discard,
 }
 
 impl From<LightPaintCommand> for Command {
@@ -199,8 +234,10 @@ impl From<LightPaintCommand> for Command {
 impl LightPaintCommand {
     pub(super) fn traits(&self) -> Traits {
         match self {
-            Self::Solve => Traits::NONE.of_pixels(),
-            Self::SetBrush(_) | Self::SetStrokes(_) | Self::SetTarget(_) | Self::SetLamp(..) => Traits::NONE,
+            Self::Solve | Self::Place => Traits::NONE.of_pixels(),
+            Self::SetBrush(_) | Self::SetStrokes(_) | Self::SetTarget(_) | Self::SetLamp(..) | Self::Discard => {
+                Traits::NONE
+            }
         }
     }
 }

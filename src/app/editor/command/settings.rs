@@ -18,6 +18,8 @@ pub enum SettingsEdit {
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, and makes the mix neutral.
     BakeLights,
+    /// Gives lamps the places, aims, times and strengths that were found for the light that is wanted.
+    AcceptLamps,
 }
 
 impl SettingsEdit {
@@ -29,6 +31,7 @@ impl SettingsEdit {
             Self::SetLightUnits(_) => Traits::edit("Set units of light").keeping_picture(),
             Self::SetAccel(_) => Traits::edit("Edit hierarchy"),
             Self::BakeLights => Traits::edit("Bake light mix"),
+            Self::AcceptLamps => Traits::edit("Place lamps for the wanted light"),
         }
     }
 }

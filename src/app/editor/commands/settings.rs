@@ -2,17 +2,18 @@
 
 use bevy::prelude::*;
 
+use super::things::set_pose;
 use super::world::set_resource;
 use crate::app::editor::command::SettingsEdit;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
-use crate::app::editor::command::light_paint::LightPainting;
+use crate::app::editor::command::light_paint::{LightPainting, Placement};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::color::Rgb;
 use crate::document::{LIGHT_UNITS, UNIT};
 use crate::engine::RenderFilm;
-use crate::scene::{AreaLight, AuthoredScene, Emitter};
+use crate::scene::{AreaLight, AuthoredScene, Emitter, EmitterKind};
 
 /// Makes the edit.
 pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> {
@@ -29,6 +30,7 @@ pub fn edit(edit: &mut Edit, command: SettingsEdit) -> Result<(), CommandError> 
             warn_of_taken_name(edit.world, LIGHT_UNITS);
         }
         SettingsEdit::BakeLights => bake(edit)?,
+        SettingsEdit::AcceptLamps => accept_lamps(edit)?,
     }
     Ok(())
 }
@@ -62,6 +64,39 @@ fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     edit.world.insert_resource(left);
     if let Some(mut painting) = edit.world.get_resource_mut::<LightPainting>() {
         painting.clear();
+    }
+    Ok(())
+}
+
+/// Places the lamps as was found, and bakes the strengths that belong to that.
+fn accept_lamps(edit: &mut Edit) -> Result<(), CommandError> {
+    let painting = edit.world.get_resource::<LightPainting>();
+    let Some(proposal) = painting.and_then(|painting| painting.proposal.clone()) else {
+        return Err("No places of lamps were found yet.".into());
+    };
+    for (lamp, placement) in &proposal.placements {
+        match (placement, edit.world.get::<Emitter>(*lamp)) {
+            (Placement::Pose(pose), _) => set_pose(edit, *lamp, *pose),
+            (Placement::Sun(sky), Some(emitter)) => {
+                let emitter = Emitter {
+                    kind: EmitterKind::SunSky((**sky).clone()),
+                    ..emitter.clone()
+                };
+                edit.set(*lamp, emitter);
+            }
+            (Placement::Sun(_), None) => return Err("The sun is gone.".into()),
+        }
+    }
+    edit.check_poses()?;
+    let mix = edit.world.resource::<LightMix>().with_channels(proposal.mix.clone());
+    edit.world.insert_resource(mix);
+    let gains = edit
+        .world
+        .resource::<LightMix>()
+        .gains(&edit.world.resource::<RenderFilm>().light_groups);
+    match gains.is_empty() {
+        true => edit.world.resource_mut::<LightPainting>().clear(),
+        false => bake(edit)?,
     }
     Ok(())
 }

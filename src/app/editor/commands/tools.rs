@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::texturing;
+use super::{light_paint, texturing};
 use crate::app::editor::command::ToolCommand;
 use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
@@ -18,6 +18,10 @@ pub fn apply(world: &mut World, command: ToolCommand) -> Result<(), CommandError
         ToolCommand::SetTool(tool) => {
             if tool == Tool::PlaceTexture {
                 texturing::need_textures(world)?;
+            }
+            if tool == Tool::PaintLight {
+                // The panel has the brush and the lamps.
+                light_paint::keep_lamps_apart(world);
             }
             if tool.blocks_out() {
                 keep_step(world);

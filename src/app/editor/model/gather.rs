@@ -10,7 +10,9 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::leaks::Leaks;
-use super::{ComparisonModel, EditorModel, HistoryModel, Item, MissingItem, Notice, Outline, StatusModel};
+use super::{
+    ComparisonModel, EditorModel, HistoryModel, Item, MissingItem, Notice, Outline, PaintingModel, StatusModel,
+};
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::light_paint::LightPainting;
 use crate::app::editor::command::preferences::Preferences;
@@ -22,6 +24,7 @@ use crate::app::editor::picture::carrying::Carrying;
 use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
+use crate::app::editor::picture::light_search::LampPlacing;
 use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::session::history::History;
@@ -29,7 +32,8 @@ use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::{self, SCENE_FILES};
 use crate::document::{Diagnostic, Diagnostics, Severity};
-use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
+use crate::engine::lamp_freedom::FreedomKind;
+use crate::engine::{LightGroup, PackedScene, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings, LengthUnit,
     LightUnits, Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind,
@@ -140,22 +144,36 @@ pub struct PictureState<'w> {
     choices: Res<'w, Preferences>,
     awaited_image: Option<Res<'w, AwaitedImage>>,
     carrying: Option<Res<'w, Carrying>>,
+    placing: Option<Res<'w, LampPlacing>>,
+    packed: Res<'w, PackedScene>,
 }
 
 impl PictureState<'_> {
-    fn painting(&self) -> super::PaintingModel {
+    fn painting(&self) -> PaintingModel {
         let Some(painting) = &self.painting else {
-            return super::PaintingModel::default();
+            return PaintingModel::default();
         };
-        super::PaintingModel {
+        PaintingModel {
             tool_is_on: self.view.tool == Tool::PaintLight,
             brush: painting.brush,
             strokes: painting.strokes.clone(),
-            has_picture: painting.picture.is_some(),
+            picture: painting.picture.as_ref().map(|picture| {
+                let name = picture.path.file_name().unwrap_or_default();
+                name.to_string_lossy().into_owned()
+            }),
             is_elsewhere: painting.is_elsewhere(&self.film),
             lamps: painting.lamps().to_vec(),
             answer: painting.answer.clone(),
+            freedoms: Arc::default(),
+            placing: self.placing.as_ref().and_then(|placing| placing.progress()),
+            proposal: painting.proposal.clone(),
         }
+    }
+
+    /// What can change of each light with a layer.
+    fn freedoms(&self) -> Arc<[(Entity, FreedomKind)]> {
+        let lights = self.film.light_groups.iter().filter_map(|group| group.entities.first());
+        lights.map(|&light| (light, self.packed.lamps.freedom(light))).collect()
     }
 
     fn lights(&self, outline: &Outline) -> Vec<(Entity, String)> {
@@ -231,8 +249,12 @@ pub fn gather_status(
     {
         mixing.lights = picture.lights(outline);
         *named = Some((groups.clone(), Arc::downgrade(outline)));
+        model.render.painting.freedoms = picture.freedoms();
     }
-    model.render.painting = picture.painting();
+    model.render.painting = PaintingModel {
+        freedoms: std::mem::take(&mut model.render.painting.freedoms),
+        ..picture.painting()
+    };
     model.render.comparison = ComparisonModel {
         snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
         is_of_other_scene: picture.comparison.is_of_other_scene,

@@ -4,10 +4,11 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::fields::NumberStyle;
+use super::lamp_placing::{freedom_rows, placing_rows};
 use super::{color_field, fields};
 use crate::app::editor::command::light_paint::{Brush, LampChoice};
 use crate::app::editor::command::tool::Tool;
-use crate::app::editor::command::{Command, LightPaintCommand, ToolCommand};
+use crate::app::editor::command::{Command, FileCommand, FileDialogKind, LightPaintCommand, ToolCommand};
 use crate::app::editor::model::PaintingModel;
 use crate::inverse_lighting::Wish;
 
@@ -26,12 +27,23 @@ pub fn light_painting(ui: &mut Ui, model: &PaintingModel, lights: &[(Entity, Str
             };
             commands.push(ToolCommand::SetTool(tool).into());
         }
+        let hint = "Want a picture of the same view: an EXR file by its radiance, others by their linear colours";
+        if ui.button("Wanted picture…").on_hover_text(hint).clicked() {
+            commands.push(FileCommand::ShowDialog(FileDialogKind::WantedPicture).into());
+        }
     });
+    if let Some(name) = &model.picture {
+        fields::note(ui, "Picture", name.clone());
+    }
     for (light, name) in lights {
         ui.push_id(("wanted", light), |ui| {
             let choice = model.lamps.iter().find(|(lamp, _)| lamp == light);
             let mut choice = choice.map_or_else(LampChoice::default, |(_, choice)| *choice);
-            if lamp_rows(ui, name, &mut choice) {
+            let mut changed = lamp_rows(ui, name, &mut choice);
+            if let Some((_, kind)) = model.freedoms.iter().find(|(lamp, _)| lamp == light) {
+                changed |= freedom_rows(ui, *kind, &mut choice.freedom);
+            }
+            if changed {
                 commands.push(LightPaintCommand::SetLamp(*light, choice).into());
             }
         });
@@ -42,8 +54,9 @@ pub fn light_painting(ui: &mut Ui, model: &PaintingModel, lights: &[(Entity, Str
         true => drop(ui.label(elsewhere)),
         false => notes.for_each(|note| drop(ui.label(note))),
     }
+    let has_strokes = !model.strokes.is_empty();
+    let is_wanted = has_strokes || model.picture.is_some();
     fields::buttons(ui, |ui| {
-        let has_strokes = !model.strokes.is_empty();
         if ui
             .add_enabled(has_strokes, egui::Button::new("Remove stroke"))
             .clicked()
@@ -51,7 +64,6 @@ pub fn light_painting(ui: &mut Ui, model: &PaintingModel, lights: &[(Entity, Str
             let but_last = model.strokes[..model.strokes.len().saturating_sub(1)].to_vec();
             commands.push(LightPaintCommand::SetStrokes(but_last).into());
         }
-        let is_wanted = has_strokes || model.has_picture;
         let clear = ui.add_enabled(is_wanted, egui::Button::new("Clear"));
         if clear
             .on_hover_text("Remove all strokes; the lights are mixed as before")
@@ -61,6 +73,7 @@ pub fn light_painting(ui: &mut Ui, model: &PaintingModel, lights: &[(Entity, Str
             commands.push(LightPaintCommand::SetStrokes(Vec::new()).into());
         }
     });
+    placing_rows(ui, model, is_wanted, commands);
 }
 
 /// The kinds of wishes with their names in the panel.

@@ -25,6 +25,7 @@ mod key_buttons;
 pub(crate) mod key_marks;
 mod kind_icons;
 pub mod lamp_light;
+mod lamp_placing;
 mod lamps;
 pub mod layers;
 pub mod lengths;

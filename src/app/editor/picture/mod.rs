@@ -16,6 +16,7 @@ mod filter_work;
 pub mod frame_times;
 pub mod lamp_light;
 pub mod legend;
+pub mod light_search;
 pub(crate) mod material_ball;
 pub mod metering;
 pub(crate) mod motion;

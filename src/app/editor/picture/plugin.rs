@@ -8,6 +8,7 @@ use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::frame_times::{self, FrameTimes};
 use super::lamp_light::LampFollower;
+use super::light_search::{LampPlacing, StrokeLux};
 use super::metering::Metering;
 use super::motion::Motion;
 use super::noise_trend::NoiseTrend;
@@ -33,6 +34,8 @@ impl Plugin for PicturePlugin {
             .init_resource::<Metering>()
             .init_resource::<NoiseTrend>()
             .init_resource::<LampFollower>()
+            .init_resource::<LampPlacing>()
+            .init_resource::<StrokeLux>()
             .init_resource::<OutlinePass>()
             .init_resource::<PathInspector>()
             .init_resource::<PicturePlace>()

@@ -48,11 +48,13 @@ pub enum ToolIcon {
     Window,
     /// A ruler: measure.
     Ruler,
+    /// A brush with rays: paint the light you want.
+    LightBrush,
 }
 
 impl ToolIcon {
     /// All icons.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Select,
         Self::Move,
         Self::Rotate,
@@ -73,6 +75,7 @@ impl ToolIcon {
         Self::Door,
         Self::Window,
         Self::Ruler,
+        Self::LightBrush,
     ];
 }
 
@@ -221,6 +224,15 @@ fn marks(icon: ToolIcon) -> &'static [Mark] {
             Line(&[(4.6, 7.7), (6.3, 9.4)]),
             Line(&[(6.9, 5.4), (8.6, 7.1)]),
             Line(&[(9.2, 3.1), (10.9, 4.8)]),
+        ],
+        ToolIcon::LightBrush => &[
+            Line(&[(14.5, 1.5), (9.0, 7.0)]),
+            Loop(&[(9.0, 7.0), (6.6, 7.6), (4.4, 11.6), (8.4, 9.4)]),
+            Line(&[(1.2, 14.8), (2.6, 13.4)]),
+            Line(&[(1.0, 9.4), (2.8, 10.2)]),
+            Line(&[(6.6, 15.0), (5.8, 13.2)]),
+            Line(&[(4.6, 4.2), (5.4, 5.8)]),
+            Line(&[(11.8, 11.4), (10.2, 10.6)]),
         ],
     }
 }

@@ -56,7 +56,7 @@ pub(crate) fn toolbar(ui: &mut Ui, panel: Rect, model: &ViewportModel, commands:
 }
 
 /// The tools that build and place, each with its action; None: a gap.
-const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
+const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 12] = [
     Some((
         ToolIcon::Box,
         Tool::Draw(BlockKind::Box),
@@ -108,11 +108,17 @@ const BUILDING: [Option<(ToolIcon, Tool, &str, &str)>; 11] = [
         "ruler",
         "Measure a distance between two points",
     )),
+    Some((
+        ToolIcon::LightBrush,
+        Tool::PaintLight,
+        "light-brush",
+        "Paint the light you want: the lamps follow",
+    )),
 ];
 
 /// The place of the tools at the left of the picture's panel.
 pub(super) fn column_place(panel: Rect) -> Rect {
-    const SIZE: egui::Vec2 = egui::vec2(32.0, 257.0);
+    const SIZE: egui::Vec2 = egui::vec2(32.0, 283.0);
     // The caption of the picture is above the column.
     let top = (panel.center().y - 0.5 * SIZE.y).max(panel.top() + 80.0);
     Rect::from_min_size(egui::pos2(panel.left() + 6.0, top), SIZE)

@@ -10,7 +10,9 @@ use super::file_dialog::{FileDialog, Outcome, Place, Purpose};
 use crate::app::editor::command::samples::{is_sample, program_folder, program_folders};
 use crate::app::editor::command::scene::Replacement;
 use crate::app::editor::command::shell::{ShellCommand, SoughtFile};
-use crate::app::editor::command::{BakeCommand, Command, FileCommand, FileDialogKind, SceneEdit, TextureEdit};
+use crate::app::editor::command::{
+    BakeCommand, Command, FileCommand, FileDialogKind, LightPaintCommand, SceneEdit, TextureEdit,
+};
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::trust::asset_folders;
@@ -94,9 +96,9 @@ impl Dialogs {
                         self.image_ending = format.map(|(_, known)| *known).or(self.image_ending);
                         self.image_folder = folder.map(|folder| (model.scene.map(Path::to_path_buf), folder));
                     }
-                    FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
-                        self.picture_folder = folder
-                    }
+                    FileDialogKind::OpenPicture { .. }
+                    | FileDialogKind::OpenEnvironment
+                    | FileDialogKind::WantedPicture => self.picture_folder = folder,
                     FileDialogKind::Import | FileDialogKind::Replace => self.import_folder = folder,
                     FileDialogKind::AssetFolder | FileDialogKind::BakeFolder => self.around_folder = folder,
                     FileDialogKind::ExportScene => self.export_folder = folder,
@@ -124,7 +126,9 @@ impl Dialogs {
                 .or_else(|| own_folder(model)),
             FileDialogKind::SaveScene => own_folder(model),
             FileDialogKind::ExportScene => self.export_folder.clone().or_else(|| own_folder(model)),
-            FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
+            FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment | FileDialogKind::WantedPicture => {
+                self.picture_folder.clone()
+            }
             FileDialogKind::Import | FileDialogKind::Replace => self.import_folder.clone(),
             FileDialogKind::FindFile(_) => self.found_folder.clone(),
             FileDialogKind::AssetFolder => self.around_folder.clone(),
@@ -229,6 +233,7 @@ fn picked(kind: FileDialogKind, path: PathBuf, sought: Option<SoughtFile>) -> Re
             })
         }
         FileDialogKind::OpenScene => Command::from(FileCommand::OpenScene(path)),
+        FileDialogKind::WantedPicture => Command::from(LightPaintCommand::SetTarget(Some(path))),
         FileDialogKind::AssetFolder => Command::Shell(ShellCommand::AddAssetFolder(path)),
         FileDialogKind::BakeFolder => Command::Bake(BakeCommand::ChooseFolder(path)),
         FileDialogKind::SaveScene => Command::from(FileCommand::SaveScene(path)),
@@ -314,6 +319,7 @@ fn opened(
             }),
         ),
         FileDialogKind::OpenEnvironment => ("Choose an environment map".to_owned(), Purpose::Open(&PICTURES)),
+        FileDialogKind::WantedPicture => ("Choose the wanted picture".to_owned(), Purpose::Open(&PICTURES)),
         // The file of an environment or of a lamp.
         FileDialogKind::OpenPicture {
             parameter: "filename", ..

@@ -6,9 +6,8 @@ use crate::render::layers::LayerSums;
 
 impl Film {
     /// Writes the mean radiance from each group of lights at a pixel to the start of `light`. Returns the radiance that
-    /// belongs to no group, and the albedo as for the denoiser. None if the film keeps no groups or the pixel has no
-    /// samples.
-    pub fn light_of_groups(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<(Rgb, Rgb)> {
+    /// belongs to no group. None if the film keeps no groups or the pixel has no samples.
+    pub fn light_of_groups(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Rgb> {
         let index = self.index(x, y);
         let count = self.counts[index];
         if count == 0 || self.kept.groups == 0 {
@@ -21,6 +20,6 @@ impl Film {
             .iter_mut()
             .zip(groups)
             .for_each(|(light, sum)| *light = sum * scale);
-        Some((self.splatted(index), self.sum(x, y).albedo * scale))
+        Some(self.splatted(index))
     }
 }

@@ -8,8 +8,8 @@ use bevy::prelude::World;
 use super::error::ScriptError;
 use super::names::{named, unknown};
 use super::verb::verbs;
-use crate::app::editor::command::LightPaintCommand;
 use crate::app::editor::command::light_paint::{Brush, LampChoice, LightPainting};
+use crate::app::editor::command::{LightPaintCommand, SettingsEdit};
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
 use crate::inverse_lighting::{Stroke, Wish};
 
@@ -22,9 +22,14 @@ verbs! {
     "want-picture" "none | FILE (of the same view)"
         ["none"] => LightPaintCommand::SetTarget(None),
         [file] => LightPaintCommand::SetTarget(Some(PathBuf::from(file)));
-    "choose-lamp" "LIGHT off | LIGHT LEAST MOST [colour]"
+    "choose-lamp"
+        "LIGHT off | LEAST MOST [colour], then [move RADIUS] [turn DEGREES] [hours FROM TO] [any-day]"
         [light, choice @ ..] => LightPaintCommand::SetLamp(named(world, light)?, lamp(choice)?);
     "solve-light" "(finds the lamps with all samples of now)" [] => LightPaintCommand::Solve;
+    "place-lamps" "(searches for places, aims and times of lamps; the next line waits for it)"
+        [] => LightPaintCommand::Place;
+    "accept-lamps" "(gives lamps what was found)" [] => SettingsEdit::AcceptLamps;
+    "discard-lamps" "(leaves lamps as they are)" [] => LightPaintCommand::Discard;
 }
 
 /// The strokes with one more.
@@ -83,21 +88,45 @@ fn parse_place(text: &str) -> Result<Vec2, ScriptError> {
 }
 
 fn lamp(words: &[&str]) -> Result<LampChoice, ScriptError> {
-    let limits = |least: &str, most: &str, colored: bool| {
-        Ok(LampChoice {
-            chosen: true,
-            colored,
-            least: parse_float(least)?,
-            most: parse_float(most)?,
-        })
+    let mut choice = LampChoice::default();
+    let mut rest = match words {
+        ["off", rest @ ..] => {
+            choice.chosen = false;
+            rest
+        }
+        [least, most, rest @ ..] => {
+            (choice.least, choice.most) = (parse_float(least)?, parse_float(most)?);
+            rest
+        }
+        _ => return Err("expected `off`, or the least and the largest strength".into()),
     };
-    match words {
-        ["off"] => Ok(LampChoice {
-            chosen: false,
-            ..LampChoice::default()
-        }),
-        [least, most] => limits(least, most, false),
-        [least, most, "colour"] => limits(least, most, true),
-        _ => Err("expected `off`, or the least and the largest strength".into()),
+    loop {
+        rest = match rest {
+            [] => return Ok(choice),
+            ["colour", rest @ ..] => {
+                choice.colored = true;
+                rest
+            }
+            ["move", radius, rest @ ..] => {
+                choice.freedom.radius = parse_float(radius)?;
+                rest
+            }
+            ["turn", degrees, rest @ ..] => {
+                choice.freedom.turn = parse_float(degrees)?;
+                rest
+            }
+            ["hours", from, to, rest @ ..] => {
+                choice.freedom.hours = Some([parse_float(from)?, parse_float(to)?]);
+                rest
+            }
+            ["any-day", rest @ ..] => {
+                choice.freedom.day = true;
+                rest
+            }
+            [word, ..] => {
+                let known = ["colour", "move", "turn", "hours", "any-day"];
+                return Err(unknown("freedom of lamps, or its numbers,", word, known.into_iter()));
+            }
+        };
     }
 }

@@ -216,6 +216,9 @@ fn obstacle(world: &World, script: &mut Script) -> Result<Option<&'static str>, 
     if commands::awaits_denoised(world) {
         return Ok(Some("the denoised picture"));
     }
+    if let Some(search) = commands::light_paint::search_under_way(world) {
+        return Ok(Some(search));
+    }
     if let Some(wait) = script.bake {
         if !baking::has_come(world, wait)? {
             return Ok(Some("a bake"));

@@ -10,6 +10,7 @@ mod files;
 mod full_film;
 mod grouping;
 mod kept_picture;
+mod light_paint;
 mod lights;
 mod material_trees;
 mod materials;
