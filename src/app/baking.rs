@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, Vec3};
-use bevy::prelude::{Name, World};
+use bevy::prelude::{Entity, Name, World};
 
 use crate::bake::files::replaceable;
+use crate::bake::layers::{Lamp, LampLayers, LayerKind};
 use crate::bake::probes::{AskedKind, AskedProbe};
-use crate::engine::PackedScene;
+use crate::engine::{PackedScene, named_lamps};
 use crate::files::Access;
 use crate::gltf::write::GltfWriter;
+use crate::light::LightSource;
 use crate::scene::description::SceneDescription;
 use crate::scene::export::{Collected, ExportError, Hidden, collect, first_in_use};
-use crate::scene::{Emitter, EmitterKind, ToWorld};
+use crate::scene::{DocumentOrder, Emitter, EmitterKind, ToWorld};
 
 /// The part of a [`crate::bake::job::BakeSource`] that comes from the description of a scene.
 #[derive(Debug)]
@@ -68,6 +70,35 @@ fn asked_probe(name: &str, emitter: &Emitter, to_world: &Affine3A) -> Option<Ask
         world_from_box: *to_world * Affine3A::from_scale(Vec3::splat(2.0)),
         kind,
     })
+}
+
+/// The layers of the lamps of the packed scene, whose textures take at most so many bytes in a game. A sky has its sun
+/// in its layer.
+pub fn lamp_layers(world: &World, memory: u64) -> LampLayers {
+    let (named, lamp_of_light) = named_lamps(world);
+    let sources = &world.resource::<PackedScene>().lamps.sources;
+    let mut kinds = vec![LayerKind::Lamp; named.len()];
+    for (lamp, source) in lamp_of_light.iter().zip(sources) {
+        kinds[*lamp as usize] = kind_of(&source.source);
+    }
+    let lamp = |((entity, name), kind): ((Entity, String), LayerKind)| Lamp {
+        name,
+        kind,
+        order: world.get::<DocumentOrder>(entity).map_or(0, |order| order.0),
+    };
+    LampLayers::new(named.into_iter().zip(kinds).map(lamp).collect(), &lamp_of_light, memory)
+}
+
+fn kind_of(source: &LightSource) -> LayerKind {
+    match source {
+        LightSource::Constant { .. } | LightSource::Environment { .. } | LightSource::SunSky { .. } => LayerKind::Sky,
+        LightSource::Directional { .. } => LayerKind::Sun,
+        LightSource::Surface { .. }
+        | LightSource::Point { .. }
+        | LightSource::Spot(_)
+        | LightSource::Luminaire(_)
+        | LightSource::Projector(_) => LayerKind::Lamp,
+    }
 }
 
 /// The problems with the probes of an open scene that can be found without tracing rays: a sentence for each.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::App;
-use sunroom::app::baking::{BakedLevel, baked_level};
+use sunroom::app::baking::{BakedLevel, baked_level, lamp_layers};
 use sunroom::app::origin::origin;
 use sunroom::app::threads::worker_count;
 use sunroom::bake::blueprint::Blueprint;
@@ -152,6 +152,7 @@ fn bake(args: &BakeArgs, samples: [u32; 2], limits: &BakeLimits) -> Result<ExitC
         false => {
             let baked = job.baked().ok_or("there is nothing to write")?;
             files::write(&args.output, job.blueprint(), baked)?;
+            report_merged(baked.merged);
             let samples = counted(baked.samples, "sample");
             let more = kept.map_or_else(String::new, |path| {
                 format!("; {} has what was gathered", path.display())
@@ -200,6 +201,7 @@ fn begin<'a>(
     let (Some(scene), Some(view)) = (packed.scene.clone(), packed.view.clone()) else {
         return Err(format!("{}: there is nothing to bake", args.scene.scene.display()).into());
     };
+    let layers = args.layers.then(|| lamp_layers(app.world(), args.memory_of_layers()));
     let origin = origin(app.world_mut(), &args.scene.scene, settings_by_name(args))?;
     drop(app);
     let threads = worker_count(args.threads.threads, false).get();
@@ -211,6 +213,7 @@ fn begin<'a>(
         pool: Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
         is_seen: false,
         discards: Arc::default(),
+        layers,
     };
     let mut job = BakeJob::prepare(source, &settings(args), cancel, &mut |now, words| {
         progress.prepare(now, words)
@@ -275,6 +278,16 @@ pub fn report_invalid(samples: u64) {
     }
 }
 
+/// Says that some layers were merged.
+pub fn report_merged(layers: usize) {
+    if layers > 0 {
+        report::line(format_args!(
+            "warning: {} of lightmaps and probes, the weakest of each, are in the rest, which cannot be dimmed: more --layer-memory keeps them apart",
+            counted(layers, "layer")
+        ));
+    }
+}
+
 /// The settings on which samples depend, apart from the scene and the view.
 fn settings_by_name(args: &BakeArgs) -> Settings {
     let or_default = |number: Option<f32>| number.map_or_else(|| "not given".to_owned(), |number| number.to_string());
@@ -290,8 +303,15 @@ fn settings_by_name(args: &BakeArgs) -> Settings {
         ("the size of probes", probes),
     ];
     let own = own.into_iter().map(|(name, value)| (name.to_owned(), value));
+    let layers = args.layers.then(|| {
+        (
+            "--layers".to_owned(),
+            format!("{} bytes at most", args.memory_of_layers()),
+        )
+    });
     let defines = args.scene.defines.defines.iter();
-    own.chain(defines.map(|(name, value)| (format!("-D {name}"), value.clone())))
+    own.chain(layers)
+        .chain(defines.map(|(name, value)| (format!("-D {name}"), value.clone())))
         .collect()
 }
 

@@ -25,7 +25,7 @@ use sunroom::scene::export::ExportError;
 use sunroom::scene::{ComponentFormat, FilmStorage, PixelFormat};
 
 use super::args::{MemoryArgs, ThreadArgs};
-use super::bake::{BAKES_WITHOUT, is_file_of_level, report_invalid, within_folder};
+use super::bake::{BAKES_WITHOUT, is_file_of_level, report_invalid, report_merged, within_folder};
 use super::outputs::{self, PART};
 use super::picture_args::{DisplayArgs, FileArgs};
 use super::report::{self, Failure, RENDERS_WITHOUT, check_denoiser};
@@ -128,6 +128,7 @@ fn merge_bake(args: &MergeArgs) -> Result<ExitCode, Failure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let baked = merged.blueprint.finished(&merged.lights, &pool)?;
         files::write(folder, &merged.blueprint, &baked)?;
+        report_merged(baked.merged);
         report_invalid(merged.lights.iter().map(|light| light.invalid).sum());
         if !args.quiet {
             report::line(format_args!("the level is in {}", folder.display()));

@@ -1,6 +1,6 @@
 //! The finished picture with its layers, named as in the scene.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use bevy::prelude::*;
@@ -115,6 +115,23 @@ pub fn describe_picture(picture: &mut LayeredImage, world: &World, scene: Option
     if let Some(seconds) = seconds {
         picture.set_attribute("sunroom:seconds", Attribute::Float(seconds as f32));
     }
+}
+
+/// The lamps of the packed scene, in the order of their first lights, with unique names; and the number of the lamp of
+/// each light.
+pub fn named_lamps(world: &World) -> (Vec<(Entity, String)>, Vec<u32>) {
+    let owners = &world.resource::<PackedScene>().lamps.owners;
+    let names = DistinctNames::new(world, "light", owners.iter().copied());
+    let mut lamps: Vec<(Entity, String)> = Vec::new();
+    let mut known: HashMap<Entity, u32> = HashMap::new();
+    let lamp_of_light = owners.iter().map(|&owner| {
+        *known.entry(owner).or_insert_with(|| {
+            lamps.push((owner, names.of(owner)));
+            lamps.len() as u32 - 1
+        })
+    });
+    let lamp_of_light = lamp_of_light.collect();
+    (lamps, lamp_of_light)
 }
 
 /// Unique names for layers. Where several entities without an id have the same name, the name is followed by the index

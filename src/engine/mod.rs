@@ -53,7 +53,7 @@ pub use choosing::set_choice;
 pub use control::{ClosedGate, Filling, Framing, Gate, InputStamp, RenderControl, SightControl, ViewMode, WakeUp};
 pub(crate) use deferred_drop::DeferredDrop;
 pub use film::RenderFilm;
-pub use layers::{PictureNames, describe_picture, file_options, layered_picture, single_picture};
+pub use layers::{PictureNames, describe_picture, file_options, layered_picture, named_lamps, single_picture};
 pub use light_groups::{Lamps, LightGroup};
 pub use light_measures::{MeasureOf, measures_of_area_light, measures_of_emitter, own_flux};
 pub(crate) use pack::material::pack_loose;

@@ -42,8 +42,12 @@ const SMALL: &[&str] = &[
 ];
 
 fn shop() -> Workshop {
+    shop_of(SCENE)
+}
+
+pub(super) fn shop_of(scene: &str) -> Workshop {
     let shop = Workshop::new();
-    shop.scene(SCENE);
+    shop.scene(scene);
     shop
 }
 
@@ -53,25 +57,25 @@ fn command(shop: &Workshop, arguments: &[&str]) -> Command {
     command
 }
 
-fn bake(shop: &Workshop, output: &str, more: &[&str]) -> Output {
+pub(super) fn bake(shop: &Workshop, output: &str, more: &[&str]) -> Output {
     let arguments = [&["bake", "scene.xml", "-o", output][..], SMALL, more].concat();
     command(shop, &arguments).output().expect("the program starts")
 }
 
-fn merge(shop: &Workshop, output: &str, parts: &[&str], more: &[&str]) -> Output {
+pub(super) fn merge(shop: &Workshop, output: &str, parts: &[&str], more: &[&str]) -> Output {
     let arguments = [&["merge", "-o", output][..], parts, more].concat();
     command(shop, &arguments).output().expect("the program starts")
 }
 
 /// The messages of a command that ends with this code.
 #[track_caller]
-fn said(output: &Output, code: i32) -> String {
+pub(super) fn said(output: &Output, code: i32) -> String {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(code), "{said}");
     said
 }
 
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder)
         .expect("the folder")
         .map(|entry| entry.expect("an entry"));
@@ -84,7 +88,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[track_caller]
-fn same(shop: &Workshop, one: &str, other: &str) {
+pub(super) fn same(shop: &Workshop, one: &str, other: &str) {
     let [one_files, other_files] = [one, other].map(|name| files(&shop.path(name)));
     assert!(
         one_files.keys().eq(other_files.keys()),

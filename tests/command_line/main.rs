@@ -2,6 +2,7 @@
 
 mod auto;
 mod bake;
+mod bake_layers;
 mod bake_shares;
 mod bench;
 mod checkpoints;

@@ -22,12 +22,15 @@
 //!   shadows where the level has an irradiance volume. After `sunroom bake --indirect-only` they light everything, with
 //!   shadows.
 //! * Reflection probes are what metals mirror, and an irradiance volume lights what has no lightmap.
+//! * The lamps of a level that was baked with `--layers` can be dimmed: see [`Lamps`].
 //! * Surfaces that shine follow the exposure of the camera, as everything else does.
 //!
 //! The light of a level is in the units of its scene, for which Bevy's ambient light of 80 cd/m² is far too bright: the
 //! plugin sets [`GlobalAmbientLight`] to none.
 
+mod lamps;
 mod manifest;
+mod mixing;
 mod probes;
 
 use bevy::camera::Exposure;
@@ -39,7 +42,13 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use serde::Deserialize;
 
-pub use manifest::{LevelManifest, LightmapFiles, ManifestError, ReflectionFiles, VolumeFiles};
+pub use lamps::{Lamp, Lamps};
+pub use manifest::{
+    LayerFiles, LayerKind, LevelManifest, LightmapFiles, LightmapLayer, ManifestError, ReflectionFiles,
+    ReflectionLayer, VolumeFiles, VolumeLayer,
+};
+
+use lamps::{Mixer, of_layers};
 
 /// Loads [`SunroomLevel`]s.
 pub struct SunroomLevelPlugin;
@@ -51,7 +60,7 @@ impl Plugin for SunroomLevelPlugin {
             .insert_resource(GlobalAmbientLight::NONE)
             .add_observer(begin)
             .add_observer(note_scene)
-            .add_systems(Update, (settle, finish).chain());
+            .add_systems(Update, (settle, finish, lamps::follow).chain());
     }
 }
 
@@ -100,7 +109,17 @@ struct Spawned;
 
 /// A level that waits for its lightmaps and probes alone.
 #[derive(Component)]
-struct Waiting(Vec<Handle<Image>>);
+struct Waiting {
+    images: Vec<Handle<Image>>,
+    /// Meshes and lights that are parts of lamps, with the numbers of their layers.
+    parts_of_lamps: Vec<(usize, Entity)>,
+}
+
+/// What a node says of its lamp.
+#[derive(Deserialize)]
+struct LampExtras {
+    sunroom_lamp: usize,
+}
 
 /// What a node says of its lightmap.
 #[derive(Deserialize)]
@@ -155,19 +174,45 @@ fn settle(
                 .with_settings(|settings: &mut ImageLoaderSettings| settings.sampler = ImageSampler::linear())
                 .load::<Image>(format!("{}/{file}", level.folder))
         };
+        let of_layer = |file: &str| {
+            let loader = assets.load_builder().with_settings(of_layers);
+            loader.load::<Image>(format!("{}/{file}", level.folder))
+        };
+        let mut mixer = Mixer::new(manifest);
+        let layers = || manifest.layers.iter().enumerate();
         let of_files = manifest.lightmaps.iter().map(|files| load(&files.ktx2));
         let lightmaps: Vec<Handle<Image>> = of_files.collect();
         let mut waiting = lightmaps.clone();
-        for files in &manifest.reflection_probes {
+        for (number, lightmap) in lightmaps.iter().enumerate() {
+            let own = layers().flat_map(|(layer, files)| files.lightmaps.iter().map(move |files| (layer, files)));
+            let own = own.filter(|(_, files)| files.lightmap == number);
+            waiting.extend(mixer.add(lightmap, own.map(|(layer, files)| (layer, of_layer(&files.ktx2)))));
+        }
+        for (number, files) in manifest.reflection_probes.iter().enumerate() {
             let [diffuse, specular] = [&files.diffuse, &files.specular].map(|file| load(file));
+            let own = || {
+                let all =
+                    layers().flat_map(|(layer, files)| files.reflection_probes.iter().map(move |files| (layer, files)));
+                all.filter(|(_, files)| files.probe == number)
+            };
+            waiting.extend(mixer.add(&diffuse, own().map(|(layer, files)| (layer, of_layer(&files.diffuse)))));
+            waiting.extend(mixer.add(
+                &specular,
+                own().map(|(layer, files)| (layer, of_layer(&files.specular))),
+            ));
             waiting.extend([diffuse.clone(), specular.clone()]);
             commands.spawn((probes::reflection(files, diffuse, specular), ChildOf(entity)));
         }
-        for files in &manifest.irradiance_volumes {
+        for (number, files) in manifest.irradiance_volumes.iter().enumerate() {
             let voxels = load(&files.ktx2);
             waiting.push(voxels.clone());
+            let own =
+                layers().flat_map(|(layer, files)| files.irradiance_volumes.iter().map(move |files| (layer, files)));
+            let own = own.filter(|(_, files)| files.volume == number);
+            waiting.extend(mixer.add(&voxels, own.map(|(layer, files)| (layer, of_layer(&files.ktx2)))));
             commands.spawn((probes::volume(files, voxels), ChildOf(entity)));
         }
+        let mut parts_of_lamps = Vec::new();
         for part in children.iter_descendants(entity) {
             parts.settle_light(
                 part,
@@ -176,6 +221,10 @@ fn settle(
                 manifest.lumens_per_watt(),
             );
             parts.settle_material(part);
+            if let Some(layer) = parts.lamp(part).filter(|layer| *layer < manifest.layers.len()) {
+                let of_node = children.get(part).into_iter().flatten().copied();
+                parts_of_lamps.extend(of_node.chain([part]).map(|part| (layer, part)));
+            }
             if parts.cameras.contains(part) {
                 commands.entity(part).insert(exposure(0.0));
             }
@@ -198,16 +247,41 @@ fn settle(
         }
         commands
             .entity(entity)
-            .insert(Waiting(waiting))
+            .insert((
+                mixer,
+                Waiting {
+                    images: waiting,
+                    parts_of_lamps,
+                },
+            ))
             .remove::<(Manifest, Spawned)>();
     }
 }
 
-fn finish(mut commands: Commands, levels: Query<(Entity, &Waiting)>, assets: Res<AssetServer>) {
-    for (entity, Waiting(images)) in &levels {
-        if images.iter().all(|image| assets.is_loaded(image)) {
-            commands.entity(entity).insert(LevelReady).remove::<Waiting>();
+fn finish(
+    mut commands: Commands,
+    mut levels: Query<(Entity, &mut Waiting, &mut Mixer)>,
+    assets: Res<AssetServer>,
+    mut images: ResMut<Assets<Image>>,
+    mut parts: Parts,
+) {
+    for (entity, mut waiting, mut mixer) in &mut levels {
+        if !waiting.images.iter().all(|image| assets.is_loaded(image)) {
+            continue;
         }
+        for (layer, part) in waiting.parts_of_lamps.drain(..) {
+            if let Some(color) = parts.color_of_light(part) {
+                mixer.add_light(layer, part, color);
+            }
+            if let Some((material, emissive)) = parts.own_shining_material(part) {
+                mixer.add_surface(layer, material, emissive);
+            }
+        }
+        mixer.take_texels(&mut images);
+        commands
+            .entity(entity)
+            .insert((mixer.lamps(), LevelReady))
+            .remove::<Waiting>();
     }
 }
 
@@ -217,7 +291,7 @@ struct Parts<'w, 's> {
     extras: Query<'w, 's, &'static GltfExtras>,
     meshes: Query<'w, 's, &'static Mesh3d>,
     mesh_assets: Res<'w, Assets<Mesh>>,
-    materials: Query<'w, 's, &'static MeshMaterial3d<StandardMaterial>>,
+    materials: Query<'w, 's, &'static mut MeshMaterial3d<StandardMaterial>>,
     material_assets: ResMut<'w, Assets<StandardMaterial>>,
     cameras: Query<'w, 's, (), With<Camera3d>>,
     points: Query<'w, 's, &'static mut PointLight>,
@@ -231,6 +305,34 @@ impl Parts<'_, '_> {
         let extras = self.extras.get(node).ok()?;
         let Extras { sunroom_lightmap } = serde_json::from_str(&extras.value).ok()?;
         Some(sunroom_lightmap)
+    }
+
+    /// The number of the layer of the lamp that a node is.
+    fn lamp(&self, node: Entity) -> Option<usize> {
+        let extras = self.extras.get(node).ok()?;
+        let LampExtras { sunroom_lamp } = serde_json::from_str(&extras.value).ok()?;
+        Some(sunroom_lamp)
+    }
+
+    /// Gives a surface that shines a material of its own, which no other lamp has.
+    fn own_shining_material(&mut self, mesh: Entity) -> Option<(Handle<StandardMaterial>, LinearRgba)> {
+        let mut material = self.materials.get_mut(mesh).ok()?;
+        let own = self.material_assets.get(&material.0)?.clone();
+        let emissive = own.emissive;
+        if emissive == LinearRgba::BLACK {
+            return None;
+        }
+        material.0 = self.material_assets.add(own);
+        Some((material.0.clone(), emissive))
+    }
+
+    /// The colour of a light.
+    fn color_of_light(&self, light: Entity) -> Option<LinearRgba> {
+        let point = self.points.get(light).map(|light| light.color);
+        let spot = || self.spots.get(light).map(|light| light.color);
+        let sun = || self.suns.get(light).map(|light| light.color);
+        let color = point.or_else(|_| spot()).or_else(|_| sun()).ok()?;
+        Some(color.to_linear())
     }
 
     /// Whether a mesh has coordinates for lightmaps. A part of glass has none.

@@ -26,6 +26,9 @@ pub struct LevelManifest {
     /// The light for what has no lightmap.
     #[serde(default)]
     pub irradiance_volumes: Vec<VolumeFiles>,
+    /// The light of each lamp by itself.
+    #[serde(default)]
+    pub layers: Vec<LayerFiles>,
     /// The CRC-32 of each file of the bake by its name.
     #[serde(default)]
     crc32: BTreeMap<String, String>,
@@ -65,6 +68,64 @@ pub struct VolumeFiles {
     #[serde(rename = "box")]
     pub place: [f32; 16],
     /// Ambient cubes of irradiance divided by pi.
+    pub ktx2: String,
+}
+
+/// The kind of the lights of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LayerKind {
+    /// A lamp.
+    Lamp,
+    /// A sky, with its sun if it has one.
+    Sky,
+    /// Parallel light.
+    Sun,
+    /// Light that cannot be dimmed.
+    Rest,
+}
+
+/// The files of a layer. Textures that are not named are black in it.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct LayerFiles {
+    /// The name of the lamp in the scene.
+    pub name: String,
+    /// The kind of its lights.
+    pub kind: LayerKind,
+    /// Its share of lightmaps.
+    pub lightmaps: Vec<LightmapLayer>,
+    /// Its share of reflection probes.
+    pub reflection_probes: Vec<ReflectionLayer>,
+    /// Its share of irradiance volumes.
+    pub irradiance_volumes: Vec<VolumeLayer>,
+}
+
+/// A layer of a lightmap.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct LightmapLayer {
+    /// The index of the lightmap.
+    pub lightmap: usize,
+    /// KTX 2.
+    pub ktx2: String,
+}
+
+/// A layer of a reflection probe.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct ReflectionLayer {
+    /// The index of the probe.
+    pub probe: usize,
+    /// As [`ReflectionFiles::specular`].
+    pub specular: String,
+    /// As [`ReflectionFiles::diffuse`].
+    pub diffuse: String,
+}
+
+/// A layer of an irradiance volume.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct VolumeLayer {
+    /// The index of the volume.
+    pub volume: usize,
+    /// As [`VolumeFiles::ktx2`].
     pub ktx2: String,
 }
 
@@ -146,6 +207,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn layers_are_read() {
+        let text = r#"{"format":"sunroom-lightmaps","version":1,"light":"all","lightmaps":[],"layers":[
+            {"name":"bulb","kind":"lamp","factor":[1,1,1],"nodes":[2],
+            "lightmaps":[{"lightmap":0,"exr":"a.exr","ktx2":"a.ktx2"}],
+            "reflection_probes":[{"probe":0,"specular":"s.ktx2","diffuse":"d.ktx2"}],
+            "irradiance_volumes":[{"volume":1,"ktx2":"v.ktx2"}]}]}"#;
+        let manifest = LevelManifest::read(text.as_bytes()).expect("a manifest");
+        let [layer] = &manifest.layers[..] else {
+            panic!("{:?}", manifest.layers);
+        };
+        assert_eq!((&*layer.name, layer.kind), ("bulb", LayerKind::Lamp));
+        assert_eq!(layer.reflection_probes[0].diffuse, "d.ktx2");
+        assert_eq!(layer.irradiance_volumes[0].volume, 1);
+    }
+
+    #[test]
     fn only_manifests_of_this_version_are_read() {
         let text = |version: u32| {
             format!(
@@ -154,7 +231,7 @@ mod tests {
             )
         };
         let manifest = LevelManifest::read(text(1).as_bytes()).expect("a manifest");
-        assert!(manifest.has_direct_light());
+        assert!(manifest.has_direct_light() && manifest.layers.is_empty());
         assert_eq!(manifest.lumens_per_watt(), 1.0);
         let in_units = text(1).replace(r#""light":"#, r#""light_units":"candela and lux","light":"#);
         let manifest = LevelManifest::read(in_units.as_bytes()).expect("a manifest");

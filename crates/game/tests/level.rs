@@ -15,7 +15,7 @@ use bevy::render::render_resource::TextureViewDimension;
 use bevy::render::settings::{RenderCreation, WgpuSettings};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use sunroom_game::{LevelReady, SunroomLevel, SunroomLevelPlugin};
+use sunroom_game::{Lamps, LevelReady, SunroomLevel, SunroomLevelPlugin};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
 
@@ -184,4 +184,75 @@ fn cameras_come_along_if_they_are_wanted() {
     assert_eq!(cameras(&mut app_with(Path::new(FOLDER), level.clone())), 0);
     let mut app = app_with(Path::new(FOLDER), SunroomLevel { cameras: true, ..level });
     assert_eq!(cameras(&mut app), 1);
+}
+
+/// The halves of a texture, all levels of it.
+fn halves(app: &App, texture: &Handle<Image>) -> Vec<f32> {
+    let image = app
+        .world()
+        .resource::<Assets<Image>>()
+        .get(texture)
+        .expect("it is loaded");
+    let bytes = image.data.as_ref().expect("it is kept");
+    let pairs = bytes.chunks_exact(2);
+    pairs
+        .map(|pair| half::f16::from_le_bytes([pair[0], pair[1]]).to_f32())
+        .collect()
+}
+
+#[test]
+fn lamps_are_dimmed_in_all_textures() {
+    let copy = tempfile::tempdir().expect("a folder");
+    let folder = copy.path().join("level");
+    fs::create_dir(&folder).expect("a folder");
+    for file in fs::read_dir(Path::new(FOLDER).join("level")).expect("the level") {
+        let path = file.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        fs::copy(&path, folder.join(&name)).expect("a copy");
+        // A lamp that gives all of the light.
+        if let Some(stem) = name.strip_suffix(".ktx2") {
+            fs::copy(&path, folder.join(format!("{stem}-layer.ktx2"))).expect("a copy");
+        }
+    }
+    let manifest = folder.join("lightmaps.json");
+    let text = fs::read_to_string(&manifest).expect("the manifest");
+    let mut about: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    about["layers"] = serde_json::json!([{
+        "name": "bulb", "kind": "lamp", "factor": [1, 1, 1], "nodes": [],
+        "lightmaps": [{ "lightmap": 0, "exr": "lightmap-0-layer.exr", "ktx2": "lightmap-0-layer.ktx2" }],
+        "reflection_probes": [{
+            "probe": 0, "specular": "reflection-0-specular-layer.ktx2", "diffuse": "reflection-0-diffuse-layer.ktx2",
+        }],
+        "irradiance_volumes": [{ "volume": 0, "ktx2": "irradiance-0-layer.ktx2" }],
+    }]);
+    fs::write(&manifest, about.to_string()).expect("a manifest");
+    let mut app = app_with(copy.path(), SunroomLevel::new("level"));
+    let mut textures = vec![lightmap(&mut app, "floor").expect("a lightmap").image];
+    let world = app.world_mut();
+    for probe in world.query::<&EnvironmentMapLight>().iter(world) {
+        textures.extend([probe.diffuse_map.clone(), probe.specular_map.clone()]);
+    }
+    for volume in world.query::<&IrradianceVolume>().iter(world) {
+        textures.push(volume.voxels.clone());
+    }
+    assert_eq!(textures.len(), 4);
+    let before: Vec<Vec<f32>> = textures.iter().map(|texture| halves(&app, texture)).collect();
+    let dim = |app: &mut App, strength: f32| {
+        let world = app.world_mut();
+        let mut lamps = world.query::<&mut Lamps>().single_mut(world).expect("a level");
+        assert!(lamps.set("bulb", strength) && !lamps.set("another", 1.0));
+        app.update();
+    };
+    for strength in [0.5, 0.0, 1.0] {
+        dim(&mut app, strength);
+        for (texture, before) in textures.iter().zip(&before) {
+            let now = halves(&app, texture);
+            assert_eq!(now.len(), before.len());
+            for (place, (now, before)) in now.iter().zip(before).enumerate() {
+                let expected = if place % 4 == 3 { 1.0 } else { strength * before };
+                // The smallest half floats have fewer digits.
+                assert!((now - expected).abs() < 1e-7, "{now} for {expected}");
+            }
+        }
+    }
 }

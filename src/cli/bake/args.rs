@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use sunroom::bake::layers::USUAL_MEMORY;
 use sunroom::bake::prefilter::{SIZES, is_size};
 use sunroom::bake::probes::ProbeSettings;
 use sunroom::bake::unwrap::{ATLAS_SIZES, UnwrapSettings};
+use sunroom::memory;
 
 use crate::cli::args::{MemoryArgs, MissingArgs, SceneArgs, ThreadArgs, TrustArgs};
 use crate::cli::parse;
@@ -47,6 +49,13 @@ pub struct BakeArgs {
     /// of shining surfaces and of the sky is baked all the same
     #[arg(long)]
     pub indirect_only: bool,
+    /// Keep the light of each lamp, of the sky and of the sun by itself as well, so that a game can dim it
+    #[arg(long)]
+    pub layers: bool,
+    /// The most memory that the layers' textures take in a game, such as 512MiB: where there are more layers, the
+    /// weakest lamps of each lightmap and probe share one that cannot be dimmed [default: 256MiB]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse_size, requires = "layers")]
+    pub layer_memory: Option<u64>,
     /// Bake lightmaps alone: no reflection probes and no irradiance volumes
     #[arg(long)]
     pub no_probes: bool,
@@ -79,6 +88,13 @@ pub struct BakeArgs {
     /// No progress
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl BakeArgs {
+    /// The most bytes that the textures of layers may take in a game.
+    pub fn memory_of_layers(&self) -> u64 {
+        self.layer_memory.unwrap_or(USUAL_MEMORY)
+    }
 }
 
 fn atlas_size() -> impl clap::builder::TypedValueParser<Value = u32> {

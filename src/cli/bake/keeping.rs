@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use sunroom::bake::job::BakeJob;
+use sunroom::bake::layers::Division;
 use sunroom::bake::part::{PartHeader, read_part};
 use sunroom::bake::progress::{Progress, Stage};
 use sunroom::render::part::Origin;
@@ -27,6 +28,7 @@ impl<'a> Keeper<'a> {
                 samples_of_whole: args.spp,
                 is_finished: false,
                 is_share: args.samples.is_some(),
+                division: Division::default(),
             },
             checkpoints: Checkpoints::new(&args.checkpoints),
         }

@@ -6,6 +6,7 @@ use glam::{Affine3A, UVec2, UVec3, Vec2};
 use rayon::ThreadPool;
 
 use super::finish::{Denoising, LightmapPicture, finish};
+use super::layers::{Division, Parts, merged_in, texture_texels};
 use super::level::BakedNode;
 use super::lightmap::Lightmaps;
 use super::manifest::BakedLight;
@@ -40,6 +41,8 @@ pub struct Blueprint {
     pub seams: Vec<Vec<Seam>>,
     /// Reflection probes, then irradiance volumes.
     pub probes: Vec<Probe>,
+    /// The layers of its light.
+    pub division: Division,
 }
 
 /// A finished bake.
@@ -51,7 +54,33 @@ pub struct Baked {
     pub samples: u32,
     /// The filtered pictures of each probe; None for a probe that is not finished.
     pub probes: Vec<Option<ProbePicture>>,
+    /// The layers of each lightmap, in ascending order; none without layers. Their sum is the lightmap.
+    pub lightmap_layers: Vec<Layered<LightmapPicture>>,
+    /// The layers of each probe likewise.
+    pub probe_layers: Vec<Layered<ProbePicture>>,
+    /// The number of pairs of a picture and a lamp that is merged into the rest there.
+    pub merged: usize,
 }
+
+/// A finished probe.
+pub(super) struct BakedProbe {
+    whole: ProbePicture,
+    layers: Layered<ProbePicture>,
+    /// The number of lamps that are merged into the rest.
+    merged: usize,
+}
+
+impl Baked {
+    /// Adds a probe.
+    pub(super) fn take_probe(&mut self, number: usize, probe: BakedProbe) {
+        self.probes[number] = Some(probe.whole);
+        self.probe_layers[number] = probe.layers;
+        self.merged += probe.merged;
+    }
+}
+
+/// The layers of a picture, with their indices in [`Division::layers`].
+pub type Layered<T> = Vec<(usize, T)>;
 
 impl Blueprint {
     /// The number of lightmaps.
@@ -85,16 +114,60 @@ impl Blueprint {
         threads: usize,
         discards: &AtomicBool,
         mut watch: impl FnMut(f64),
-    ) -> Result<Vec<LightmapPicture>, DenoiseError> {
-        let count = self.page_count();
-        let picture = |page| {
-            watch(page as f64 / count as f64);
+    ) -> Result<Baked, DenoiseError> {
+        let parts: Vec<Parts> = self
+            .places
+            .pages
+            .iter()
+            .map(|page| self.division.parts(light, page.clone()))
+            .collect();
+        let count: usize = match self.division.is_some() {
+            true => parts.iter().map(Vec::len).sum(),
+            false => self.page_count(),
+        };
+        let mut done = 0;
+        let mut picture = |page, light: &Lightmaps| {
+            watch(done as f64 / count.max(1) as f64);
+            done += 1;
             match discards.load(Ordering::Relaxed) {
                 true => Err(DenoiseError::Cancelled),
                 false => self.lightmap(page, light, self.denoising(threads, discards)),
             }
         };
-        (0..count).map(picture).collect()
+        let pages = 0..self.page_count();
+        let mut layers: Vec<Layered<LightmapPicture>> = vec![Vec::new(); pages.len()];
+        let lightmaps = match self.division.is_some() {
+            false => pages.map(|page| picture(page, light)).collect::<Result<_, _>>()?,
+            true => {
+                for layer in 0..self.division.layers.len() {
+                    let of_page = |page: usize| parts[page].iter().find(|(number, _)| *number == layer);
+                    let lit: Vec<usize> = pages.clone().filter(|page| of_page(*page).is_some()).collect();
+                    if lit.is_empty() {
+                        continue;
+                    }
+                    let light = light.part(|texel| {
+                        let page = self.places.pages.partition_point(|page| page.end <= texel);
+                        of_page(page).map_or(&[], |(_, layers)| layers)
+                    });
+                    for page in lit {
+                        layers[page].push((layer, picture(page, &light)?));
+                    }
+                }
+                let size = self.places.size;
+                let sum = |layers: &Layered<LightmapPicture>| {
+                    LightmapPicture::sum(size, layers.iter().map(|(_, layer)| layer))
+                };
+                layers.iter().map(sum).collect()
+            }
+        };
+        Ok(Baked {
+            lightmaps,
+            samples: light.samples(),
+            probes: vec![None; self.probes.len()],
+            lightmap_layers: layers,
+            probe_layers: vec![Vec::new(); self.probes.len()],
+            merged: parts.iter().map(merged_in).sum(),
+        })
     }
 
     /// The filtered pictures of a probe, made of its light; None if the work was cancelled.
@@ -103,8 +176,37 @@ impl Blueprint {
         number: usize,
         light: &Lightmaps,
         work: &mut Work,
-    ) -> Result<Option<ProbePicture>, DenoiseError> {
-        self.probes[number].finished(light, self.denoise, work)
+    ) -> Result<Option<BakedProbe>, DenoiseError> {
+        let probe = &self.probes[number];
+        let parts = self.division.parts(light, 0..light.texel_count());
+        if parts.is_empty() {
+            let picture = probe.finished(light, self.denoise, work)?;
+            return Ok(picture.map(|whole| BakedProbe {
+                whole,
+                layers: Vec::new(),
+                merged: 0,
+            }));
+        }
+        let (mut sum, mut layers): (Option<ProbePicture>, _) = (None, Vec::new());
+        let share = 1.0 / parts.len() as f64;
+        for (done, (layer, part)) in parts.iter().enumerate() {
+            let light = light.part(|_| part);
+            let begin = done as f64 * share;
+            let picture = work.part(begin..begin + share, |work| probe.finished(&light, self.denoise, work))?;
+            let Some(picture) = picture else {
+                return Ok(None);
+            };
+            match &mut sum {
+                Some(sum) => sum.add(&picture),
+                None => sum = Some(picture.clone()),
+            }
+            layers.push((*layer, picture));
+        }
+        Ok(sum.map(|whole| BakedProbe {
+            whole,
+            layers,
+            merged: merged_in(&parts),
+        }))
     }
 
     /// Makes the pictures of all lightmaps and probes.
@@ -114,14 +216,13 @@ impl Blueprint {
             cancel: &AtomicBool::new(false),
             watch: &mut |_| {},
         };
-        let probes = lights[1..].iter().enumerate();
-        Ok(Baked {
-            lightmaps: self.lightmaps(&lights[0], pool.current_num_threads(), work.cancel, |_| {})?,
-            samples: lights[0].samples(),
-            probes: probes
-                .map(|(number, light)| self.probe(number, light, work))
-                .collect::<Result<_, _>>()?,
-        })
+        let mut baked = self.lightmaps(&lights[0], pool.current_num_threads(), work.cancel, |_| {})?;
+        for (number, light) in lights[1..].iter().enumerate() {
+            if let Some(probe) = self.probe(number, light, work)? {
+                baked.take_probe(number, probe);
+            }
+        }
+        Ok(baked)
     }
 
     /// The number of texels of all lightmaps together, followed by that of each probe.
@@ -147,7 +248,18 @@ impl Blueprint {
         let page = u64::from(self.places.size.x) * u64::from(self.places.size.y);
         let probes: u64 = self.probes.iter().map(Probe::memory_bytes).sum();
         let pages = TEXEL_BYTES.saturating_mul(page * self.page_count() as u64);
-        pages.saturating_add(probes)
+        pages.saturating_add(probes).saturating_add(self.memory_of_layers())
+    }
+
+    /// Bytes of memory that the layers take.
+    pub(super) fn memory_of_layers(&self) -> u64 {
+        let texels: usize = self.texel_counts().sum();
+        self.division.memory_bytes(texels as u64, self.texture_texels())
+    }
+
+    /// The number of texels of all textures.
+    fn texture_texels(&self) -> u64 {
+        texture_texels(self.places.size, self.page_count(), &self.probes)
     }
 }
 
@@ -187,7 +299,7 @@ impl Blueprint {
         }
     }
 
-    /// Reads a blueprint written by [`Self::write`]. All numbers are finite, and all texels lie inside their pages.
+    /// Reads a blueprint written by [`Self::write`], without its division, which headers of files have. All numbers are finite, and all texels lie inside their pages.
     pub(super) fn read(bytes: &mut Reader) -> Result<Self, Damaged> {
         let level = take_blob(bytes)?.to_vec();
         let light = match bytes.flag()? {
@@ -234,6 +346,7 @@ impl Blueprint {
             places,
             seams,
             probes,
+            division: Division::default(),
         })
     }
 }

@@ -29,6 +29,8 @@ pub enum BakeError {
     Memory(#[from] Shortage),
     #[error("the sums of a share's groups of samples need {0}")]
     MemoryOfShare(Shortage),
+    #[error("the layers need {0}; without --layers, with less --layer-memory or with fewer texels a bake needs less")]
+    MemoryOfLayers(Shortage),
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
     /// Cancelled before there was any light to write.

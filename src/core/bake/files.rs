@@ -5,13 +5,18 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use glam::{UVec2, UVec3};
 use serde_json::Value;
 
 use super::blueprint::{Baked, Blueprint};
 use super::error::BakeError;
-use super::finish::LightmapPicture;
+use super::finish::{LightmapPicture, add};
 use super::ktx2;
-use super::manifest::{LightmapFiles, Manifest, ReflectionFiles, VolumeFiles};
+use super::layers::{Layer, LayerKind};
+use super::manifest::{
+    LayerFiles, LightmapFiles, LightmapLayer, Manifest, ReflectionFiles, ReflectionLayer, VolumeFiles, VolumeLayer,
+};
+use super::prefilter::Prefiltered;
 use super::probes::{ProbeKind, ProbePicture};
 use crate::color::Rgb;
 use crate::files::{FileSet, LARGEST_DATA, WriteError, check_writable, checksum, finish_set, read, read_text};
@@ -135,29 +140,129 @@ impl Files<'_> {
         Ok(())
     }
 
-    fn write_lightmap(&mut self, number: usize, picture: &LightmapPicture) -> Result<LightmapFiles, BakeError> {
-        let files = LightmapFiles {
-            exr: format!("lightmap-{number}.exr"),
-            ktx2: format!("lightmap-{number}.ktx2"),
-            width: picture.size.x,
-            height: picture.size.y,
-        };
-        let white: Vec<Rgb> = picture
-            .irradiance
-            .iter()
-            .map(|light| *light / std::f32::consts::PI)
-            .collect();
-        let mut image = LayeredImage::new(files.width, files.height);
+    /// Writes a lightmap, as the radiance of white diffuse surfaces. `name` has no extension.
+    fn write_lightmap(&mut self, name: &str, size: UVec2, white: Vec<Rgb>) -> Result<[String; 2], BakeError> {
+        let [exr, ktx2] = ["exr", "ktx2"].map(|extension| format!("{name}.{extension}"));
+        let mut image = LayeredImage::new(size.x, size.y);
         image.add_rgb("", &white);
         let content = encode_layered(&image, FileFormat::Exr, &FileOptions::default());
         let content = content.map_err(|error| BakeError::Write {
-            path: self.folder.join(&files.exr),
+            path: self.folder.join(&exr),
             reason: error.to_string(),
         })?;
-        self.write(&files.exr, &content)?;
-        self.write(&files.ktx2, &ktx2::picture(picture.size, white))?;
+        self.write(&exr, &content)?;
+        self.write(&ktx2, &ktx2::picture(size, white))?;
+        Ok([exr, ktx2])
+    }
+
+    /// Writes a lightmap and its layers.
+    fn write_lightmaps(&mut self, baked: &Baked, layers: &mut [LayerFiles]) -> Result<Vec<LightmapFiles>, BakeError> {
+        let mut files = Vec::new();
+        for (lightmap, picture) in baked.lightmaps.iter().enumerate() {
+            let mut whole = white(picture);
+            let parts = baked.lightmap_layers.get(lightmap).into_iter().flatten();
+            for (number, (layer, picture)) in parts.enumerate() {
+                let part = white(picture);
+                // The sum of what the files hold, which is not that of irradiance to the last bit.
+                if number == 0 {
+                    whole.fill(Rgb::ZERO);
+                }
+                add(&mut whole, &part);
+                let name = format!("lightmap-{lightmap}-layer-{layer}");
+                let [exr, ktx2] = self.write_lightmap(&name, picture.size, part)?;
+                let layers = &mut layers[*layer].lightmaps;
+                layers.push(LightmapLayer { lightmap, exr, ktx2 });
+            }
+            let [exr, ktx2] = self.write_lightmap(&format!("lightmap-{lightmap}"), picture.size, whole)?;
+            files.push(LightmapFiles {
+                exr,
+                ktx2,
+                width: picture.size.x,
+                height: picture.size.y,
+            });
+        }
         Ok(files)
     }
+
+    /// Writes the cubes of a reflection probe, for mirrors and for diffuse surfaces.
+    fn write_reflection(&mut self, name: &str, pictures: &Prefiltered) -> Result<[String; 2], BakeError> {
+        let [specular, diffuse] = ["specular", "diffuse"].map(|kind| format!("{name}-{kind}.ktx2"));
+        self.write(&specular, &ktx2::cube(&pictures.specular))?;
+        self.write(&diffuse, &ktx2::cube(std::slice::from_ref(&pictures.diffuse)))?;
+        Ok([specular, diffuse])
+    }
+
+    /// Writes the texture of an irradiance volume.
+    fn write_volume(&mut self, name: &str, size: UVec3, texels: &[Rgb]) -> Result<String, BakeError> {
+        let ktx2 = format!("{name}.ktx2");
+        self.write(&ktx2, &ktx2::volume(size, texels.iter().copied()))?;
+        Ok(ktx2)
+    }
+
+    /// Writes the probes and their layers.
+    fn write_probes(
+        &mut self,
+        blueprint: &Blueprint,
+        baked: &Baked,
+        layers: &mut [LayerFiles],
+    ) -> Result<(Vec<ReflectionFiles>, Vec<VolumeFiles>), BakeError> {
+        let (mut reflections, mut volumes) = (Vec::new(), Vec::new());
+        let probes = blueprint.probes.iter().zip(&baked.probes).enumerate();
+        for (index, (probe, picture)) in probes {
+            let (name, place) = (probe.name.clone(), (&probe.world_from_box).into());
+            let (number, stem) = match probe.kind {
+                ProbeKind::Reflection { .. } => (reflections.len(), format!("reflection-{}", reflections.len())),
+                ProbeKind::Volume { .. } => (volumes.len(), format!("irradiance-{}", volumes.len())),
+            };
+            for (layer, picture) in baked.probe_layers.get(index).into_iter().flatten() {
+                let stem = format!("{stem}-layer-{layer}");
+                let files = &mut layers[*layer];
+                match picture {
+                    ProbePicture::Reflection(pictures) => {
+                        let [specular, diffuse] = self.write_reflection(&stem, pictures)?;
+                        files.reflection_probes.push(ReflectionLayer {
+                            probe: number,
+                            specular,
+                            diffuse,
+                        });
+                    }
+                    ProbePicture::Volume { size, texels, .. } => {
+                        let ktx2 = self.write_volume(&stem, *size, texels)?;
+                        files.irradiance_volumes.push(VolumeLayer { volume: number, ktx2 });
+                    }
+                }
+            }
+            match (probe.kind, picture) {
+                (ProbeKind::Reflection { parallax, .. }, Some(ProbePicture::Reflection(pictures))) => {
+                    let [specular, diffuse] = self.write_reflection(&stem, pictures)?;
+                    reflections.push(ReflectionFiles {
+                        name,
+                        place,
+                        parallax,
+                        specular,
+                        diffuse,
+                    });
+                }
+                (ProbeKind::Volume { points }, Some(ProbePicture::Volume { samples, size, texels })) => {
+                    volumes.push(VolumeFiles {
+                        name,
+                        place,
+                        points: points.to_array(),
+                        samples: *samples,
+                        ktx2: self.write_volume(&stem, *size, texels)?,
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok((reflections, volumes))
+    }
+}
+
+/// The radiance of white diffuse surfaces.
+fn white(picture: &LightmapPicture) -> Vec<Rgb> {
+    let texels = picture.irradiance.iter();
+    texels.map(|light| *light / std::f32::consts::PI).collect()
 }
 
 impl From<WriteError> for BakeError {
@@ -175,48 +280,25 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
         sums: BTreeMap::new(),
     };
     target.write(LEVEL, &blueprint.level)?;
-    let pictures = baked.lightmaps.iter().enumerate();
-    let lightmaps: Result<Vec<LightmapFiles>, BakeError> = pictures
-        .map(|(number, picture)| target.write_lightmap(number, picture))
-        .collect();
-    let lightmaps = lightmaps?;
-    let (mut reflection_probes, mut irradiance_volumes) = (Vec::new(), Vec::new());
-    for (probe, picture) in blueprint.probes.iter().zip(&baked.probes) {
-        let (name, place) = (probe.name.clone(), (&probe.world_from_box).into());
-        match (probe.kind, picture) {
-            (ProbeKind::Reflection { parallax, .. }, Some(ProbePicture::Reflection(pictures))) => {
-                let number = reflection_probes.len();
-                let files = ReflectionFiles {
-                    name,
-                    place,
-                    parallax,
-                    specular: format!("reflection-{number}-specular.ktx2"),
-                    diffuse: format!("reflection-{number}-diffuse.ktx2"),
-                };
-                target.write(&files.specular, &ktx2::cube(&pictures.specular))?;
-                target.write(&files.diffuse, &ktx2::cube(std::slice::from_ref(&pictures.diffuse)))?;
-                reflection_probes.push(files);
-            }
-            (ProbeKind::Volume { points }, Some(ProbePicture::Volume { samples, size, texels })) => {
-                let number = irradiance_volumes.len();
-                let files = VolumeFiles {
-                    name,
-                    place,
-                    points: points.to_array(),
-                    samples: *samples,
-                    ktx2: format!("irradiance-{number}.ktx2"),
-                };
-                target.write(&files.ktx2, &ktx2::volume(*size, texels.iter().copied()))?;
-                irradiance_volumes.push(files);
-            }
-            _ => {}
-        }
-    }
+    let layer = |layer: &Layer| LayerFiles {
+        name: layer.name.clone(),
+        kind: layer.kind,
+        factor: [1.0; 3],
+        nodes: layer.nodes.clone(),
+        lightmaps: Vec::new(),
+        reflection_probes: Vec::new(),
+        irradiance_volumes: Vec::new(),
+    };
+    let mut layers: Vec<LayerFiles> = blueprint.division.layers.iter().map(layer).collect();
+    let lightmaps = target.write_lightmaps(baked, &mut layers)?;
+    let (reflection_probes, irradiance_volumes) = target.write_probes(blueprint, baked, &mut layers)?;
     for name in files_of(folder) {
         if !target.sums.contains_key(&name) {
             target.set.remove(&folder.join(name));
         }
     }
+    // A rest without light is no layer.
+    layers.pop_if(|rest| rest.kind == LayerKind::Rest && !rest.has_files());
     let manifest = Manifest {
         format: Manifest::FORMAT,
         version: Manifest::VERSION,
@@ -234,6 +316,7 @@ pub fn write(folder: &Path, blueprint: &Blueprint, baked: &Baked) -> Result<(), 
         nodes: blueprint.nodes.clone(),
         reflection_probes,
         irradiance_volumes,
+        layers,
         crc32: std::mem::take(&mut target.sums),
     };
     let text = manifest.text().map_err(|error| BakeError::Write {
@@ -270,13 +353,12 @@ fn files_of(folder: &Path) -> Vec<String> {
     let files = lists
         .iter()
         .flat_map(|list| manifest[list].as_array().into_iter().flatten());
-    let names = files.flat_map(|files| ["exr", "ktx2", "specular", "diffuse"].map(|kind| &files[kind]));
+    let names = files.flat_map(|files| ["exr", "ktx2", "specular", "diffuse"].map(|kind| files[kind].as_str()));
+    // Those of layers are named with their checksums.
+    let sums = manifest["crc32"].as_object().into_iter().flatten();
+    let names = names.flatten().chain(sums.map(|(name, _)| name.as_str()));
     let is_ours = |name: &&str| OURS.iter().any(|ours| name.starts_with(ours)) && !name.contains(['/', '\\']);
-    names
-        .filter_map(Value::as_str)
-        .filter(is_ours)
-        .map(str::to_owned)
-        .collect()
+    names.filter(is_ours).map(str::to_owned).collect()
 }
 
 #[cfg(test)]

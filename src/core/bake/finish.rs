@@ -19,6 +19,22 @@ pub struct LightmapPicture {
     pub irradiance: Vec<Rgb>,
 }
 
+impl LightmapPicture {
+    /// The sum of the layers of a picture, in their order.
+    pub(super) fn sum<'a>(size: UVec2, layers: impl Iterator<Item = &'a Self>) -> Self {
+        let mut irradiance = vec![Rgb::ZERO; size.x as usize * size.y as usize];
+        for layer in layers {
+            add(&mut irradiance, &layer.irradiance);
+        }
+        Self { size, irradiance }
+    }
+}
+
+/// Adds the texels of a layer.
+pub(super) fn add(sums: &mut [Rgb], more: &[Rgb]) {
+    sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += *more);
+}
+
 /// The settings of Open Image Denoise.
 #[derive(Clone, Copy, Debug)]
 pub struct Denoising<'a> {

@@ -15,6 +15,7 @@ use super::blueprint::{Baked, Blueprint};
 use super::error::BakeError;
 use super::files::Content;
 use super::in_sight::keep_in_sight;
+use super::layers::{LampLayers, texture_texels};
 use super::level::unwrap_level;
 use super::lightmap::Lightmaps;
 use super::limits::{BakeLimits, USUAL_SAMPLES};
@@ -28,10 +29,11 @@ use super::texels::{BakeSurface, Texel, Texels, covered_texels};
 use super::unwrap::{Told, UnwrapSettings};
 use crate::color::Rgb;
 use crate::gltf::write::GltfWriter;
-use crate::memory::{Reservation, Shortage};
+use crate::memory::{self, Reservation, Shortage};
 use crate::render::camera::Camera;
 use crate::render::gathering::Gathering;
 use crate::render::irradiance::ReceivedLight;
+use crate::render::light_layers::LightGroups;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::render::visibility::outer_walls::OuterWalls;
@@ -53,6 +55,8 @@ pub struct BakeSource {
     pub is_seen: bool,
     /// When set, the result of the job is unwanted: it does not even finish the light gathered so far.
     pub discards: Arc<AtomicBool>,
+    /// The lamps whose light is kept by itself as well; None for a bake without layers.
+    pub layers: Option<LampLayers>,
 }
 
 /// The settings of a bake.
@@ -127,13 +131,16 @@ impl BakeJob {
     ) -> Result<Self, BakeError> {
         let BakeSource {
             scene,
-            view,
+            mut view,
             mut level,
             probes,
             pool,
             is_seen,
             discards,
+            layers: lamps,
         } = source;
+        // Those of the scene are for pictures.
+        view.light_groups = LightGroups::default();
         let gathering = Gathering {
             scene: &scene,
             view: &view,
@@ -184,6 +191,8 @@ impl BakeJob {
             Some(plan) => (plan.probes, Some(plan.memory), plan.warnings),
             None => Default::default(),
         };
+        let texels_in_games = texture_texels(texels.size, texels.pages.len(), &probes);
+        let division = lamps.as_ref().map(|lamps| lamps.division(texels_in_games, &mut level));
         let blueprint = Blueprint {
             level: level.binary()?,
             light: settings.light,
@@ -194,8 +203,17 @@ impl BakeJob {
             places: places(&texels),
             seams,
             probes,
+            division: division.unwrap_or_default(),
         };
-        let lights: Vec<Lightmaps> = blueprint.texel_counts().map(Lightmaps::new).collect();
+        let memory_of_layers = memory::reserve(blueprint.memory_of_layers()).map_err(BakeError::MemoryOfLayers)?;
+        let layers = blueprint.division.layers.len();
+        let lights = blueprint.texel_counts();
+        let lights: Vec<Lightmaps> = lights
+            .map(|texels| Lightmaps::new(texels).with_layers(layers))
+            .collect();
+        if let Some(lamps) = lamps {
+            view.light_groups = lamps.groups;
+        }
         Ok(Self {
             blueprint,
             scene,
@@ -210,7 +228,10 @@ impl BakeJob {
             lights,
             baked: None,
             warnings,
-            memory: std::iter::once(baked.layout.memory).chain(memory_of_probes).collect(),
+            memory: [baked.layout.memory, memory_of_layers]
+                .into_iter()
+                .chain(memory_of_probes)
+                .collect(),
         })
     }
 
@@ -420,14 +441,10 @@ impl BakeJob {
         let begin = Instant::now();
         let told = |done| Progress::new(Stage::FinishingLightmaps, done, begin.elapsed());
         let light = &self.lights[0];
-        let lightmaps = self
+        let baked = self
             .blueprint
             .lightmaps(light, self.threads(), &self.discards, |done| watch(self, &told(done)))?;
-        self.baked = Some(Baked {
-            lightmaps,
-            samples: light.samples(),
-            probes: vec![None; self.blueprint.probes.len()],
-        });
+        self.baked = Some(baked);
         Ok(())
     }
 
@@ -449,10 +466,10 @@ impl BakeJob {
             cancel,
             watch: &mut told,
         };
-        let picture = self.blueprint.probe(number, &self.lights[1 + number], work)?;
-        let is_finished = picture.is_some();
-        if let Some(baked) = &mut self.baked {
-            baked.probes[number] = picture;
+        let probe = self.blueprint.probe(number, &self.lights[1 + number], work)?;
+        let is_finished = probe.is_some();
+        if let Some((baked, probe)) = self.baked.as_mut().zip(probe) {
+            baked.take_probe(number, probe);
         }
         Ok(is_finished)
     }

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::texels::{Texel, Texels};
 use crate::color::{Rgb, luminance};
+use crate::medium::Medium;
 use crate::render::gathering::{Gathering, Site};
 use crate::render::noise::DARK;
 use crate::render::passes::{chunk_of, chunks_in};
@@ -39,6 +40,10 @@ pub struct Lightmaps {
     /// The sums of each texel. If the first sample is number 0, there is one list; otherwise there is one for each
     /// group of samples, since the sums of the samples before them, to which they will be added, are not known.
     pub(super) groups: Vec<Vec<TexelSum>>,
+    /// The number of layers that the light is divided into as well; 0 for none.
+    pub(super) layers: usize,
+    /// The light of each layer for each list of `groups`, contiguous for each texel.
+    pub(super) layer_sums: Vec<Vec<DVec3>>,
     /// The index after the last sample of the texels of each block.
     pub(super) ends: Vec<u32>,
     /// Rays traced, shadow rays included.
@@ -67,10 +72,23 @@ impl Lightmaps {
         Self {
             first,
             groups: vec![vec![TexelSum::default(); texels]],
+            layers: 0,
+            layer_sums: vec![Vec::new()],
             ends: vec![first; texels.div_ceil(BLOCK)],
             rays: 0,
             invalid: 0,
         }
+    }
+
+    /// The same with the light of so many layers: as many as the view of the gathering has light groups. Light of no
+    /// group, that of glowing media, belongs to the last layer.
+    pub fn with_layers(mut self, layers: usize) -> Self {
+        self.layers = layers;
+        let texels = self.texel_count();
+        for sums in &mut self.layer_sums {
+            *sums = vec![DVec3::ZERO; texels * layers];
+        }
+        self
     }
 
     /// The number of texels.
@@ -116,7 +134,16 @@ impl Lightmaps {
         let range_of = |block: usize| block * BLOCK..count.min((block + 1) * BLOCK);
         let traced: Vec<Option<Block>> = waiting
             .par_iter()
-            .map(|&block| Block::trace(gathering, texels, range_of(block), self.ends[block]..end, cancel))
+            .map(|&block| {
+                Block::trace(
+                    gathering,
+                    texels,
+                    self.layers,
+                    range_of(block),
+                    self.ends[block]..end,
+                    cancel,
+                )
+            })
             .collect();
         for (block, traced) in waiting.into_iter().zip(traced) {
             let Some(traced) = traced else {
@@ -128,10 +155,13 @@ impl Lightmaps {
             };
             while self.groups.len() <= group {
                 self.groups.push(vec![TexelSum::default(); count]);
+                self.layer_sums.push(vec![DVec3::ZERO; count * self.layers]);
             }
             for (sum, more) in self.groups[group][range_of(block)].iter_mut().zip(&traced.sums) {
                 sum.add(more);
             }
+            let first = range_of(block).start * self.layers;
+            add_all(&mut self.layer_sums[group][first..], &traced.layer_sums);
             self.ends[block] = end;
             self.rays += traced.rays;
             self.invalid += traced.invalid;
@@ -156,14 +186,15 @@ impl Lightmaps {
     /// share has other texels.
     pub fn append(&mut self, share: Self) -> bool {
         let follows = self.first == 0 && self.ends.iter().all(|end| *end == share.first);
-        if !follows || self.texel_count() != share.texel_count() {
+        if !follows || self.texel_count() != share.texel_count() || self.layers != share.layers {
             return false;
         }
-        for group in &share.groups {
+        for (group, layers) in share.groups.iter().zip(&share.layer_sums) {
             self.groups[0]
                 .iter_mut()
                 .zip(group)
                 .for_each(|(sum, more)| sum.add(more));
+            add_all(&mut self.layer_sums[0], layers);
         }
         self.ends = share.ends;
         self.rays = self.rays.saturating_add(share.rays);
@@ -178,12 +209,53 @@ impl Lightmaps {
         sum
     }
 
+    /// The sums of a layer's light at a texel over all of its samples.
+    fn layer_sum(&self, texel: usize, layer: usize) -> DVec3 {
+        let place = texel * self.layers + layer;
+        self.layer_sums.iter().map(|sums| sums[place]).sum()
+    }
+
+    /// The part of [`Self::light`] that a layer has.
+    pub fn layer(&self, texel: usize, layer: usize) -> Rgb {
+        let mean = self.layer_sum(texel, layer) / f64::from(self.samples_of(texel).max(1));
+        mean.clamp(-BRIGHTEST, BRIGHTEST).as_vec3()
+    }
+
+    /// The luminance of each layer's light, summed up over these texels.
+    pub(super) fn strengths(&self, texels: Range<usize>) -> Vec<f64> {
+        let strength = |layer: usize| {
+            let light = texels
+                .clone()
+                .map(|texel| f64::from(luminance(self.layer(texel, layer))));
+            light.sum()
+        };
+        (0..self.layers).map(strength).collect()
+    }
+
+    /// The part of the light that some layers have, which `layers_of` gives for each texel. Texels are buried as in the
+    /// whole.
+    pub(super) fn part<'a>(&self, layers_of: impl Fn(usize) -> &'a [usize]) -> Self {
+        let part = |texel: usize| TexelSum {
+            light: layers_of(texel).iter().map(|layer| self.layer_sum(texel, *layer)).sum(),
+            ..self.sum(texel)
+        };
+        Self {
+            groups: vec![(0..self.texel_count()).map(part).collect()],
+            layers: 0,
+            layer_sums: vec![Vec::new()],
+            ends: self.ends.clone(),
+            ..*self
+        }
+    }
+
     /// Whether the sums of a texel are possible for its number of samples.
     pub(super) fn is_possible(&self, texel: usize) -> bool {
         let sums = || self.groups.iter().map(|group| &group[texel]);
         let backs: u64 = sums().map(|sum| u64::from(sum.backs)).sum();
         let is_finite = |sum: &TexelSum| sum.light.is_finite() && sum.luminance_squared.is_finite();
-        backs <= u64::from(self.samples_of(texel)) && sums().all(is_finite)
+        let layers = texel * self.layers..(texel + 1) * self.layers;
+        let mut of_layers = self.layer_sums.iter().flat_map(|sums| &sums[layers.clone()]);
+        backs <= u64::from(self.samples_of(texel)) && sums().all(is_finite) && of_layers.all(|sum| sum.is_finite())
     }
 
     fn samples_of(&self, texel: usize) -> u32 {
@@ -233,7 +305,8 @@ impl Lightmaps {
             let sum = self.sum(texel);
             backs += u64::from(sum.backs);
             samples += u64::from(self.samples_of(texel));
-            is_dark &= sum.light == DVec3::ZERO;
+            // A layer may be dark where the whole is not.
+            is_dark &= sum.light == DVec3::ZERO && sum.luminance_squared == 0.0;
         }
         2 * backs > samples && is_dark
     }
@@ -247,10 +320,16 @@ impl TexelSum {
     }
 }
 
+fn add_all(sums: &mut [DVec3], more: &[DVec3]) {
+    sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+}
+
 /// The samples of consecutive texels.
 struct Block {
     /// Their sums, without earlier samples.
     sums: Vec<TexelSum>,
+    /// The light of each layer, contiguous for each texel.
+    layer_sums: Vec<DVec3>,
     rays: u64,
     invalid: u64,
 }
@@ -260,12 +339,14 @@ impl Block {
     fn trace<S: Site>(
         gathering: &Gathering,
         texels: &Texels<S>,
+        layers: usize,
         range: Range<usize>,
         indices: Range<u32>,
         cancel: &AtomicBool,
     ) -> Option<Self> {
         let mut block = Self {
             sums: vec![TexelSum::default(); range.len()],
+            layer_sums: vec![DVec3::ZERO; range.len() * layers],
             rays: 0,
             invalid: 0,
         };
@@ -285,9 +366,11 @@ impl Block {
                 (place.map_or(receiver, |place| receiver.at(place)), sampler)
             }));
         }
-        let samples = S::trace(gathering, &sites, cancel)?;
-        for (sum, samples) in block.sums.iter_mut().zip(samples.chunks(indices.len())) {
-            for sample in samples {
+        let arrived = S::trace(gathering, &sites, cancel)?;
+        let has_glow = gathering.scene.media.iter().any(Medium::glows);
+        let count = indices.len();
+        for (number, (sum, samples)) in block.sums.iter_mut().zip(arrived.samples.chunks(count)).enumerate() {
+            for (index, sample) in samples.iter().enumerate() {
                 block.rays += u64::from(sample.rays);
                 sum.backs += u32::from(sample.meets_back);
                 if !sample.light.is_finite() {
@@ -296,6 +379,18 @@ impl Block {
                 }
                 sum.light += sample.light.as_dvec3();
                 sum.luminance_squared += f64::from(luminance(sample.light)).powi(2);
+                let sums = &mut block.layer_sums[number * layers..][..layers];
+                let Some(last) = layers.checked_sub(1) else {
+                    continue;
+                };
+                let groups = &arrived.groups[(number * count + index) * layers..][..layers];
+                sums.iter_mut()
+                    .zip(groups)
+                    .for_each(|(sum, light)| *sum += light.as_dvec3());
+                if has_glow {
+                    let glow = sample.light - groups.iter().sum::<Rgb>();
+                    sums[last] += glow.max(Rgb::ZERO).as_dvec3();
+                }
             }
         }
         Some(block)

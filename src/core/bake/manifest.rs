@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::{Affine3A, Mat4};
 use serde::Serialize;
 
+use super::layers::LayerKind;
 use super::level::BakedNode;
 
 /// The content of the manifest.
@@ -43,6 +44,9 @@ pub struct Manifest {
     pub reflection_probes: Vec<ReflectionFiles>,
     /// The probes for objects without a lightmap.
     pub irradiance_volumes: Vec<VolumeFiles>,
+    /// The layers of the light, which sum up to the whole; none in a bake without layers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<LayerFiles>,
     /// The [checksums](crate::files::checksum) of all other files by name: they show whether the files are of one bake.
     pub crc32: BTreeMap<String, String>,
 }
@@ -112,6 +116,63 @@ pub struct LightmapFiles {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+}
+
+/// A layer of the light: its share of lightmaps and probes. Pictures that are not named are black in it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LayerFiles {
+    /// The name of the lamp in the scene.
+    pub name: String,
+    /// The kind of the lights.
+    pub kind: LayerKind,
+    /// The factor of the layer in the whole, red, green and blue: always 1.
+    pub factor: [f32; 3],
+    /// The nodes of the level that are the lamp: shapes that shine, and punctual lights.
+    pub nodes: Vec<usize>,
+    /// Its share of lightmaps.
+    pub lightmaps: Vec<LightmapLayer>,
+    /// Its share of reflection probes.
+    pub reflection_probes: Vec<ReflectionLayer>,
+    /// Its share of irradiance volumes.
+    pub irradiance_volumes: Vec<VolumeLayer>,
+}
+
+impl LayerFiles {
+    /// Whether it has a share of any picture.
+    pub(super) fn has_files(&self) -> bool {
+        !self.lightmaps.is_empty() || !self.reflection_probes.is_empty() || !self.irradiance_volumes.is_empty()
+    }
+}
+
+/// A layer of a lightmap.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightmapLayer {
+    /// The index of the lightmap.
+    pub lightmap: usize,
+    /// OpenEXR, 32-bit floats.
+    pub exr: String,
+    /// KTX 2, 16-bit floats.
+    pub ktx2: String,
+}
+
+/// A layer of a reflection probe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReflectionLayer {
+    /// The index of the probe.
+    pub probe: usize,
+    /// As [`ReflectionFiles::specular`].
+    pub specular: String,
+    /// As [`ReflectionFiles::diffuse`].
+    pub diffuse: String,
+}
+
+/// A layer of an irradiance volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeLayer {
+    /// The index of the volume.
+    pub volume: usize,
+    /// As [`VolumeFiles::ktx2`].
+    pub ktx2: String,
 }
 
 impl Manifest {

@@ -10,6 +10,8 @@
 //! directions ([`mod@cube`]), filtered for every roughness ([`prefilter`]). An irradiance [`volume`] lights what moves.
 //! [`placement`] says where they are.
 //!
+//! [`layers`] divides the light by lamps, which a game can dim.
+//!
 //! [`preview`] shows a level by its lightmaps, and [`glimpse`] a lightmap as a small picture.
 //!
 //! [`job`] does all of it in turn, and can be watched and cancelled; [`part`] keeps its light in files, and [`merging`]
@@ -25,6 +27,7 @@ pub mod glimpse;
 pub mod in_sight;
 pub mod job;
 pub mod ktx2;
+pub mod layers;
 pub mod level;
 pub mod lightmap;
 pub mod limits;

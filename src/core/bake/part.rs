@@ -9,11 +9,13 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::blueprint::Blueprint;
 use super::error::BakeError;
 use super::job::{BakeJob, Watch};
+use super::layers::Division;
 use super::lightmap::{BLOCK, Lightmaps, TexelSum};
 use super::limits::BakeLimits;
 use crate::files::{self, FileError, LARGEST_DATA, write_atomically_with};
@@ -25,6 +27,8 @@ use crate::render::passes::chunks_in;
 const MAGIC: &[u8; 8] = b"SUNBAKE\n";
 /// Bytes of the sums of a texel.
 const TEXEL: usize = 4 * 8 + 4;
+/// Bytes of the light of a layer at a texel.
+const LAYER: usize = 3 * 8;
 
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +44,9 @@ pub struct PartHeader {
     pub is_finished: bool,
     /// Whether the file is a share, which has a blueprint.
     pub is_share: bool,
+    /// The layers of the light, whose sums follow on those of the whole.
+    #[serde(default, skip_serializing_if = "Division::is_none")]
+    pub division: Division,
 }
 
 /// The sums in a file.
@@ -118,7 +125,7 @@ fn write_light(light: &Lightmaps, spent: Duration, file: &mut StateWriter) -> io
     start.put(spent.as_secs_f64());
     start.put_all(&light.ends);
     file.write(&start.0)?;
-    for group in &light.groups {
+    for (group, layers) in light.groups.iter().zip(&light.layer_sums) {
         for sums in group.chunks(1 << 14) {
             let mut bytes = Writer(Vec::with_capacity(sums.len() * TEXEL));
             for sum in sums {
@@ -128,11 +135,16 @@ fn write_light(light: &Lightmaps, spent: Duration, file: &mut StateWriter) -> io
             }
             file.write(&bytes.0)?;
         }
+        for sums in layers.chunks(1 << 14) {
+            let mut bytes = Writer(Vec::with_capacity(sums.len() * LAYER));
+            bytes.put_all(sums);
+            file.write(&bytes.0)?;
+        }
     }
     Ok(())
 }
 
-fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
+fn read_light(bytes: &mut Reader, layers: usize) -> Result<(Lightmaps, Duration), Damaged> {
     let count = usize::try_from(bytes.take::<u64>()?).map_err(|_| Damaged)?;
     let [first, groups]: [u32; 2] = bytes.take()?;
     let (rays, invalid) = (bytes.count()?, bytes.count()?);
@@ -145,15 +157,22 @@ fn read_light(bytes: &mut Reader) -> Result<(Lightmaps, Duration), Damaged> {
         return Err(Damaged);
     }
     // The bytes are read before memory is allocated for the texels that they declare.
-    let groups: Result<Vec<Vec<TexelSum>>, Damaged> = (0..groups)
-        .map(|_| {
-            let mut sums = Reader(bytes.bytes(count.checked_mul(TEXEL).ok_or(Damaged)?)?);
-            (0..count).map(|_| read_sum(&mut sums)).collect()
-        })
-        .collect();
+    let mut of_groups: Vec<Vec<TexelSum>> = Vec::new();
+    let mut layer_sums: Vec<Vec<DVec3>> = Vec::new();
+    for _ in 0..groups {
+        let mut sums = Reader(bytes.bytes(count.checked_mul(TEXEL).ok_or(Damaged)?)?);
+        let sums: Result<_, Damaged> = (0..count).map(|_| read_sum(&mut sums)).collect();
+        of_groups.push(sums?);
+        let length = count.checked_mul(layers).ok_or(Damaged)?;
+        let mut sums = Reader(bytes.bytes(length.checked_mul(LAYER).ok_or(Damaged)?)?);
+        let sums: Result<Vec<DVec3>, Damaged> = (0..length).map(|_| sums.take()).collect();
+        layer_sums.push(sums?);
+    }
     let light = Lightmaps {
         first,
-        groups: groups?,
+        groups: of_groups,
+        layers,
+        layer_sums,
         ends,
         rays,
         invalid,
@@ -191,12 +210,15 @@ pub fn decode(file: &mut (impl Read + Seek)) -> Result<Part, PartError> {
     state.read_to_end(&mut content)?;
     let mut bytes = Reader(&content);
     let blueprint = match header.is_share {
-        true => Some(Blueprint::read(&mut bytes)?),
+        true => Some(Blueprint {
+            division: header.division.clone(),
+            ..Blueprint::read(&mut bytes)?
+        }),
         false => None,
     };
     let (mut lights, mut spent) = (Vec::new(), Vec::new());
     for _ in 0..bytes.take::<u32>()? {
-        let (light, time) = read_light(&mut bytes)?;
+        let (light, time) = read_light(&mut bytes, header.division.layers.len())?;
         lights.push(light);
         spent.push(time);
     }
@@ -222,7 +244,7 @@ fn open<F: Read + Seek>(file: &mut F) -> Result<(PartHeader, Take<&mut F>), Part
         return Err(PartError::Format(format));
     }
     let (header, state) = open_state::<PartHeader, _>(file)?;
-    Damaged::unless(header.samples[0] < header.samples[1])?;
+    Damaged::unless(header.samples[0] < header.samples[1] && header.division.is_possible())?;
     Ok((header, state))
 }
 
@@ -238,11 +260,12 @@ impl BakeJob {
         });
         // The bytes of a texel include one group.
         let sums: u64 = texels_and_groups.map(|(texels, groups)| texels * (groups - 1)).sum();
-        let memory = memory::reserve(sums * size_of::<TexelSum>() as u64);
+        let layers = self.blueprint.division.layers.len();
+        let memory = memory::reserve(sums * (size_of::<TexelSum>() + layers * LAYER) as u64);
         let begun = self.blueprint.texel_counts().zip(0..);
         let begun =
             begun.map(|(texels, number)| Lightmaps::beginning_at(self.blueprint.samples_of(number, first), texels));
-        self.lights = begun.collect();
+        self.lights = begun.map(|light| light.with_layers(layers)).collect();
         self.memory.push(memory.map_err(BakeError::MemoryOfShare)?);
         Ok(())
     }
@@ -265,23 +288,25 @@ impl BakeJob {
                 "its lightmaps and probes have {found:?} texels, and those of this bake have {expected:?}"
             ));
         }
-        if lights
-            .iter()
-            .zip(&self.lights)
-            .any(|(one, other)| one.first != other.first)
-        {
+        let mut pairs = lights.iter().zip(&self.lights);
+        if pairs.any(|(one, other)| one.first != other.first) {
             return Err("it is of other samples".to_owned());
+        }
+        let mut pairs = lights.iter().zip(&self.lights);
+        if pairs.any(|(one, other)| one.layers != other.layers) {
+            return Err("it has other layers".to_owned());
         }
         (self.lights, self.spent) = (lights, spent);
         Ok(())
     }
 
     /// Writes the sums of all samples so far in one step: as a share, or as a checkpoint from which only this bake can
-    /// be resumed. `of` is the header, in which this sets whether the file is finished.
+    /// be resumed. `of` is the header, in which this sets the layers, and whether the file is finished.
     pub fn save(&self, path: &Path, of: &PartHeader) -> io::Result<()> {
         let ends = (0..self.lights.len()).map(|number| self.blueprint.samples_of(number, of.samples[1]));
         let header = PartHeader {
             is_finished: self.lights.iter().zip(ends).all(|(light, end)| light.reached() >= end),
+            division: self.blueprint.division.clone(),
             ..of.clone()
         };
         let blueprint = of.is_share.then_some(&self.blueprint);
@@ -297,16 +322,20 @@ mod tests {
     fn a_light_without_texels_is_damaged() {
         // Two groups of samples of no texels take no bytes, whatever their declared number.
         let light = |count: u64, groups: u32| light(count, groups, [0; 2], 0.0);
-        assert!(read_light(&mut Reader(&light(1, 2))).is_ok());
-        assert!(read_light(&mut Reader(&light(0, 2))).is_err());
-        assert!(read_light(&mut Reader(&light(0, u32::MAX))).is_err());
+        assert!(read_light(&mut Reader(&light(1, 2)), 0).is_ok());
+        assert!(read_light(&mut Reader(&light(0, 2)), 0).is_err());
+        assert!(read_light(&mut Reader(&light(0, u32::MAX)), 0).is_err());
     }
 
     #[test]
     fn rays_and_times_of_a_light_can_be_added() {
         for (rays, seconds, is_possible) in [(7, 2.0, true), (u64::MAX, 2.0, false), (7, 1.8e19, false)] {
             let bytes = light(1, 1, [rays, 0], seconds);
-            assert_eq!(read_light(&mut Reader(&bytes)).is_ok(), is_possible, "{rays} {seconds}");
+            assert_eq!(
+                read_light(&mut Reader(&bytes), 0).is_ok(),
+                is_possible,
+                "{rays} {seconds}"
+            );
         }
     }
 

@@ -3,6 +3,7 @@
 use glam::{Affine3A, UVec3, Vec3};
 
 use super::error::{BakeError, ProbeError};
+use super::finish::add;
 use super::lightmap::Lightmaps;
 use super::placement::{around, check, check_sight, is_enclosed, seeing};
 use super::prefilter::{Prefiltered, SIZES};
@@ -115,6 +116,22 @@ pub enum ProbePicture {
         /// Its texels.
         texels: Vec<Rgb>,
     },
+}
+
+impl ProbePicture {
+    /// Adds another layer of the same probe.
+    pub(super) fn add(&mut self, more: &Self) {
+        match (self, more) {
+            (Self::Reflection(sum), Self::Reflection(more)) => {
+                add(&mut sum.diffuse.texels, &more.diffuse.texels);
+                for (sum, more) in sum.specular.iter_mut().zip(&more.specular) {
+                    add(&mut sum.texels, &more.texels);
+                }
+            }
+            (Self::Volume { texels: sum, .. }, Self::Volume { texels: more, .. }) => add(sum, more),
+            (Self::Reflection(_), Self::Volume { .. }) | (Self::Volume { .. }, Self::Reflection(_)) => {}
+        }
+    }
 }
 
 impl AskedProbe {

@@ -70,5 +70,5 @@ fn is_lit(gathering: &Gathering, places: &[(Vec3, Vec3)], sign: f32, cancel: &At
         ..gathering.clone()
     };
     let samples = Site::trace(&all, &sites, cancel);
-    samples.is_some_and(|samples| samples.iter().any(|sample| sample.light != Rgb::ZERO))
+    samples.is_some_and(|arrived| arrived.samples.iter().any(|sample| sample.light != Rgb::ZERO))
 }

@@ -224,6 +224,11 @@ impl Medium {
         }
     }
 
+    /// Whether it sends light of its own.
+    pub fn glows(&self) -> bool {
+        self.source.emission != Volume::ZERO
+    }
+
     /// The medium with another source. Majorants are rebuilt only if their sources have changed.
     fn with(&self, source: MediumSource) -> Self {
         fn tracked(source: &MediumSource) -> (&Volume, f32, &Volume) {

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::irradiance::ReceivedLight;
 use super::lanes::trace_begun;
+use super::layers::{LayerNotes, NoteTaker};
 use super::path_state::PathState;
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
@@ -34,11 +35,21 @@ pub struct Arrived {
     pub rays: u32,
 }
 
+/// A sample of the light at each of some places.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arrivals {
+    /// The samples.
+    pub samples: Vec<Arrived>,
+    /// The light of each of the view's [light groups](View::light_groups), contiguous for each sample: the part of its
+    /// light that they send. Empty without groups.
+    pub groups: Vec<Rgb>,
+}
+
 /// A place that light is gathered at.
 pub trait Site: Copy + Send + Sync {
     /// A sample for each of the sites with its random numbers, in their order. The camera of the view does not matter.
     /// None if `cancel` was set in the meantime.
-    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>>;
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Arrivals>;
 
     /// The same at another place beside it.
     fn at(self, place: Vec3) -> Self;
@@ -49,14 +60,22 @@ impl Gathering<'_> {
     pub(super) fn trace<S>(
         &self,
         sites: &[(S, Sampler)],
-        begin: impl Fn(&S, Sampler, &PathSettings) -> PathState,
+        begin: impl Fn(&S, Sampler, &PathSettings, &mut Option<NoteTaker>) -> PathState,
         cancel: &AtomicBool,
-    ) -> Option<Vec<Arrived>> {
+    ) -> Option<Arrivals> {
         let settings = self.view.integrator.settings();
+        let mut notes = LayerNotes::of_groups(&self.view.light_groups, sites.len());
         if settings.is_last(1) {
-            return Some(vec![Arrived::default(); sites.len()]);
+            return Some(Arrivals {
+                samples: vec![Arrived::default(); sites.len()],
+                groups: notes.map_or_else(Vec::new, LayerNotes::into_groups),
+            });
         }
-        let begun = sites.iter().map(|(site, sampler)| begin(site, *sampler, &settings));
-        trace_begun(self.scene, self.view, &settings, &begun.collect::<Vec<_>>(), cancel)
+        let begin = |(number, (site, sampler)): (usize, &(S, Sampler))| {
+            let mut taker = notes.as_mut().map(|notes| notes.of(number));
+            begin(site, *sampler, &settings, &mut taker)
+        };
+        let begun: Vec<PathState> = sites.iter().enumerate().map(begin).collect();
+        trace_begun(self.scene, self.view, &settings, &begun, notes, cancel)
     }
 }

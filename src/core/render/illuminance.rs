@@ -49,7 +49,7 @@ pub(super) fn trace(
         light: ReceivedLight::All,
     };
     let arrived = ImmersedReceiver::trace(&gathering, &sites, cancel)?;
-    for (place, arrived) in places.into_iter().zip(arrived) {
+    for (place, arrived) in places.into_iter().zip(arrived.samples) {
         let (sample, _) = &mut samples[place];
         sample.radiance = arrived.light;
         sample.rays += arrived.rays;

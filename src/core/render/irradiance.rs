@@ -12,7 +12,8 @@ use glam::Vec3;
 
 use super::borders::medium_at;
 use super::dimensions::BounceDraw;
-use super::gathering::{Arrived, Gathering, Site};
+use super::gathering::{Arrivals, Gathering, Site};
+use super::layers::NoteTaker;
 use super::path::{Departure, Scatterer};
 use super::path_state::{Arrival, PathState};
 use super::scene::RenderScene;
@@ -91,9 +92,11 @@ impl Receiver {
 }
 
 impl Site for Receiver {
-    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Arrivals> {
         let medium = gathering.view.medium;
-        let begin = |site: &Self, sampler, settings: &_| site.begin(gathering, medium, sampler, settings);
+        let begin = |site: &Self, sampler, settings: &_, taker: &mut Option<NoteTaker>| {
+            site.begin(gathering, medium, sampler, settings, taker)
+        };
         gathering.trace(sites, begin, cancel)
     }
 
@@ -123,10 +126,10 @@ impl ImmersedReceiver {
 }
 
 impl Site for ImmersedReceiver {
-    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
-        let begin = |site: &Self, sampler, settings: &_| {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Arrivals> {
+        let begin = |site: &Self, sampler, settings: &_, taker: &mut Option<NoteTaker>| {
             let Self { receiver, medium } = site;
-            receiver.begin(gathering, *medium, sampler, settings)
+            receiver.begin(gathering, *medium, sampler, settings, taker)
         };
         gathering.trace(sites, begin, cancel)
     }
@@ -138,13 +141,14 @@ impl Site for ImmersedReceiver {
 }
 
 impl Receiver {
-    /// A path that has left the place, which is in a medium.
+    /// A path that has left the place, which is in a medium. `taker` notes the light that is sampled there.
     fn begin(
         &self,
         gathering: &Gathering,
         medium: Option<MediumId>,
         sampler: Sampler,
         settings: &PathSettings,
+        taker: &mut Option<NoteTaker>,
     ) -> PathState {
         let Gathering { scene, light, .. } = *gathering;
         let vertex = Vertex {
@@ -161,7 +165,7 @@ impl Receiver {
         let mut path = PathState::new(Ray::new(self.leave(wi), wi), sampler, medium);
         path.depth = 1;
         path.is_straight = false;
-        path.sample_light(scene, settings, &vertex, &mut ());
+        path.sample_light(scene, settings, &vertex, taker);
         let cosine = self.cosine(wi);
         // What goes below the surface brings nothing.
         path.throughput = if cosine > 0.0 { Rgb::splat(PI) } else { Rgb::ZERO };

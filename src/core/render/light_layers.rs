@@ -21,11 +21,17 @@ impl LightGroups {
 
     /// Groups the lights. `group_of_light` is by [`LightId`], counted from 0.
     pub fn new(group_of_light: &[u32]) -> Self {
-        let layer = |&group: &u32| group.min(Self::MOST as u32 - 1) as u8;
-        let layer_of_light: Arc<[u8]> = group_of_light.iter().map(layer).collect();
+        let last = group_of_light.iter().max();
+        let count = last.map_or(0, |&last| Self::MOST.min(last as usize + 1));
+        Self::of(group_of_light, count)
+    }
+
+    /// The same in `count` groups, at most 256. Groups beyond them share the last one.
+    pub fn of(group_of_light: &[u32], count: usize) -> Self {
+        let last = count.saturating_sub(1) as u32;
         Self {
-            count: layer_of_light.iter().max().map_or(0, |&last| usize::from(last) + 1),
-            layer_of_light,
+            layer_of_light: group_of_light.iter().map(|&group| group.min(last) as u8).collect(),
+            count,
         }
     }
 

@@ -9,7 +9,8 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 use super::dimensions::BounceDraw;
-use super::gathering::{Arrived, Gathering, Site};
+use super::gathering::{Arrivals, Gathering, Site};
+use super::layers::NoteTaker;
 use super::path_state::PathState;
 use super::view::PathSettings;
 use crate::math::Ray;
@@ -42,8 +43,8 @@ impl Window {
 }
 
 impl Site for Window {
-    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
-        let begin = |window: &Self, sampler: Sampler, settings: &PathSettings| {
+    fn trace(gathering: &Gathering, sites: &[(Self, Sampler)], cancel: &AtomicBool) -> Option<Arrivals> {
+        let begin = |window: &Self, sampler: Sampler, settings: &PathSettings, _: &mut Option<NoteTaker>| {
             let at = sampler.at_2d(BounceDraw::Direction.at(1));
             let direction = (window.corner + at.x * window.across + at.y * window.down).normalize();
             let medium = gathering.view.medium.filter(|_| settings.media);

@@ -290,6 +290,7 @@ impl Stage<'_> {
         let node = Node {
             name: branch.leaf.clone(),
             pose: pose.unwrap_or_default(),
+            order: Some(identity.order),
             ..Node::default()
         };
         let node = add(self.writer, node, &branch.leaf, branch.parent);

@@ -113,6 +113,7 @@ impl<'a> Shapes<'a> {
             name: branch.leaf,
             pose,
             mesh: Some(mesh),
+            order: Some(shape.identity.order),
             lightmap_scale: Some(shape.shape.scale_of_lightmap()),
             ..Node::default()
         };

@@ -2,6 +2,7 @@
 
 mod bits;
 mod files;
+mod layers;
 mod layout;
 mod light;
 mod spread;
@@ -104,15 +105,24 @@ fn add_lamp(scene: &mut SceneBuilder) {
 
 /// A lamp above a floor with a wall beside it.
 fn corner() -> RenderScene {
+    corner_lit_by([true, true])
+}
+
+/// The same with the lamp, the bulb, or both.
+fn corner_lit_by([lamp, bulb]: [bool; 2]) -> RenderScene {
     let mut scene = SceneBuilder::default();
-    add_lamp(&mut scene);
+    if lamp {
+        add_lamp(&mut scene);
+    }
     let floor = rectangle(Vec2::splat(2.0), Quat::from_rotation_x(UP), Vec3::ZERO);
     scene.add(Primitive::Rectangle, floor, diffuse(0.6), None);
     let wall = rectangle(Vec2::splat(2.0), Quat::from_rotation_y(PI / 2.0), Vec3::X * -0.7);
     scene.add(Primitive::Rectangle, wall, diffuse(0.8), None);
-    scene.light(LightSource::Point {
-        position: Vec3::new(0.5, 0.5, 0.5),
-        intensity: Rgb::splat(0.3),
-    });
+    if bulb {
+        scene.light(LightSource::Point {
+            position: Vec3::new(0.5, 0.5, 0.5),
+            intensity: Rgb::splat(0.3),
+        });
+    }
     scene.build()
 }

@@ -158,6 +158,20 @@ impl GltfWriter {
         node.extras = Some(extras);
     }
 
+    /// Adds `value` to the extras of the nodes of the thing at this position in the scene's file. Returns the nodes.
+    pub fn mark(&mut self, order: u32, key: &str, value: usize) -> Vec<usize> {
+        let nodes = self.root.nodes.iter_mut().enumerate();
+        let mut marked = Vec::new();
+        for (number, node) in nodes.filter(|(_, node)| node.order == Some(order)) {
+            let extras = node.extras.get_or_insert_with(|| serde_json::json!({}));
+            if let Some(extras) = extras.as_object_mut() {
+                extras.insert(key.to_owned(), value.into());
+            }
+            marked.push(number);
+        }
+        marked
+    }
+
     /// Drops meshes without instances, and the accessors that only these use.
     pub fn drop_unused_meshes(&mut self) {
         let standing: HashSet<usize> = self.root.nodes.iter().filter_map(|node| node.mesh).collect();

@@ -115,6 +115,9 @@ pub struct Node {
     /// Data for other programs that the specification does not define.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extras: Option<serde_json::Value>,
+    /// The position of the thing in the scene's file. It is not written.
+    #[serde(skip)]
+    pub order: Option<u32>,
     /// The lightmap texels per length, relative to other meshes; None means 1. It is not written.
     #[serde(skip)]
     pub lightmap_scale: Option<f32>,

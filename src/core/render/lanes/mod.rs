@@ -16,8 +16,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use self::batch::PathBatch;
 use self::context::{Coherence, Context, STEPS_TO_CANCEL};
 use super::bidirectional::arrivals;
-use super::gathering::Arrived;
+use super::gathering::{Arrivals, Arrived};
 use super::guide::{Field, PhotonPaths};
+use super::layers::LayerNotes;
 use super::path_state::PathState;
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy, View};
@@ -87,14 +88,15 @@ fn is_guided(scene: &RenderScene, settings: &PathSettings) -> bool {
 }
 
 /// Traces paths that have left a vertex, with the results of tracing them one by one. Paths without throughput have
-/// ended. None if `cancel` was set in the meantime.
+/// ended. `notes` have the light that they have found before. None if `cancel` was set in the meantime.
 pub(super) fn trace_begun(
     scene: &RenderScene,
     view: &View,
     settings: &PathSettings,
     begun: &[PathState],
+    notes: Option<LayerNotes>,
     cancel: &AtomicBool,
-) -> Option<Vec<Arrived>> {
+) -> Option<Arrivals> {
     let context = Context {
         scene,
         view,
@@ -103,8 +105,8 @@ pub(super) fn trace_begun(
         field: None,
     };
     match settings.media && !scene.media.is_empty() {
-        true => trace_lanes::<true>(&context, begun, cancel),
-        false => trace_lanes::<false>(&context, begun, cancel),
+        true => trace_lanes::<true>(&context, begun, notes, cancel),
+        false => trace_lanes::<false>(&context, begun, notes, cancel),
     }
 }
 
@@ -170,11 +172,16 @@ impl<'a, const MEDIA: bool> Paths<'a, MEDIA> {
 const ALL: u32 = (1 << LANES) - 1;
 
 /// See [`trace_begun`].
-fn trace_lanes<const MEDIA: bool>(context: &Context, begun: &[PathState], cancel: &AtomicBool) -> Option<Vec<Arrived>> {
+fn trace_lanes<const MEDIA: bool>(
+    context: &Context,
+    begun: &[PathState],
+    notes: Option<LayerNotes>,
+    cancel: &AtomicBool,
+) -> Option<Arrivals> {
     let mut batch = PathBatch::<MEDIA>::new(context.view);
     let mut samples = Samples {
         list: vec![(PathSample::default(), 1.0); begun.len()],
-        notes: None,
+        notes,
     };
     let mut backs = vec![false; begun.len()];
     let mut waiting = begun.iter().enumerate();
@@ -202,7 +209,10 @@ fn trace_lanes<const MEDIA: bool>(context: &Context, begun: &[PathState], cancel
                     meets_back,
                     rays: sample.rays,
                 };
-                return Some(samples.list.iter().zip(backs).map(arrived).collect());
+                return Some(Arrivals {
+                    samples: samples.list.iter().zip(backs).map(arrived).collect(),
+                    groups: samples.notes.map_or_else(Vec::new, LayerNotes::into_groups),
+                });
             }
             batch.trace(Coherence::Incoherent, context, &mut samples);
             for lane in each_lane(new & batch.active) {

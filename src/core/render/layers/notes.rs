@@ -43,12 +43,27 @@ pub(in crate::render) struct NoteTaker<'a> {
 impl<'v> LayerNotes<'v> {
     /// Empty notes of `samples` samples; None if no layer of the view needs them.
     pub fn new(view: &'v View, samples: usize) -> Option<Self> {
-        let light_groups = &view.light_groups;
-        view.film_layers().are_noted().then(|| Self {
+        view.film_layers()
+            .are_noted()
+            .then(|| Self::empty(&view.light_groups, samples))
+    }
+
+    /// Empty notes of `samples` samples, for the light of groups alone; None without groups.
+    pub fn of_groups(light_groups: &'v LightGroups, samples: usize) -> Option<Self> {
+        (light_groups.count() > 0).then(|| Self::empty(light_groups, samples))
+    }
+
+    fn empty(light_groups: &'v LightGroups, samples: usize) -> Self {
+        Self {
             light_groups,
             samples: vec![SampleNotes::default(); samples],
             groups: vec![Rgb::ZERO; samples * light_groups.count()],
-        })
+        }
+    }
+
+    /// The light of each group, contiguous for each sample.
+    pub fn into_groups(self) -> Vec<Rgb> {
+        self.groups
     }
 
     /// Clears all notes.

@@ -327,6 +327,7 @@ fn bake(order: BakeOrder, shared: &Shared, showing: &mut Showing) -> Result<(Bak
         pool: Arc::new(pool.build().map_err(|error| error.to_string())?),
         is_seen: true,
         discards: shared.discards.clone(),
+        layers: None,
     };
     let mut prepared = |now: &Progress, words: &str| shared.tell_progress(with_large_letter(words), now);
     let mut job =
