@@ -19,8 +19,8 @@ pub use crate::manifest::LayerKind;
 /// shown some frames later.
 const AT_ONCE: usize = 1 << 20;
 
-/// The lamps of a level, on its entity together with [`LevelReady`](crate::LevelReady). Lightmaps, probes, surfaces that
-/// shine and lights follow their factors. A level that was baked without `--layers` has none.
+/// The lamps of a level, on its entity together with [`LevelReady`](crate::LevelReady). Lightmaps, probes, surfaces
+/// that shine and lights follow their factors. A level that was baked without `--layers` has none.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Lamps {
     lamps: Vec<Lamp>,

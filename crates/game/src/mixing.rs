@@ -8,8 +8,8 @@ const LARGEST: f32 = 65504.0;
 /// Half floats that are mixed in one go: they stay in the cache of a core.
 const RUN: usize = 4096;
 
-/// The sum of layers of half floats (red, green, blue, alpha) times the factors of their colours. Alpha is 1. All layers
-/// are as long as the first; without layers there is nothing.
+/// The sum of layers of half floats (red, green, blue, alpha) times the factors of their colours, `length` bytes. Alpha
+/// is 1. What a layer lacks is black.
 pub(crate) fn mix<'a>(layers: impl Iterator<Item = (&'a [u8], [f32; 3])> + Clone, length: usize) -> Vec<u8> {
     let mut mixed = vec![0; length];
     let (mut sums, mut halves, mut numbers) = ([0.0; RUN], [f16::ZERO; RUN], [0.0; RUN]);
