@@ -11,12 +11,12 @@ use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 
 use crate::manifest::LevelManifest;
-use crate::mixing::mix;
+use crate::mixing::{LARGEST, mix};
 
 pub use crate::manifest::LayerKind;
 
-/// The most bytes of layers that are mixed within a frame; those of larger textures are mixed on another thread, and
-/// shown some frames later.
+/// The most bytes of the layers of a texture that are mixed within a frame; those of larger textures are mixed on
+/// another thread, and shown some frames later.
 const AT_ONCE: usize = 1 << 20;
 
 /// The lamps of a level, on its entity together with [`LevelReady`](crate::LevelReady). Lightmaps, probes, surfaces
@@ -48,15 +48,17 @@ impl Lamps {
         self.iter().find(|lamp| lamp.name == name).map(|lamp| lamp.factor)
     }
 
-    /// Dims a lamp, 0 or more. False if there is no lamp of this name.
+    /// Dims a lamp, from 0 to 65504; other numbers count as the nearest one. False if there is no lamp of this name.
     pub fn set(&mut self, name: &str, strength: f32) -> bool {
         self.set_color(name, Vec3::splat(strength))
     }
 
-    /// Sets the factor on each of the colours of a lamp, 0 or more. False if there is no lamp of this name.
+    /// Sets the factor on each of the colours of a lamp, as [`Self::set`]. False if there is no lamp of this name.
     pub fn set_color(&mut self, name: &str, factor: Vec3) -> bool {
         let lamp = self.lamps.iter_mut().find(|lamp| lamp.name == name);
-        lamp.map(|lamp| lamp.factor = factor.max(Vec3::ZERO)).is_some()
+        // A NaN counts as 0.
+        let factor = factor.max(Vec3::ZERO).min(Vec3::splat(LARGEST));
+        lamp.map(|lamp| lamp.factor = factor).is_some()
     }
 }
 
@@ -165,7 +167,7 @@ impl Mixer {
                 part.file = Handle::default();
             }
             if texture.layers.iter().any(|part| part.texels.len() != length) {
-                warn!("a layer has another size than its texture: bake the level again");
+                warn!("a layer does not fit its texture: bake the level again; of two copies of a level, the first one's lamps dim both");
                 texture.layers.clear();
                 texture.factors.clear();
             }

@@ -4,7 +4,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 /// The largest half float.
-const LARGEST: f32 = 65504.0;
+pub(crate) const LARGEST: f32 = 65504.0;
 /// Half floats that are mixed in one go: they stay in the cache of a core.
 const RUN: usize = 4096;
 

@@ -23,6 +23,7 @@ use crate::photometry::LUMENS_PER_WATT;
 use crate::render::camera::Camera;
 use crate::render::gathering::Gathering;
 use crate::render::irradiance::ReceivedLight;
+use crate::render::light_layers::LightGroups;
 use crate::render::probe_radiance::Window;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
@@ -110,6 +111,7 @@ pub fn glare(scene: &RenderScene, view: &View, camera: &Camera, cancel: &AtomicB
         .map(|set| {
             let view = View {
                 seed: pcg3d([view.seed, set as u32, SETS as u32])[0],
+                light_groups: LightGroups::default(),
                 ..view.clone()
             };
             let gathering = Gathering {

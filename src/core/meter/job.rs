@@ -21,6 +21,7 @@ use crate::color::luminance;
 use crate::photometry::LUMENS_PER_WATT;
 use crate::render::gathering::Gathering;
 use crate::render::irradiance::ReceivedLight;
+use crate::render::light_layers::LightGroups;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::sampling::hash::pcg3d;
@@ -269,7 +270,10 @@ impl MeterJob {
             }
             meters.push(metering);
         }
-        let view = view.clone();
+        let view = View {
+            light_groups: LightGroups::default(),
+            ..view.clone()
+        };
         Ok(Self { scene, view, meters })
     }
 

@@ -8,6 +8,7 @@ use super::borders::behind_borders;
 use super::gathering::{Gathering, Site};
 use super::irradiance::{ImmersedReceiver, ReceivedLight, Receiver};
 use super::lanes::Job;
+use super::light_layers::LightGroups;
 use super::path_state::PathSample;
 use super::scene::RenderScene;
 use super::view::View;
@@ -43,6 +44,10 @@ pub(super) fn trace(
         }
         samples.push((sample, camera.weight));
     }
+    let view = &View {
+        light_groups: LightGroups::default(),
+        ..view.clone()
+    };
     let gathering = Gathering {
         scene,
         view,
