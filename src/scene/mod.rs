@@ -50,6 +50,7 @@ pub use components::parameters::{
 };
 pub(crate) use components::parameters::{Declared, ParameterMut, ParameterRef};
 pub use components::pattern::{Choice, Stop};
+pub use components::properties::{ItemType, Properties, PropertyItem, PropertyType, PropertyValue, SceneProperties};
 pub use components::sensor::{Crop, Film, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use components::settings::{AccelMethod, IntegratorSettings, PathPlugin, SamplerSettings, Sequence, Strategy};
 pub use components::shape::{MeshFile, MeshFormat, Shape, ShapeKind};

@@ -85,6 +85,7 @@ fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
                 can_hide: true,
                 inside_of: None,
                 uses: None,
+                properties: None,
                 hidden: false,
                 locked: false,
             }]

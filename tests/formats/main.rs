@@ -17,6 +17,7 @@ mod media;
 mod mesh_files;
 mod opening;
 mod patterns;
+mod properties;
 mod saving;
 mod scene;
 mod sensors;

@@ -167,7 +167,9 @@ impl Mixer {
                 part.file = Handle::default();
             }
             if texture.layers.iter().any(|part| part.texels.len() != length) {
-                warn!("a layer does not fit its texture: bake the level again; of two copies of a level, the first one's lamps dim both");
+                warn!(
+                    "a layer does not fit its texture: bake the level again; of two copies of a level, the first one's lamps dim both"
+                );
                 texture.layers.clear();
                 texture.factors.clear();
             }

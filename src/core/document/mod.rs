@@ -34,7 +34,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Sp
 pub use object::{Category, Child, Interpolation, Key, Object, Property, Track, Value};
 pub use parse::{load, parse_str, parse_within};
 pub use parsed::Index;
-pub use parsed::{Document, Include, LIGHT_UNITS, UNIT};
+pub use parsed::{Document, Include, LIGHT_UNITS, UNIT, property_name};
 pub use reader::Reader;
 pub use source::SourceError;
 pub use transform::TransformOp;

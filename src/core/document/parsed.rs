@@ -9,6 +9,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use smol_str::SmolStr;
+
 use super::paths::file_candidates;
 use super::{Category, Child, Crowd, Diagnostics, Object, SourceId, Span};
 use crate::files::Access;
@@ -103,6 +105,15 @@ pub(super) fn scene_unit(object: &Object, name: &str, value: &str) -> Option<&'s
     let is_it = |(unit, values): &(&str, &[&str])| *unit == name && values.contains(&value);
     let (unit, _) = SCENE_UNITS.into_iter().find(is_it)?;
     (object.category == Category::Scene).then_some(unit)
+}
+
+/// The name of the property that a `default` declares in the object around it, as in `<default name="health: integer"
+/// value="100"/>`: the property's own name, a colon and its type. None for a plain `default`, whose name has no colon.
+/// Other readers of the format take it for an unused name.
+pub fn property_name(name: &str) -> Option<SmolStr> {
+    let (own, kind) = name.rsplit_once(':')?;
+    let (own, kind) = (own.trim(), kind.trim());
+    (!own.is_empty() && !kind.is_empty()).then(|| format!("{own}: {kind}").into())
 }
 
 /// The objects with ids. In a parsed document ids are unique and references form no cycle; references without target

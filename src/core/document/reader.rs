@@ -19,6 +19,7 @@ use std::ops::{Bound, RangeBounds};
 use glam::Vec3;
 use smol_str::SmolStr;
 
+use super::parsed::property_name;
 use super::spectrum::equal_energy_white;
 use super::value::format_float;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
@@ -46,7 +47,10 @@ impl<'a, 'd> Reader<'a, 'd> {
             diagnostics,
             asked: Vec::new(),
             elsewhere: Vec::new(),
-            property_read: vec![false; object.properties.len()],
+            // Properties with a type belong to no plugin.
+            property_read: (object.properties.iter())
+                .map(|property| property_name(&property.name).is_some())
+                .collect(),
             child_read: vec![false; object.children.len()],
         }
     }

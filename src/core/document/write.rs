@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::parsed::scene_unit;
+use super::parsed::{property_name, scene_unit};
 use super::paths::{file_name, settle};
 use super::revision::edits::Layout;
 use super::value::format_float;
@@ -207,7 +207,7 @@ impl<'l> Writer<'l> {
             Value::Vector(xyz) => ("vector", numbers(&xyz.to_array())?),
             Value::Integer(number) => ("integer", number.to_string()),
             Value::Boolean(truth) => ("boolean", truth.to_string()),
-            Value::String(text) if scene_unit(owner, name, text).is_some() => ("default", text.clone()),
+            Value::String(text) if is_default(owner, name, text) => ("default", text.clone()),
             Value::String(text) => ("string", text.clone()),
             Value::Transform(ops) => {
                 self.tag("transform", &[(key, key_value)], ops.is_empty())?;
@@ -254,10 +254,16 @@ impl<'l> Writer<'l> {
     fn tag(&mut self, name: &str, attributes: &[(&str, &str)], closed: bool) -> Result<(), WriteError> {
         self.indent();
         let _ = write!(self.text, "<{name}");
-        for (name, value) in attributes {
-            let _ = write!(self.text, " {name}=\"");
-            escape(value, '"', &mut self.text)?;
-            self.text.push('"');
+        for (attribute, value) in attributes {
+            // Properties may have values in JSON, which has many quotation marks.
+            let quote = if name == "default" && value.contains('"') {
+                '\''
+            } else {
+                '"'
+            };
+            let _ = write!(self.text, " {attribute}={quote}");
+            escape(value, quote, &mut self.text)?;
+            self.text.push(quote);
         }
         self.text += if closed { "/>" } else { ">" };
         self.text += self.layout.newline;
@@ -276,6 +282,11 @@ impl<'l> Writer<'l> {
             self.text += &self.layout.unit;
         }
     }
+}
+
+/// Whether a text of an object is a `default` in the file: a unit of the scene, or a property with a type.
+fn is_default(owner: &Object, name: &str, text: &str) -> bool {
+    scene_unit(owner, name, text).is_some() || property_name(name).is_some()
 }
 
 /// An error if a number of the value is infinite or NaN: the format has no text for it.

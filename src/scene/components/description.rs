@@ -14,7 +14,7 @@ use crate::color::Rgb;
 use crate::document::Span;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, EulerAngles, Film, IntegratorSettings, Keys, LengthUnit,
-    LightUnits, Material, Medium, MissingFiles, Placements, Sensor, Shape, ShapeKind,
+    LightUnits, Material, Medium, MissingFiles, Placements, Properties, SceneProperties, Sensor, Shape, ShapeKind,
 };
 
 /// The place where the scene file first names each picture or volume, by absolute path.
@@ -33,6 +33,8 @@ pub struct SceneDescription {
     pub unit: LengthUnit,
     /// The units in which lights are shown.
     pub light_units: LightUnits,
+    /// The properties of the scene itself.
+    pub properties: SceneProperties,
     /// The time, in seconds, at which animated values are evaluated.
     pub time: f64,
     /// The cameras; empty if the file has none.
@@ -145,6 +147,8 @@ pub struct Identity {
     pub angles: Option<EulerAngles>,
     /// The keys of animated values; None if nothing is animated.
     pub keys: Option<Keys>,
+    /// The properties that the user has given to it; None if there are none.
+    pub properties: Option<Properties>,
 }
 
 /// A camera with its film.

@@ -31,6 +31,7 @@ pub(crate) mod parameters;
 pub mod pattern;
 mod pattern_parameters;
 pub(super) mod presence;
+pub(super) mod properties;
 pub mod sensor;
 pub mod settings;
 pub mod shape;

@@ -10,8 +10,8 @@ use bevy::prelude::*;
 use super::carry_over::{Vectors, carry_over};
 use crate::scene::{
     AreaLight, Authored, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film, FirstNested, Hidden,
-    InMedium, InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, Placements, SceneId, SecondNested,
-    Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    InMedium, InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, Placements, Properties, SceneId,
+    SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 macro_rules! object_state {
@@ -114,6 +114,7 @@ macro_rules! with_components {
             instance_of: InstanceOf,
             placements: Placements,
             keys: Keys,
+            properties: Properties,
             hidden: Hidden,
             locked: Locked,
         }

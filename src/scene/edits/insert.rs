@@ -13,7 +13,9 @@ use crate::scene::file::entities::Entities;
 use crate::scene::file::file_base::Thing;
 use crate::scene::write::gather::describe_entities;
 use crate::scene::write::identities;
-use crate::scene::{DocumentOrder, FirstNested, Material, Medium, ObjectState, SceneId, SecondNested, ToWorld};
+use crate::scene::{
+    DocumentOrder, FirstNested, Material, Medium, ObjectState, Properties, SceneId, SecondNested, ToWorld,
+};
 
 /// The entities that [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -90,6 +92,7 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         _ => true,
     };
     let mut all = Vec::new();
+    let mut new_names: HashMap<&str, String> = HashMap::new();
     for thing in Thing::all(scene).filter(is_new) {
         let mut state = thing.state(scene, &made);
         // Each instance of a crowd becomes an entity of its own here.
@@ -100,6 +103,9 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         let mut entity = thing.entity(&made);
         loop {
             let (id, name) = free_names.take(thing.identity(scene));
+            if let (Some(old), Some(new)) = (&thing.identity(scene).id, &id) {
+                new_names.entry(old).or_insert_with(|| new.0.clone());
+            }
             let named = ObjectState {
                 order: Some(DocumentOrder(order)),
                 id,
@@ -112,6 +118,13 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             let Some(place) = places.next() else { break };
             state.to_world = Some(place);
             entity = world.spawn_empty().id();
+        }
+    }
+    // References between new things follow their names.
+    for &entity in &all {
+        let renamed = |properties: &Properties| properties.renamed(|thing| new_names.get(thing).cloned());
+        if let Some(renamed) = world.get::<Properties>(entity).and_then(renamed) {
+            world.entity_mut(entity).insert(renamed);
         }
     }
     let shapes = scene.shapes.iter().zip(&made.shapes);

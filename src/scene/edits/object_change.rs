@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use crate::scene::components::object_state::{with_components, write_component};
 use crate::scene::{
     AreaLight, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film, FirstNested, Hidden, InMedium,
-    InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, ObjectState, Placements, SceneId,
+    InstanceOf, InteriorMedium, Keys, Locked, Material, Medium, MemberOf, ObjectState, Placements, Properties, SceneId,
     SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
 };
 
@@ -126,6 +126,7 @@ impl Part {
             }),
             Self::Emitter(_) | Self::AreaLight(_) => 2 * TEXTURE,
             Self::Keys(values) => sum(values, Keys::bytes),
+            Self::Properties(values) => sum(values, Properties::bytes),
             _ => 0,
         }
     }

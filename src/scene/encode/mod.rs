@@ -5,3 +5,14 @@ mod into_object;
 pub mod lights;
 pub mod objects;
 pub mod poses;
+
+use crate::document::Object;
+use crate::scene::Properties;
+
+/// The plugin with the properties of the thing.
+pub fn with_properties(mut object: Object, properties: Option<&Properties>) -> Object {
+    object
+        .properties
+        .extend(properties.into_iter().flat_map(Properties::for_file));
+    object
+}

@@ -155,7 +155,9 @@ impl Thing {
             }
             _ => false,
         };
-        is_alike && (&one.id, &one.name, &one.angles, &one.keys) == (&two.id, &two.name, &two.angles, &two.keys)
+        is_alike
+            && (&one.id, &one.name, &one.angles, &one.keys) == (&two.id, &two.name, &two.angles, &two.keys)
+            && one.properties == two.properties
     }
 
     /// The components of the thing's entity according to the description.
@@ -167,6 +169,7 @@ impl Thing {
             name: Some(Name::new(identity.name.clone())),
             angles: identity.angles,
             keys: identity.keys.clone(),
+            properties: identity.properties.clone(),
             ..ObjectState::default()
         };
         let in_medium = |medium: Option<usize>| medium.map(|index| InMedium(entities.media[index]));

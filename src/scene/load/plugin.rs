@@ -81,6 +81,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<IntegratorKeys>()
             .init_resource::<LengthUnit>()
             .init_resource::<LightUnits>()
+            .init_resource::<SceneProperties>()
             .init_resource::<SamplerSettings>()
             .init_resource::<AccelMethod>();
         app.register_type::<Shape>()

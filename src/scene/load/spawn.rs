@@ -102,6 +102,7 @@ impl Spawning {
         take_over_remains(world, &self.scene);
         world.insert_resource(self.scene.unit);
         world.insert_resource(self.scene.light_units);
+        world.insert_resource(self.scene.properties.clone());
     }
 }
 
@@ -212,6 +213,9 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     }
     if base.scene.light_units != scene.light_units {
         world.insert_resource(scene.light_units);
+    }
+    if base.scene.properties != scene.properties {
+        world.insert_resource(scene.properties.clone());
     }
     summary
 }

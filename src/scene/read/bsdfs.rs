@@ -50,7 +50,7 @@ impl<'a> SceneReader<'a> {
             }
         }
 
-        let identity = self.identity(object, || objects::material(&material, &self.folder));
+        let identity = self.identity(object, |folder| objects::material(&material, folder));
         let description = &mut self.description.materials[index];
         description.identity = identity;
         description.material = material;

@@ -1,5 +1,7 @@
 //! Reads emitters, including the `area` of shapes.
 
+use std::path::Path;
+
 use bevy::math::{Affine3A, Vec3};
 
 use super::from_file::FromFile;
@@ -34,7 +36,7 @@ impl<'a> SceneReader<'a> {
             self.forget_place(place, before);
             return false;
         };
-        let as_read = || lights::emitter(&emitter, &to_world, angles_of(object), &self.folder);
+        let as_read = |folder: &Path| lights::emitter(&emitter, &to_world, angles_of(object), folder);
         let mut identity = self.identity(object, as_read);
         if let Some(authored) = &mut identity.authored {
             authored.leave_out_media(|_, number| number == 0 && medium.is_some());

@@ -11,7 +11,7 @@ impl<'a> SceneReader<'a> {
     /// Lists all groups before the instances are read.
     pub(super) fn list_groups(&mut self) {
         for object in self.root.objects().filter(|object| object.is_group()) {
-            let identity = self.identity(object, || Object::new(Category::Shape, "shapegroup"));
+            let identity = self.identity(object, |_| Object::new(Category::Shape, "shapegroup"));
             self.group_of.insert(address(object), self.description.groups.len());
             self.description.groups.push(GroupDescription { identity });
         }

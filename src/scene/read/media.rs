@@ -30,7 +30,7 @@ impl<'a> SceneReader<'a> {
         }
         let reader = Reader::new(&self.index, object, &mut self.diagnostics);
         let read = read_parameters(reader, &mut self.pictures).map(|medium| {
-            let identity = self.identity(object, || objects::medium(&medium, &self.folder));
+            let identity = self.identity(object, |folder| objects::medium(&medium, folder));
             let is_top_level = self.is_top_level(object);
             self.description.media.push(MediumDescription {
                 identity,

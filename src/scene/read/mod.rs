@@ -37,7 +37,7 @@ use crate::scene::components::description::{DeclarationPlace, SceneDescription};
 use crate::scene::components::keys::{MOST_TRACKS, is_part, track_count};
 use crate::scene::components::missing;
 use crate::scene::encode::objects::FRAME;
-use crate::scene::{AuthoredScene, LengthUnit, LightUnits};
+use crate::scene::{AuthoredScene, LengthUnit, LightUnits, Properties, SceneProperties};
 
 /// Reads the whole document; problems are added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -140,6 +140,8 @@ impl SceneReader<'_> {
         self.report_tracks();
         self.description.remains = remains;
 
+        let properties = Properties::of(root, &mut self.diagnostics);
+        self.description.properties = SceneProperties(properties.unwrap_or_default());
         let mut reader = Reader::new(&self.index, root, &mut self.diagnostics);
         for category in Category::ALL {
             reader.children(category);

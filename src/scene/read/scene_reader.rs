@@ -13,7 +13,8 @@ use crate::document::animation::animated_objects;
 use crate::document::paths::settle;
 use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Span, Value};
 use crate::scene::components::description::{Identity, SceneDescription};
-use crate::scene::{Authored, EulerAngles, Keys, Material, MissingFiles, ShapeKind};
+use crate::scene::encode::with_properties;
+use crate::scene::{Authored, EulerAngles, Keys, Material, MissingFiles, Properties, ShapeKind};
 
 /// An object's order among all objects of the document.
 pub struct Place<'a> {
@@ -152,8 +153,10 @@ impl<'a> SceneReader<'a> {
         self.places.get(&address(object)).is_some_and(|place| place.top_level)
     }
 
-    /// The identity of an object of any kind. `as_read` makes the plugin that would be written for it.
-    pub fn identity(&self, object: &Object, as_read: impl FnOnce() -> Object) -> Identity {
+    /// The identity of an object of any kind. `as_read` makes the plugin that would be written for it into a
+    /// file of a folder, without its properties.
+    pub fn identity(&mut self, object: &Object, as_read: impl FnOnce(&Path) -> Object) -> Identity {
+        let properties = Properties::of(object, &mut self.diagnostics);
         // Messages about files need the spans of the names.
         let names_file = || object.properties.iter().any(|property| property.name == "filename");
         Identity {
@@ -164,9 +167,13 @@ impl<'a> SceneReader<'a> {
             },
             order: self.order(object),
             span: object.span,
-            authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
+            authored: (self.keeps_source || names_file()).then(|| {
+                let as_read = with_properties(as_read(&self.folder), properties.as_ref());
+                self.authored(object, as_read)
+            }),
             angles: angles_of(object),
             keys: self.keys(object),
+            properties,
         }
     }
 

@@ -89,7 +89,7 @@ impl<'a> SceneReader<'a> {
             shutter_open,
             shutter_close,
         };
-        let mut identity = self.identity(object, || objects::sensor(&sensor, &read_film, &to_world));
+        let mut identity = self.identity(object, |_| objects::sensor(&sensor, &read_film, &to_world));
         if let Some(authored) = &mut identity.authored {
             authored.leave_out_media(|_, number| number == 0 && medium.is_some());
         }

@@ -1,7 +1,7 @@
 //! Reads shapes: primitives, mesh files and instances, with their bsdf, their emission and the media on their two
 //! sides.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
@@ -109,7 +109,7 @@ impl<'a> SceneReader<'a> {
             return false;
         };
         let angles = angles_of(object);
-        let as_read = || objects::shape(&shape, &to_world, angles, area_light.as_ref(), &self.folder);
+        let as_read = |folder: &Path| objects::shape(&shape, &to_world, angles, area_light.as_ref(), folder);
         let mut identity = self.identity(object, as_read);
         if let Some(authored) = &mut identity.authored {
             let sides = [(INTERIOR, interior), (EXTERIOR, exterior)];

@@ -18,7 +18,8 @@ use crate::scene::file::file_moment::follow_file;
 use crate::scene::{
     AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, EulerAngles, ExteriorMedium, Film,
     FirstNested, InMedium, InstanceOf, IntegratorKeys, IntegratorSettings, InteriorMedium, Keys, Material, Medium,
-    MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    MemberOf, Placements, Properties, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup, ToWorld,
+    UsesMaterial,
 };
 
 /// The number of things that are copied at once at the end.
@@ -101,6 +102,7 @@ type Changes = Or<(
     )>,
     Or<(
         Changed<EulerAngles>,
+        Changed<Properties>,
         Changed<Medium>,
         Changed<InteriorMedium>,
         Changed<ExteriorMedium>,
@@ -318,6 +320,7 @@ impl Snapshot {
         scene.integrator_keys = world.get_resource::<IntegratorKeys>().cloned().unwrap_or_default().0;
         scene.unit = world.get_resource().copied().unwrap_or_default();
         scene.light_units = world.get_resource().copied().unwrap_or_default();
+        scene.properties = world.get_resource().cloned().unwrap_or_default();
         scene.time = shown_time(world);
         if let Some(remains) = world.get_resource::<AuthoredScene>() {
             scene.remains = remains.clone();
@@ -420,6 +423,7 @@ fn identity_of(thing: EntityRef) -> Option<Identity> {
         authored: authored.cloned(),
         angles: thing.get::<EulerAngles>().copied(),
         keys: thing.get::<Keys>().cloned(),
+        properties: thing.get::<Properties>().cloned(),
     })
 }
 

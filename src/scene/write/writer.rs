@@ -12,8 +12,8 @@ use crate::document::animation::is_animated;
 use crate::document::{Category, Child, Crowd, LIGHT_UNITS, Object, Property, Span, UNIT, Value};
 use crate::scene::components::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use crate::scene::components::medium::{EXTERIOR, INTERIOR};
-use crate::scene::encode::{lights, objects};
-use crate::scene::{Authored, IntegratorSettings, Keys, LightUnits};
+use crate::scene::encode::{lights, objects, with_properties};
+use crate::scene::{Authored, IntegratorSettings, Keys, LightUnits, Properties, SceneProperties};
 
 /// The deepest nesting of materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
@@ -166,10 +166,7 @@ impl<'s> Writer<'s> {
         }
         for (index, sensor) in scene.sensors.iter().enumerate() {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
-            let mut draft = self.with_keys(
-                Draft::new(sensor.identity.authored.as_ref(), current),
-                sensor.identity.keys.as_ref(),
-            );
+            let mut draft = self.with_keys(plain_draft(&sensor.identity, current), sensor.identity.keys.as_ref());
             draft.set_medium(
                 None,
                 self.medium_in(DeclarationPlace::Sensor(index), sensor.medium, &mut None),
@@ -222,6 +219,7 @@ impl<'s> Writer<'s> {
             let is_taken = origin.is_some_and(|origin| origin.taken_unit_names.contains(&name));
             write_unit(name, [value, usual], is_taken, &mut root.properties);
         }
+        write_properties(&scene.properties, &mut root.properties);
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
     }
@@ -277,7 +275,7 @@ impl<'s> Writer<'s> {
     fn group(&self, index: usize) -> Object {
         let group = &self.scene.groups[index].identity;
         let current = Object::new(Category::Shape, "shapegroup");
-        let draft = Draft::new(group.authored.as_ref(), current);
+        let draft = plain_draft(group, current);
         let members = (0..)
             .zip(&self.scene.shapes)
             .filter(|(_, shape)| shape.member_of == Some(index));
@@ -301,11 +299,11 @@ impl<'s> Writer<'s> {
 
     /// The object to write. For new things, parameters that equal the default are left out.
     fn draft(&self, identity: &Identity, current: Object) -> Draft {
-        let authored = identity.authored.as_ref();
-        let draft = match authored {
-            Some(_) => Draft::new(authored, current),
-            None => Draft::new(None, self.defaults.left_out(current)),
+        let current = match identity.authored {
+            Some(_) => current,
+            None => self.defaults.left_out(current),
         };
+        let draft = plain_draft(identity, current);
         self.with_keys(draft, identity.keys.as_ref())
     }
 
@@ -424,6 +422,27 @@ fn write_unit(name: &str, [unit, usual]: [&str; 2], is_taken: bool, properties: 
         None if unit != usual && !is_taken => properties.push(Property::new(name, value, Span::default())),
         Some(_) | None => {}
     }
+}
+
+/// Writes the properties of the scene to those of the file. An existing one keeps its place, and so do those of unknown
+/// types.
+fn write_properties(own: &SceneProperties, properties: &mut Vec<Property>) {
+    let mut new: Vec<Property> = own.0.for_file().collect();
+    properties.retain_mut(|known| {
+        if let Some(place) = new.iter().position(|property| property.name == known.name) {
+            known.value = new.swap_remove(place).value;
+            return true;
+        }
+        !Properties::is_one(known)
+    });
+    new.sort_by(|a, b| a.name.cmp(&b.name));
+    properties.extend(new);
+}
+
+/// The object to write, with the properties of the thing.
+fn plain_draft(identity: &Identity, current: Object) -> Draft {
+    let current = with_properties(current, identity.properties.as_ref());
+    Draft::new(identity.authored.as_ref(), current)
 }
 
 fn reference(id: &str) -> Child {

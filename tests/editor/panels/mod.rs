@@ -139,6 +139,7 @@ fn item(index: u32, name: &str) -> Item {
         can_hide: true,
         inside_of: None,
         uses: None,
+        properties: None,
     }
 }
 

@@ -22,6 +22,7 @@ fn item(index: u32, name: &str, kind: &'static str) -> Item {
         can_hide: true,
         inside_of: None,
         uses: None,
+        properties: None,
     }
 }
 

@@ -35,6 +35,7 @@ pub mod outline;
 pub mod panel;
 pub mod preferences;
 pub mod presets;
+pub mod properties;
 pub mod recovery_offer;
 pub mod render;
 pub mod resolution;
@@ -68,6 +69,7 @@ pub use self::light_paint::LightPaintCommand;
 pub use self::material::MaterialEdit;
 pub use self::media::MediumEdit;
 pub use self::outline::OutlineEdit;
+pub use self::properties::PropertyEdit;
 pub use self::render::RenderCommand;
 pub use self::scene::SceneEdit;
 pub use self::selection::SelectionCommand;
@@ -163,6 +165,8 @@ declare_topics! {
     Value(ValueEdit),
     /// Sets a value of a thing, and makes the same change to all selected things of its kind.
     OnSelection(Box<ValueEdit>),
+    /// The properties for the code of a game.
+    Property(PropertyEdit),
     /// The settings of the scene.
     Settings(SettingsEdit),
     /// The camera in use.

@@ -17,8 +17,8 @@ use crate::scene::free_name::free_name;
 use crate::scene::insert::{names, next_order};
 use crate::scene::names::TakenNames;
 use crate::scene::{
-    AreaLight, DocumentOrder, InstanceOf, InteriorMedium, MemberOf, ObjectState, SceneId, Shape, ShapeGroup, ShapeKind,
-    ToWorld,
+    AreaLight, DocumentOrder, InstanceOf, InteriorMedium, MemberOf, ObjectState, Properties, SceneId, Shape,
+    ShapeGroup, ShapeKind, ToWorld,
 };
 
 /// The entity that this one was copied from. It is no part of the scene.
@@ -47,9 +47,23 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
         };
         copies.push(copier.copy(edit, original, pose)?);
     }
+    refer_to_copies(edit, &copies);
     edit.kind = StepKind::Copy;
     edit.world.insert_resource(Selection::of(copies));
     Ok(())
+}
+
+/// Lets the references between things that were copied together lead to the copies.
+fn refer_to_copies(edit: &mut Edit, copies: &[Entity]) {
+    let id = |thing: Entity| Some(edit.world.get::<SceneId>(thing)?.0.clone());
+    let names = |&copy: &Entity| Some((id(edit.world.get::<CopyOf>(copy)?.0)?, id(copy)?));
+    let names: HashMap<String, String> = copies.iter().filter_map(names).collect();
+    for &copy in copies {
+        let own = edit.world.get::<Properties>(copy);
+        if let Some(properties) = own.and_then(|own| own.renamed(|name| names.get(name).cloned())) {
+            edit.set(copy, properties);
+        }
+    }
 }
 
 /// Makes a series of copies of the selection. The whole series is selected then.
@@ -76,6 +90,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
     let mut all = selected.clone();
     for number in 1..series.count {
         copier.find_folders(edit, &selected);
+        let first = all.len();
         for original in &selected {
             let Some(pose) = things::pose_of(edit.world, *original) else {
                 continue;
@@ -83,6 +98,7 @@ pub fn series(edit: &mut Edit, series: &Series) -> Result<(), CommandError> {
             let pose = along(series, number, &pose, unit);
             all.push(copier.copy(edit, *original, pose)?);
         }
+        refer_to_copies(edit, &all[first..]);
     }
     edit.world.insert_resource(Selection::of(all));
     Ok(())

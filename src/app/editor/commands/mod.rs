@@ -34,6 +34,7 @@ mod placing;
 pub(crate) mod plugin;
 mod preset_media;
 mod projection;
+mod properties;
 mod rendering;
 mod replacing;
 mod roofing;
@@ -180,6 +181,7 @@ fn edit(world: &mut World, command: EditCommand) -> Result<(), CommandError> {
     match edit_topic(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
             media_upkeep::follow(&mut edit);
+            properties::follow_names(&mut edit);
             edit.follow_keys();
             let title = title.after(edit.world);
             keep_what_is_there(edit.world);
@@ -221,6 +223,7 @@ fn edit_topic(edit: &mut Edit, command: EditCommand) -> Result<(), CommandError>
         EditCommand::Medium(command) => media::edit(edit, command),
         EditCommand::Value(command) => values::edit(edit, command),
         EditCommand::OnSelection(command) => values::edit_selection(edit, *command),
+        EditCommand::Property(command) => properties::edit(edit, command),
         EditCommand::Settings(command) => settings::edit(edit, command),
         EditCommand::Camera(command) => view::edit(edit, command),
         EditCommand::Time(command) => timeline::edit(edit, command),

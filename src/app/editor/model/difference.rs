@@ -9,7 +9,7 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 use super::Inspected;
 use super::mixed::Mixed;
 use crate::app::editor::command::media::MediumSide;
-use crate::scene::{Declared, FileValue, Material, Medium};
+use crate::scene::{Declared, FileValue, Material, Medium, Properties};
 
 impl Inspected {
     /// Marks values that differ in the other selected things. `materials`: the materials of each of the others, by
@@ -46,6 +46,9 @@ impl Mixed {
                 if shown.has_side(side) && other.has_side(side) && shown.media_at[place] != other.media_at[place] {
                     found.insert(side.name().to_owned());
                 }
+            }
+            if let (Some(own), Some(its)) = (&shown.properties, &other.properties) {
+                properties(own, its, &mut found);
             }
             both(&shown.shape, &other.shape, &mut found);
             if let (Some(own), Some(its)) = (&shown.area_light, &other.area_light) {
@@ -125,6 +128,18 @@ impl<'v> Values<'v> {
                 .map(|name| (*name).to_owned()),
         );
     }
+}
+
+/// Adds the names of properties that only one of two things has, or that differ, as [`property_caption`] makes them.
+fn properties(own: &Properties, its: &Properties, found: &mut BTreeSet<String>) {
+    let names = own.iter().chain(its.iter()).map(|(name, _)| name);
+    let differing = names.filter(|name| own.get(name) != its.get(name));
+    found.extend(differing.map(property_caption));
+}
+
+/// The name by which a property is known among the values that differ. Parameters have no such names.
+pub fn property_caption(name: &str) -> String {
+    format!("property: {name}")
 }
 
 fn poses(shown: &Inspected, other: &Inspected, found: &mut BTreeSet<String>) {

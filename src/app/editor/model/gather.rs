@@ -36,8 +36,8 @@ use crate::engine::lamp_freedom::FreedomKind;
 use crate::engine::{LightGroup, PackedScene, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings, LengthUnit,
-    LightUnits, Locked, Medium, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Shape, ShapeKind,
-    UsesMaterial,
+    LightUnits, Locked, Medium, Properties, SamplerSettings, SceneId, SceneProperties, SceneState, SceneStatus,
+    SecondNestedIn, Shape, ShapeKind, UsesMaterial,
 };
 
 /// The components that give a thing its name.
@@ -52,6 +52,7 @@ pub struct Naming {
     is_shape: Has<Shape>,
     is_emitter: Has<Emitter>,
     uses: Option<&'static UsesMaterial>,
+    properties: Option<&'static Properties>,
     inside_first: Option<&'static FirstNestedIn>,
     inside_second: Option<&'static SecondNestedIn>,
 }
@@ -82,6 +83,7 @@ impl NamingItem<'_, '_> {
             can_hide: self.is_shape || self.is_emitter,
             inside_of: self.outer(),
             uses: self.uses.filter(|_| self.is_shape).map(|used| used.0),
+            properties: self.properties.cloned(),
         };
         (order, item)
     }
@@ -127,6 +129,7 @@ pub struct Settings<'w, 's> {
     accel: Res<'w, AccelMethod>,
     unit: Res<'w, LengthUnit>,
     light_units: Res<'w, LightUnits>,
+    properties: Res<'w, SceneProperties>,
     active: Res<'w, ActiveSensor>,
     films: Query<'w, 's, &'static Film>,
 }
@@ -222,6 +225,9 @@ pub fn gather_status(
     model.render.accel = *settings.accel;
     model.unit = *settings.unit;
     model.light_units = *settings.light_units;
+    if model.properties != settings.properties.0 {
+        model.properties = settings.properties.0.clone();
+    }
     model.up = picture.view.navigation.up;
     model.render.time_limit = settings.control.time_limit;
     let noise_target = settings

@@ -14,8 +14,8 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::scene::{
     AreaLight, Emitter, EmitterKind, EulerAngles, ExteriorMedium, Film, FirstNested, InMedium, InteriorMedium,
-    Material, MaterialUsers, Medium, MeshHandle, Placements, SecondNested, Sensor, Shape, ShapeKind, ToWorld,
-    TriangleMesh, UsesMaterial,
+    Material, MaterialUsers, Medium, MeshHandle, Placements, Properties, SecondNested, Sensor, Shape, ShapeKind,
+    ToWorld, TriangleMesh, UsesMaterial,
 };
 
 type Parts = (
@@ -30,6 +30,7 @@ type Parts = (
     Option<&'static UsesMaterial>,
     Has<Placements>,
     MediaParts,
+    Option<&'static Properties>,
 );
 
 /// The media that a thing refers to.
@@ -104,7 +105,7 @@ fn inspect(
     meshes: &Assets<TriangleMesh>,
     media: &Media,
 ) -> Option<Inspected> {
-    let (naming, (to_world, angles), shape, mesh, area_light, emitter, sensor, film, uses, is_crowd, sides) =
+    let (naming, (to_world, angles), shape, mesh, area_light, emitter, sensor, film, uses, is_crowd, sides, properties) =
         parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
     if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material && !media.contains(entity) {
@@ -130,6 +131,7 @@ fn inspect(
         sensor: sensor.copied(),
         film: film.copied(),
         uses_material: uses.map(|uses| uses.0),
+        properties: (!is_crowd).then(|| properties.cloned().unwrap_or_default()),
         media_at: [
             sides.0.map(|medium| medium.0),
             sides.1.map(|medium| medium.0),

@@ -45,7 +45,8 @@ use crate::document::Severity;
 use crate::engine::RenderStatus;
 use crate::math::Aabb;
 use crate::scene::{
-    AreaLight, Emitter, EulerAngles, FileKind, Film, LengthUnit, LightUnits, Material, Medium, Sensor, Shape,
+    AreaLight, Emitter, EulerAngles, FileKind, Film, LengthUnit, LightUnits, Material, Medium, Properties, Sensor,
+    Shape,
 };
 use item_list::ItemList;
 use light_figures::LightFigures;
@@ -75,6 +76,8 @@ pub struct Item {
     pub inside_of: Option<Entity>,
     /// The material that a shape uses.
     pub uses: Option<Entity>,
+    /// The properties for the code of a game.
+    pub properties: Option<Properties>,
 }
 
 /// The things in the scene, by kind, in the order of the file.
@@ -252,6 +255,8 @@ pub struct Inspected {
     pub media_at: [Option<Entity>; 3],
     /// The number of selected members, if it is a group and nothing else is selected. Its transform is that of all.
     pub members: Option<usize>,
+    /// The properties for the code of a game; None for a thing that can have none.
+    pub properties: Option<Properties>,
     /// The values that differ among all selected things, without those of materials.
     pub mixed: Mixed,
     /// The material itself, or the shape's, with nested ones.
@@ -295,6 +300,7 @@ impl Inspected {
             uses_material: None,
             media_at: [None; 3],
             members: None,
+            properties: None,
             mixed: Mixed::default(),
             materials: Vec::new(),
             media: Vec::new(),
@@ -412,6 +418,8 @@ pub struct Model {
     pub unit: LengthUnit,
     /// The units in which lights are shown.
     pub light_units: LightUnits,
+    /// The properties of the scene itself.
+    pub properties: Properties,
     /// The upward direction of the scene.
     pub up: Vec3,
     /// The timeline.

@@ -11,8 +11,8 @@ use super::item_list::ItemList;
 use super::{EditorModel, Item, Outline};
 use crate::scene::changes::Changes;
 use crate::scene::{
-    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, Medium, SceneId, SceneStatus,
-    SecondNestedIn, Sensor, Shape, UsesMaterial,
+    AreaLight, DocumentOrder, Emitter, FirstNestedIn, Hidden, Locked, Material, Medium, Properties, SceneId,
+    SceneStatus, SecondNestedIn, Sensor, Shape, UsesMaterial,
 };
 
 /// The number of changed things above which the whole list is rebuilt.
@@ -28,6 +28,7 @@ pub(crate) struct OutlineNews<'w, 's> {
     media: Changes<'w, 's, Medium>,
     emitters: Changes<'w, 's, Emitter>,
     uses: Changes<'w, 's, UsesMaterial>,
+    properties: Changes<'w, 's, Properties>,
     first_outer: Changes<'w, 's, FirstNestedIn>,
     second_outer: Changes<'w, 's, SecondNestedIn>,
     added: Query<'w, 's, Entity, Or<(Added<AreaLight>, Added<Sensor>, Added<Hidden>, Added<Locked>)>>,
@@ -40,6 +41,7 @@ pub(crate) struct OutlineNews<'w, 's> {
     shown: RemovedComponents<'w, 's, Hidden>,
     unlocked: RemovedComponents<'w, 's, Locked>,
     bare: RemovedComponents<'w, 's, UsesMaterial>,
+    plain: RemovedComponents<'w, 's, Properties>,
     nameless: (RemovedComponents<'w, 's, SceneId>, RemovedComponents<'w, 's, Name>),
     taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
     taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
@@ -59,6 +61,7 @@ impl OutlineNews<'_, '_> {
         self.media.for_each(&mut note);
         self.emitters.for_each(&mut note);
         self.uses.for_each(&mut note);
+        self.properties.for_each(&mut note);
         self.first_outer.for_each(&mut note);
         self.second_outer.for_each(&mut note);
         changed.extend(self.removed_shapes.read());
@@ -70,6 +73,7 @@ impl OutlineNews<'_, '_> {
         changed.extend(self.shown.read());
         changed.extend(self.unlocked.read());
         changed.extend(self.bare.read());
+        changed.extend(self.plain.read());
         changed.extend(self.nameless.0.read());
         changed.extend(self.nameless.1.read());
         changed.extend(self.taken_out.read());

@@ -373,6 +373,24 @@ fn tick(ui: &Ui, cell: egui::Rect, letter: &str) {
     }
 }
 
+/// A text. What is typed counts once the field loses the focus.
+pub(crate) fn text<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut String) -> bool {
+    let caption = caption.into();
+    let id = ui.make_persistent_id(("text", caption.text));
+    let mut typed: String = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| value.clone());
+    let response = row(ui, caption, |ui| {
+        let width = ui.available_width() - 8.0;
+        ui.add(egui::TextEdit::singleline(&mut typed).id(id).desired_width(width))
+    });
+    let is_typing = response.has_focus();
+    ui.data_mut(|data| match is_typing {
+        true => _ = data.insert_temp(id, typed.clone()),
+        false => data.remove::<String>(id),
+    });
+    let is_chosen = !is_typing && typed != *value;
+    write_back(is_chosen, value, typed)
+}
+
 pub(crate) fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bool) -> bool {
     let caption = caption.into();
     let mut copy = *value;

@@ -11,11 +11,13 @@ use super::material;
 use super::material_header::{material_header, presets};
 use super::material_tree::{self, material_tree};
 use super::medium_section::{EditedMedia, medium_rows};
+use super::properties::{PropertiesState, properties_section};
 use super::section::section;
 use super::{
     camera_angles, dimensions, fields, lengths, light_section, look, medium_section, missing_files, sensor, solid,
     transform,
 };
+use crate::app::editor::command::properties::PropertyOwner;
 use crate::app::editor::command::{ArrangeEdit, Command, EditCommand, MaterialEdit, ValueEdit, ViewCommand};
 use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMaterial, InspectedMesh, MaterialPlace, MissingItem, Model};
@@ -30,6 +32,7 @@ pub struct InspectorState {
     media: EditedMedia,
     /// The part of a nested material that was chosen in the tree.
     part: Option<Entity>,
+    properties: PropertiesState,
 }
 
 /// Copies of the shown materials, for their rows to edit. Only a changed material is copied again.
@@ -60,6 +63,7 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
         ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
+        properties_section(ui, PropertyOwner::Scene, model, &mut state.properties, commands);
         return;
     };
     let mut edits = Vec::new();
@@ -158,6 +162,13 @@ fn sections(
                 commands.push(ViewCommand::LookThrough(inspected.entity).into());
             }
         });
+    }
+    if inspected.properties.is_some() {
+        let owner = match inspected.members {
+            Some(_) => PropertyOwner::Things(vec![inspected.entity]),
+            None => PropertyOwner::Things(model.selection.entities().to_vec()),
+        };
+        properties_section(ui, owner, model, &mut state.properties, commands);
     }
     if let Some(given) = inspected.film {
         section(ui, "Film", |ui| {

@@ -1,7 +1,7 @@
 //! Rows of the parameters of participating media.
 
 use bevy::math::{Affine3A, Vec3};
-use bevy_egui::egui::{self, Ui};
+use bevy_egui::egui::Ui;
 
 use super::caption::Caption;
 use super::color_field;
@@ -186,23 +186,9 @@ fn corners(to_world: &Affine3A) -> [String; 2] {
 
 /// Shows the name of the grid in a `.vdb` file. A typed name counts once the field loses the focus.
 fn name_of_grid(ui: &mut Ui, name: &mut Option<String>) -> bool {
-    let id = ui.make_persistent_id("name of grid");
-    let shown = name.clone().unwrap_or_default();
-    let mut text: String = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| shown.clone());
+    let mut text = name.clone().unwrap_or_default();
     let about = "The grid of the file. Empty: `density`, or else the only one.";
-    let response = fields::row(ui, Caption::from((GRID_NAME, "grid")).explained(about), |ui| {
-        let width = ui.available_width() - 8.0;
-        ui.add(egui::TextEdit::singleline(&mut text).id(id).desired_width(width))
-    });
-    let is_typing = response.has_focus();
-    ui.data_mut(|data| {
-        if is_typing {
-            data.insert_temp(id, text.clone());
-        } else {
-            data.remove_temp::<String>(id);
-        }
-    });
-    let is_chosen = !is_typing && text != shown;
+    let is_chosen = fields::text(ui, Caption::from((GRID_NAME, "grid")).explained(about), &mut text);
     if is_chosen {
         *name = (!text.is_empty()).then_some(text);
     }

@@ -51,6 +51,7 @@ pub mod plain_value;
 mod polar_curve;
 pub mod preferences;
 pub mod projection;
+mod properties;
 pub mod reasons;
 pub mod render;
 pub mod section;

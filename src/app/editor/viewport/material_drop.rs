@@ -138,6 +138,7 @@ mod tests {
             can_hide: true,
             inside_of: None,
             uses: None,
+            properties: None,
         };
         let (glass, lamp) = (Entity::from_raw_u32(7), Entity::from_raw_u32(8));
         let [glass, lamp] = [glass, lamp].map(|entity| entity.expect("a small index is valid"));

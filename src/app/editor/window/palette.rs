@@ -252,6 +252,7 @@ mod tests {
             can_hide: true,
             inside_of: None,
             uses: None,
+            properties: None,
             hidden: false,
             locked: false,
         };

@@ -6,7 +6,7 @@ use super::parser::Names;
 use super::parser::{Frame, MAX_PROPERTIES, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::{rename, snake_case};
-use crate::document::parsed::scene_unit;
+use crate::document::parsed::{property_name, scene_unit};
 use crate::document::property::{
     TRANSFORM_TAGS, VALUE_TAGS, color_of_spectrum, read_spectrum, read_transform_op, read_value,
 };
@@ -159,12 +159,13 @@ impl Parser {
                 match (name, tag.take("value")) {
                     (Some((name, _)), Some((value, _))) => {
                         self.defines.add_default(&name, &value);
+                        let unit = scene_unit(object, &name, &value).map(SmolStr::new_static);
                         // If there are several, the first one counts, as for all `<default>`s.
-                        if let Some(unit) = scene_unit(object, &name, &value)
-                            && !names.contain(unit, &object.properties)
+                        if let Some(own) = unit.or_else(|| property_name(&name))
+                            && !names.contain(&own, &object.properties)
                         {
                             let value = Value::String(value.into_owned());
-                            self.add_property(object, names, Property::new(unit, value, tag.span));
+                            self.add_property(object, names, Property::new(own, value, tag.span));
                         }
                     }
                     (_, None) if !given => self

@@ -53,7 +53,8 @@ impl<'d> FileNames<'d> {
     /// The property, for an object of this category, as it reads in a file of `folder`. A file named by a film is
     /// written, not read, and is left alone.
     pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
-        if property.name != "filename" || owner == Category::Film {
+        let is_file = property.name == "filename" && owner != Category::Film;
+        if !is_file && !property.name.ends_with(": file") {
             return Cow::Borrowed(property);
         }
         let from = self.folder(property.span.source);

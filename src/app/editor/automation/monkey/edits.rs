@@ -74,7 +74,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(44) {
+    match random.below(48) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -177,6 +177,7 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             shape?,
             ["linear", "ease", "step"][random.below(3)]
         )),
+        44..48 => property_edit(random, anything?, random_light, shape),
         36..=40 => media_edit(random, &media, shape, random_light),
         35 => one(format!("move-key {} to_world 0 {}", shape?, random.below(3))),
         29 => one(format!(
@@ -208,6 +209,32 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
             1 + random.below(5)
         )),
     }
+}
+
+/// One edit of properties.
+fn property_edit(
+    random: &mut Random,
+    thing: String,
+    light: Option<String>,
+    shape: Option<String>,
+) -> Option<Vec<String>> {
+    let name = ["health", "spawn point", "game::Door", "next"][random.below(4)];
+    let value = match random.below(8) {
+        0 => "boolean true".to_owned(),
+        1 => format!("integer {}", random.below(100)),
+        2 => format!("number 0.{}", random.below(100)),
+        3 => format!("text list a\\; b; {}", random.below(9)),
+        4 => format!("vector {}", random.vector()),
+        5 => format!("reference {}", shape?),
+        6 => "component {\"locked\": true}".to_owned(),
+        _ => format!("color list {}", random.vector()),
+    };
+    Some(vec![match random.below(6) {
+        0 => format!("property {thing} \"{name}\" none"),
+        1 => format!("scene-property \"{name}\" {value}"),
+        2 => format!("property {} \"{name}\" {value}", light?),
+        _ => format!("property {thing} \"{name}\" {value}"),
+    }])
 }
 
 /// One edit about media.

@@ -18,6 +18,7 @@ mod media;
 mod names;
 pub mod parse;
 mod placing;
+mod properties;
 mod rendering;
 mod set;
 mod texturing;

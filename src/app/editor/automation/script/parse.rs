@@ -7,7 +7,8 @@ use super::names::{count, unknown};
 pub use super::verb::{Step, Wait};
 use super::verb::{Verb, verbs};
 use super::{
-    baking, blocking, files, keys, light, materials, media, placing, rendering, set, texturing, things, timeline, view,
+    baking, blocking, files, keys, light, materials, media, placing, properties, rendering, set, texturing, things,
+    timeline, view,
 };
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::input::actions::{self, ActionContext};
@@ -17,7 +18,7 @@ use crate::app::editor::viewport::model::action_context;
 use crate::engine::RenderControl;
 
 /// The verbs besides the actions by topic, in the order of `docs/scripts.md`.
-pub const VERBS: [&[Verb]; 17] = [
+pub const VERBS: [&[Verb]; 18] = [
     files::SCENES,
     baking::VERBS,
     files::VERBS,
@@ -29,6 +30,7 @@ pub const VERBS: [&[Verb]; 17] = [
     materials::VERBS,
     media::VERBS,
     things::VERBS,
+    properties::VERBS,
     view::VERBS,
     rendering::VERBS,
     light::VERBS,
@@ -55,7 +57,11 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     let words = match text.strip_prefix("paste ") {
         // XML is not split into words.
         Some(xml) => vec!["paste".to_owned(), xml.to_owned()],
-        None => words(text)?,
+        None => match text.split_once(" component ").filter(|_| is_property(text)) {
+            // JSON keeps its quotation marks.
+            Some((before, json)) => [words(before)?, vec!["component".to_owned(), json.trim().to_owned()]].concat(),
+            None => words(text)?,
+        },
     };
     let (name, arguments) = words.split_first().ok_or("expected a command")?;
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -90,6 +96,11 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
         verb: verb.name,
         usage: verb.usage,
     })
+}
+
+/// Whether a line sets a property.
+fn is_property(text: &str) -> bool {
+    text.starts_with("property ") || text.starts_with("scene-property ")
 }
 
 fn no_words_behind(name: &str) -> ScriptError {

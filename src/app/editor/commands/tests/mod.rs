@@ -17,6 +17,7 @@ mod materials;
 mod picking;
 mod placing;
 mod projecting;
+mod properties;
 mod reasons;
 mod replacing;
 mod saving;

@@ -394,6 +394,7 @@ mod tests {
             can_hide: true,
             inside_of: None,
             uses: None,
+            properties: None,
         }
     }
 

@@ -34,7 +34,7 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     )
     .on_hover_text(
         "Show only things with these words in their name or kind; material:oak finds what has a material of that name, \
-         type:light all lights. Enter selects what is found.",
+         type:light all lights, has:health what has a property of that name. Enter selects what is found.",
     );
     if state
         .renaming

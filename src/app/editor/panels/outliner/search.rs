@@ -1,5 +1,5 @@
 //! The search of the list: words that all have to be found in the name or the kind of a thing, and words after
-//! `material:` and `type:`.
+//! `material:`, `type:` and `has:`.
 
 use std::collections::HashSet;
 
@@ -19,6 +19,8 @@ enum Term {
     Type(String),
     /// The materials with this part in their names; finds them and the shapes that use them.
     Material(HashSet<Entity>),
+    /// The name of a property, or of the type of a component without its path: `has:door` finds `game::Door`.
+    Has(String),
 }
 
 impl Search {
@@ -34,6 +36,7 @@ impl Search {
                 Term::Material(named.map(|item| item.entity).collect())
             }
             Some(("type", part)) => Term::Type(part.to_owned()),
+            Some(("has", part)) => Term::Has(part.to_owned()),
             _ => Term::Any(word.to_owned()),
         });
         let terms = terms.collect();
@@ -53,6 +56,10 @@ impl Search {
                 let singular = heading.trim_end_matches('s').to_lowercase();
                 item.kind.contains(word.as_str()) || singular == *word
             }
+            Term::Has(word) => item.properties.as_ref().is_some_and(|properties| {
+                let mut names = properties.iter().map(|(name, _)| name.to_lowercase());
+                names.any(|name| name == *word || name.rsplit("::").next() == Some(word))
+            }),
             Term::Material(materials) => {
                 materials.contains(&item.entity) || item.uses.is_some_and(|used| materials.contains(&used))
             }
@@ -63,6 +70,7 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Properties, PropertyType};
 
     fn item(number: u32, name: &str, kind: &'static str, uses: Option<Entity>) -> Item {
         Item {
@@ -74,6 +82,7 @@ mod tests {
             can_hide: true,
             inside_of: None,
             uses,
+            properties: None,
         }
     }
 
@@ -81,7 +90,13 @@ mod tests {
     fn words_and_fields_have_to_agree() {
         let oak = item(1, "Oak-oiled", "plastic", None);
         let table = item(2, "table top", "cube", Some(oak.entity));
-        let lamp = item(3, "lamp", "point", None);
+        let value = PropertyType::of_name("integer").expect("a type").new_value();
+        let properties = Properties::default().with("health", Some(value.clone()));
+        let properties = Some(properties.with("game::Door", Some(value)));
+        let lamp = Item {
+            properties,
+            ..item(3, "lamp", "point", None)
+        };
         let outline = Outline {
             shapes: vec![table.clone()].into(),
             materials: vec![oak.clone()].into(),
@@ -101,6 +116,9 @@ mod tests {
         assert_eq!(found("material:oak type:cube"), ["table top"]);
         assert_eq!(found("type:light"), ["lamp"]);
         assert_eq!(found("type:material"), ["Oak-oiled"]);
+        assert_eq!(found("has:health"), ["lamp"]);
+        assert_eq!(found("has:door type:point"), ["lamp"]);
+        assert!(found("has:heal").is_empty() && found("has:door table").is_empty());
         assert!(found("material:pine").is_empty() && found("top chair").is_empty());
     }
 }

@@ -8,7 +8,7 @@ use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::{
     AccelMethod, ActiveSensor, FreeView, IntegratorKeys, IntegratorSettings, LengthUnit, LightUnits, ObjectChange,
-    SamplerSettings,
+    SamplerSettings, SceneProperties,
 };
 
 /// The settings of a scene as a whole.
@@ -20,6 +20,7 @@ pub(crate) struct SettingsState {
     pub accel: AccelMethod,
     pub unit: LengthUnit,
     pub light_units: LightUnits,
+    pub properties: SceneProperties,
 }
 
 impl SettingsState {
@@ -31,12 +32,13 @@ impl SettingsState {
             accel: world.get_resource().copied().unwrap_or_default(),
             unit: world.get_resource().copied().unwrap_or_default(),
             light_units: world.get_resource().copied().unwrap_or_default(),
+            properties: world.get_resource().cloned().unwrap_or_default(),
         }
     }
 
     /// An estimate of the memory that it has allocated.
     fn bytes(&self) -> usize {
-        self.integrator_keys.0.bytes()
+        self.integrator_keys.0.bytes() + self.properties.0.bytes()
     }
 
     /// Writes the components that differ from `from`; changes by others in the meantime stay.
@@ -58,6 +60,9 @@ impl SettingsState {
         }
         if from.light_units != self.light_units {
             world.insert_resource(self.light_units);
+        }
+        if from.properties != self.properties {
+            world.insert_resource(self.properties.clone());
         }
     }
 }
