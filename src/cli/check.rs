@@ -111,7 +111,8 @@ fn content(world: &mut World) -> String {
     let meters = emitters.iter(world).filter(|emitter| emitter.is_meter()).count();
     let lights = emitters.iter(world).filter(|emitter| emitter.shines()).count()
         + world.query::<&AreaLight>().iter(world).count();
-    let others = [(probes, "probe"), (meters, "meter")]
+    let markers = emitters.iter(world).filter(|emitter| emitter.is_marker()).count();
+    let others = [(probes, "probe"), (meters, "meter"), (markers, "marker")]
         .into_iter()
         .filter(|(count, _)| *count > 0);
     let all = [(shapes, "shape"), (lights, "light")].into_iter().chain(others);

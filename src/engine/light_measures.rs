@@ -82,7 +82,11 @@ pub fn measures_of_emitter(
         | EmitterKind::ReflectionProbe { .. }
         | EmitterKind::IrradianceVolume { .. }
         | EmitterKind::IlluminanceMeter { .. }
-        | EmitterKind::IlluminanceGrid { .. } => Vec::new(),
+        | EmitterKind::IlluminanceGrid { .. }
+        | EmitterKind::MarkerPoint
+        | EmitterKind::MarkerBox
+        | EmitterKind::MarkerSphere
+        | EmitterKind::MarkerPath => Vec::new(),
     }
 }
 

@@ -65,7 +65,7 @@ pub use components::texture::{
 pub use components::unit::LengthUnit;
 pub(crate) use components::unit::decimal;
 pub use components::wall_openings::Opening;
-pub use components::{aperture, carry_over, description, euler, medium, pattern};
+pub use components::{aperture, carry_over, description, euler, marker, medium, pattern};
 pub(crate) use components::{folders, free_name, listed, names, parameters, texture_parameters, wall_openings};
 pub use edits::insert;
 pub(crate) use edits::key_edits::{edit_keys, integrator_keys_after, keys_after, place_path};

@@ -13,6 +13,7 @@ mod export;
 mod gltf;
 mod groups;
 mod hot_reload;
+mod markers;
 mod media;
 mod mesh_files;
 mod opening;

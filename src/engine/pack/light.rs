@@ -135,7 +135,11 @@ pub(in crate::engine) fn pack_emitter(
         EmitterKind::ReflectionProbe { .. }
         | EmitterKind::IrradianceVolume { .. }
         | EmitterKind::IlluminanceMeter { .. }
-        | EmitterKind::IlluminanceGrid { .. } => return None,
+        | EmitterKind::IlluminanceGrid { .. }
+        | EmitterKind::MarkerPoint
+        | EmitterKind::MarkerBox
+        | EmitterKind::MarkerSphere
+        | EmitterKind::MarkerPath => return None,
         EmitterKind::SunSky(sky) => {
             let world_from_local = turning(to_world, check)?;
             LightSource::SunSky {

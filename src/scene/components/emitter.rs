@@ -220,6 +220,22 @@ declare_plugins! {
             )
             .within(0.0..=1.0)),
         },
+
+        /// No light: a place with a direction, +z, for the code of a game.
+        [PluginInfo::new("markerpoint", "marker")]
+        MarkerPoint,
+
+        /// No light: a box, the cube from -1 to 1, for the code of a game.
+        [PluginInfo::new("markerbox", "box marker")]
+        MarkerBox,
+
+        /// No light: a sphere of radius 1 for the code of a game.
+        [PluginInfo::new("markersphere", "sphere marker")]
+        MarkerSphere,
+
+        /// No light: a line through points for the code of a game. The points are a property.
+        [PluginInfo::new("markerpath", "path")]
+        MarkerPath,
     }
 }
 
@@ -396,9 +412,9 @@ impl Emitter {
         )
     }
 
-    /// Whether it gives light: probes and meters do not.
+    /// Whether it gives light: probes, meters and markers do not.
     pub fn shines(&self) -> bool {
-        !self.is_probe() && !self.is_meter()
+        !self.is_probe() && !self.is_meter() && !self.is_marker()
     }
 
     /// Whether it has a position, unlike lights that are infinitely far away.

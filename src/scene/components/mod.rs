@@ -19,6 +19,7 @@ pub mod identity;
 pub(super) mod keys;
 pub(super) mod light_units;
 pub(crate) mod listed;
+pub mod marker;
 pub mod material;
 pub mod medium;
 pub(super) mod missing;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use smol_str::SmolStr;
 
+use super::marker::FORM_TYPE;
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::{format_float, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3, quote};
@@ -331,6 +332,9 @@ impl Properties {
             let Some((name, kind)) = whole.rsplit_once(": ") else {
                 continue;
             };
+            if kind == FORM_TYPE {
+                continue;
+            }
             let Some(known) = PropertyType::of_name(kind) else {
                 let message = format!("{} is no type of a property: `{name}` has no effect", quote(kind));
                 let help = did_you_mean(kind, ItemType::ALL.map(ItemType::name));

@@ -5,14 +5,21 @@ use std::path::Path;
 use bevy::math::Affine3A;
 use glam::Vec3;
 
-use super::into_object::{declared, with, with_to_world, with_view};
+use super::into_object::{declared, with, with_float, with_string, with_to_world, with_view};
+use super::objects::FRAME;
 use crate::document::{Category, Object, Value};
 use crate::scene::components::emitter::frame_along;
+use crate::scene::components::marker::FORM;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EulerAngles};
 
 /// `angles`: the rotation angles, if known. `folder`: the folder of the written file, to which names of pictures are
 /// relative.
 pub fn emitter(emitter: &Emitter, to_world: &Affine3A, angles: Option<EulerAngles>, folder: &Path) -> Object {
+    if let Some(form) = emitter.form() {
+        // Mitsuba reads such a volume and ignores it, because nothing refers to it.
+        let volume = with_float(Object::new(Category::Volume, FRAME), "value", 1.0);
+        return with_to_world(with_string(volume, FORM, form), to_world, angles);
+    }
     let object = declared(Category::Emitter, emitter.plugin(), emitter, folder);
     let position = Vec3::from(to_world.translation);
     let direction = Vec3::from(to_world.matrix3.z_axis);

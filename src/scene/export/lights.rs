@@ -85,6 +85,9 @@ impl Stage<'_> {
             EmitterKind::IlluminanceMeter { .. } | EmitterKind::IlluminanceGrid { .. } if self.is_baked => return,
             EmitterKind::IlluminanceMeter { .. } => return self.leave_out(name, "a measuring point"),
             EmitterKind::IlluminanceGrid { .. } => return self.leave_out(name, "a measuring grid"),
+            EmitterKind::MarkerPoint | EmitterKind::MarkerBox | EmitterKind::MarkerSphere | EmitterKind::MarkerPath => {
+                return self.leave_out(name, "a marker");
+            }
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
             EmitterKind::SunSky(sky) => return self.sun(about, sky),

@@ -8,9 +8,11 @@ use super::from_file::FromFile;
 use super::parameters::{Parameters, report_left_out};
 use super::picture_search::PictureSearch;
 use super::scene_reader::{SceneReader, angles_of};
+use crate::document::value::quote;
 use crate::document::{Category, Object, Reader};
 use crate::scene::components::description::{DeclarationPlace, EmitterDescription};
 use crate::scene::components::emitter::frame_along;
+use crate::scene::components::marker::FORM;
 use crate::scene::encode::lights;
 use crate::scene::{AreaLight, Emitter, EmitterKind, SunPosition, SunSky};
 
@@ -79,6 +81,23 @@ const FOREIGN_EMITTERS: [&str; 6] = [
     "collimated",
 ];
 
+/// The marker that a volume stands for; None (reported) if it has no known form.
+fn marker(reader: &mut Reader) -> Option<Emitter> {
+    reader.ignore(&["value"]);
+    let form = reader.string(FORM).unwrap_or_default();
+    let marker = Emitter::of_form(form);
+    if marker.is_none() {
+        let forms: Vec<&str> = Emitter::forms().collect();
+        let message = format!(
+            "expected a form of markers ({}), found {}",
+            forms.join(", "),
+            quote(form)
+        );
+        reader.error_at(FORM, message);
+    }
+    marker
+}
+
 /// The media nested in an object, with their parameter names.
 type Media<'a> = Vec<(Option<&'a str>, &'a Object)>;
 
@@ -88,6 +107,12 @@ fn read_parameters<'a>(
     pictures: &mut PictureSearch,
 ) -> Option<(Emitter, Option<Affine3A>, Media<'a>)> {
     let plugin = reader.object().plugin.as_str();
+    if reader.object().category == Category::Volume {
+        let marker = marker(&mut reader)?;
+        let to_world = reader.to_world();
+        reader.finish();
+        return Some((marker, to_world, Media::new()));
+    }
     let Some(mut emitter) = Emitter::of_plugin(plugin) else {
         let help = reader.diagnostics().did_you_mean(plugin, Emitter::PLUGINS);
         report_left_out(&mut reader, FOREIGN_EMITTERS.contains(&plugin), help);

@@ -35,6 +35,7 @@ pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, LIGHT_UNITS, Object, Reader, Severity, UNIT};
 use crate::scene::components::description::{DeclarationPlace, SceneDescription};
 use crate::scene::components::keys::{MOST_TRACKS, is_part, track_count};
+use crate::scene::components::marker::FORM;
 use crate::scene::components::missing;
 use crate::scene::encode::objects::FRAME;
 use crate::scene::{AuthoredScene, LengthUnit, LightUnits, Properties, SceneProperties};
@@ -126,6 +127,7 @@ impl SceneReader<'_> {
                 Category::Medium => self.read_medium(object, DeclarationPlace::TopLevel).is_some(),
                 Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
+                Category::Volume if is_marker(object) => self.read_emitter(object),
                 Category::Volume if is_frame(object) => self.read_shape(object, None),
                 // Others are read with the references to them, and reported there.
                 _ => false,
@@ -195,7 +197,13 @@ impl SceneReader<'_> {
 /// Whether it is the transform of a folder. Mitsuba reads such a volume and ignores it, because nothing refers to it.
 pub(crate) fn is_frame(object: &Object) -> bool {
     let id = object.id.as_deref().unwrap_or_default();
-    object.category == Category::Volume && object.plugin == FRAME && id.len() > 1 && id.ends_with('/')
+    let is_folder = object.category == Category::Volume && object.plugin == FRAME && !is_marker(object);
+    is_folder && id.len() > 1 && id.ends_with('/')
+}
+
+/// Whether it is a marker, which Mitsuba reads and ignores as it does the transform of a folder.
+fn is_marker(object: &Object) -> bool {
+    object.category == Category::Volume && object.properties.iter().any(|property| property.name == FORM)
 }
 
 /// The sorted order of a list: the old index for each new one, and the new index for each old one.

@@ -198,7 +198,11 @@ pub(crate) fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'st
         EmitterKind::ReflectionProbe { .. }
         | EmitterKind::IrradianceVolume { .. }
         | EmitterKind::IlluminanceMeter { .. }
-        | EmitterKind::IlluminanceGrid { .. } => {}
+        | EmitterKind::IlluminanceGrid { .. }
+        | EmitterKind::MarkerPoint
+        | EmitterKind::MarkerBox
+        | EmitterKind::MarkerSphere
+        | EmitterKind::MarkerPath => {}
     }
     Ok(baked)
 }

@@ -157,12 +157,20 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
                 EmitterKind::ReflectionProbe { .. } | EmitterKind::IrradianceVolume { .. } => at(above) * scale,
                 EmitterKind::IlluminanceMeter { .. } => at(ground) * facing(up),
                 EmitterKind::IlluminanceGrid { .. } => at(ground) * facing(up) * scale,
+                EmitterKind::MarkerPoint => at(foot) * upright(up),
+                EmitterKind::MarkerBox | EmitterKind::MarkerSphere => at(foot + up * size) * upright(up) * scale,
+                EmitterKind::MarkerPath => at(foot) * upright(up) * scale,
                 _ => at(above) * facing(-up),
             };
             if emitter.is_sky() {
                 set_sky(edit, emitter, pose, addition.name.as_deref().unwrap_or(plugin))
             } else {
-                edit.spawn((called, emitter, ToWorld(pose)))
+                let properties = emitter.new_properties();
+                let entity = edit.spawn((called, emitter, ToWorld(pose)));
+                if let Some(properties) = properties {
+                    edit.set(entity, properties);
+                }
+                entity
             }
         }
     };
@@ -261,6 +269,15 @@ fn new_lamp(lamp: &'static Lamp, metres: f64) -> Result<NewLamp, CommandError> {
     })
 }
 
+/// A frame whose y is up, and whose z is level: the direction of a marker.
+fn upright(up: Vec3) -> Affine3A {
+    let level = match up.abs() == Vec3::Y {
+        true => Vec3::Z,
+        false => up.any_orthonormal_vector(),
+    };
+    Affine3A::from_mat3(Mat3::from_cols(up.cross(level), up, level))
+}
+
 /// A light that illuminates things at `distance` world units about as much as a white sky would.
 fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError> {
     let mut emitter = Emitter::of_plugin(plugin).ok_or_else(|| format!("There is no light called \"{plugin}\"."))?;
@@ -280,7 +297,11 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
         EmitterKind::Constant { .. }
         | EmitterKind::SunSky(_)
         | EmitterKind::ReflectionProbe { .. }
-        | EmitterKind::IlluminanceMeter { .. } => {}
+        | EmitterKind::IlluminanceMeter { .. }
+        | EmitterKind::MarkerPoint
+        | EmitterKind::MarkerBox
+        | EmitterKind::MarkerSphere
+        | EmitterKind::MarkerPath => {}
     }
     Ok(emitter)
 }
@@ -304,16 +325,19 @@ fn lift(kind: AdditionKind) -> f32 {
         | AdditionKind::Solid(_)
         | AdditionKind::Fog
         | AdditionKind::Camera => 0.0,
+        AdditionKind::Emitter("markerbox" | "markersphere") => 1.0,
         AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) if hangs(kind) => ABOVE,
         AdditionKind::AreaLight | AdditionKind::Emitter(_) | AdditionKind::Lamp(_) => 0.0,
     }
 }
 
-/// Whether it hangs above the surface below it: lights and probes do, and meters lie on the surface.
+/// Whether it hangs above the surface below it: lights and probes do, and meters and markers are on the surface.
 fn hangs(kind: AdditionKind) -> bool {
     match kind {
         AdditionKind::AreaLight | AdditionKind::Lamp(_) => true,
-        AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| !emitter.is_meter()),
+        AdditionKind::Emitter(plugin) => {
+            Emitter::of_plugin(plugin).is_some_and(|emitter| emitter.shines() || emitter.is_probe())
+        }
         AdditionKind::Sphere
         | AdditionKind::Rectangle
         | AdditionKind::Cube

@@ -57,6 +57,8 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, figures: &LightFigures, textu
     let mut wanted = plugin;
     let options: Vec<_> = EmitterKind::DECLARED
         .iter()
+        // A marker is no light, and no light is a marker.
+        .filter(|other| Emitter::usual(other.name).is_some_and(|other| other.is_marker() == emitter.is_marker()))
         .map(|plugin| (plugin.name, plugin.label))
         .collect();
     if fields::choice(ui, TYPE, &mut wanted, &options) {

@@ -146,7 +146,8 @@ fn sections(
         });
     }
     if let Some(emitter) = &inspected.emitter {
-        section(ui, "Light", |ui| {
+        let title = if emitter.is_marker() { "Marker" } else { "Light" };
+        section(ui, title, |ui| {
             light_section::light_rows(ui, inspected, emitter, model, commands)
         });
     }

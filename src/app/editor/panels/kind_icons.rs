@@ -19,7 +19,7 @@ enum Part {
 use Part::{Ellipse, Line, Loop, Rays};
 
 /// The icons, each with the names of its kinds in the outliner and in the menu *Add*.
-const ICONS: [(&[&str], &[Part]); 32] = [
+const ICONS: [(&[&str], &[Part]); 36] = [
     (&["sphere"], &[Ellipse((0.0, 0.0), 5.0, 5.0)]),
     (
         &["rectangle"],
@@ -236,6 +236,36 @@ const ICONS: [(&[&str], &[Part]); 32] = [
             Line(&[(1.7, -5.2), (1.7, 5.2)]),
             Line(&[(-5.2, -1.7), (5.2, -1.7)]),
             Line(&[(-5.2, 1.7), (5.2, 1.7)]),
+        ],
+    ),
+    // A flag.
+    (
+        &["marker", "markerpoint"],
+        &[
+            Line(&[(-2.6, 5.4), (-2.6, -5.4)]),
+            Loop(&[(-2.6, -5.4), (4.4, -3.0), (-2.6, -0.6)]),
+        ],
+    ),
+    (
+        &["box marker", "markerbox"],
+        &[
+            Loop(&[(-5.2, -5.2), (5.2, -5.2), (5.2, 5.2), (-5.2, 5.2)]),
+            Line(&[(-1.2, 2.8), (-1.2, -2.8), (2.6, -1.4), (-1.2, 0.0)]),
+        ],
+    ),
+    (
+        &["sphere marker", "markersphere"],
+        &[
+            Ellipse((0.0, 0.0), 5.2, 5.2),
+            Line(&[(-1.2, 2.8), (-1.2, -2.8), (2.6, -1.4), (-1.2, 0.0)]),
+        ],
+    ),
+    (
+        &["path", "markerpath"],
+        &[
+            Line(&[(-4.6, 3.6), (-1.4, -2.6), (1.8, 1.6), (4.6, -3.8)]),
+            Ellipse((-4.6, 3.6), 1.0, 1.0),
+            Ellipse((4.6, -3.8), 1.0, 1.0),
         ],
     ),
     (

@@ -12,7 +12,7 @@ use bevy_egui::egui;
 use super::blocking::hand::BlockTarget;
 use super::captions::{Caption, captions};
 use super::gizmo::Target;
-use super::icons::{Icon, IconKind};
+use super::icons::{Icon, IconKind, MarkerPath};
 use super::lamp_solid::LampSolid;
 use super::stand_ins::StandIn;
 use super::state::ViewportState;
@@ -40,9 +40,10 @@ use crate::app::editor::picture::wireframe::Wireframe;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
+use crate::scene::marker::{self, MarkerLook};
 use crate::scene::{
-    ActiveSensor, AreaLight, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState,
-    SceneStatus, Sensor, Shape, StandIns, ToWorld, world_bounds,
+    ActiveSensor, AreaLight, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, Properties,
+    SceneProperties, SceneState, SceneStatus, Sensor, Shape, StandIns, ToWorld, world_bounds,
 };
 
 /// The view of the scene in the viewport, as of this frame. Results that take long to compute are kept from frame to
@@ -71,6 +72,8 @@ pub(crate) struct ViewportScene {
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
     pub icons: Vec<Icon>,
+    /// The lines of markers that are paths.
+    pub paths: Vec<MarkerPath>,
     /// The boxes in place of meshes that are missing.
     pub stand_ins: Vec<StandIn>,
     /// The shapes whose boxes `stand_ins` may hold.
@@ -157,6 +160,8 @@ impl UnselectedMembers {
     }
 }
 
+type Emitters = (Entity, &'static Emitter, &'static ToWorld, Option<&'static Properties>);
+
 /// The parts of the world that the viewport shows.
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
@@ -173,7 +178,8 @@ pub struct Sources<'w, 's> {
     named: Query<'w, 's, (Entity, &'static Name), With<ToWorld>>,
     newly_named: Query<'w, 's, (), Or<(Changed<Name>, Changed<Shape>)>>,
     unnamed: RemovedComponents<'w, 's, Name>,
-    emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
+    emitters: Query<'w, 's, Emitters, Without<Hidden>>,
+    scene_properties: Option<Res<'w, SceneProperties>>,
     shining: Query<'w, 's, (&'static Shape, &'static ToWorld), (With<AreaLight>, Without<Hidden>, Without<Placements>)>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
@@ -270,12 +276,13 @@ impl Sources<'_, '_> {
 
     /// The icons of lights with a place, of all cameras except the one in use, and of selected flat shapes that shine.
     fn icons(&self) -> Vec<Icon> {
-        let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
-            let kind = IconKind::of(emitter)?;
+        let plain = self.emitters.iter().filter(|(_, emitter, ..)| !emitter.is_marker());
+        let lights = plain.filter_map(|(entity, emitter, to_world, _)| {
             Some(Icon {
                 entity,
-                kind,
+                kind: IconKind::of(emitter)?,
                 pose: to_world.0,
+                tint: None,
             })
         });
         let looked_through = self.active.0.filter(|_| self.free_view.pose.is_none());
@@ -287,6 +294,7 @@ impl Sources<'_, '_> {
             entity,
             kind: IconKind::Frustum,
             pose: to_world.0,
+            tint: None,
         });
         // Others show their size and their direction by what they light.
         let sheets = self.selection.entities().iter().filter_map(|&entity| {
@@ -295,9 +303,39 @@ impl Sources<'_, '_> {
                 entity,
                 kind: IconKind::of_shape(shape)?,
                 pose: to_world.0,
+                tint: None,
             })
         });
         lights.chain(cameras).chain(sheets).collect()
+    }
+
+    /// Adds the icons of markers, for a path one at each of its points, and returns the lines of paths.
+    fn markers(&self, icons: &mut Vec<Icon>) -> Vec<MarkerPath> {
+        let none = Properties::default();
+        let scene = self.scene_properties.as_ref().map_or(&none, |own| &own.0);
+        let mut paths = Vec::new();
+        for (entity, emitter, to_world, properties) in self.emitters.iter().filter(|(_, it, ..)| it.is_marker()) {
+            let Some(kind) = IconKind::of(emitter) else { continue };
+            let look = MarkerLook::of(&marker::type_of(properties), scene);
+            let [r, g, b] = look.color.to_array();
+            let tint = egui::Color32::from(egui::Rgba::from_rgb(r, g, b));
+            let icon = |pose| Icon {
+                entity,
+                kind: kind.with_symbol(look.symbol),
+                pose,
+                tint: Some(tint),
+            };
+            if emitter.kind != EmitterKind::MarkerPath {
+                icons.push(icon(to_world.0));
+                continue;
+            }
+            let place = |point: Vec3| to_world.0.transform_point3(point);
+            let points = marker::points_of(properties).into_iter();
+            icons.extend(points.map(|point| icon(Affine3A::from_translation(place(point)))));
+            let line = marker::line_of(properties).into_iter().map(place).collect();
+            paths.push(MarkerPath { entity, line, tint });
+        }
+        paths
     }
 }
 
@@ -331,6 +369,7 @@ pub(crate) fn gather_viewport(
     let selected = seen.targets.iter().filter(|target| selection.contains(target.entity));
     model.0.sizes = Sizes::of(selected.map(|target| target.bounds));
     seen.icons = sources.icons();
+    seen.paths = sources.markers(&mut seen.icons);
     seen.icons.extend(seen.stand_ins.iter().map(|stand_in| stand_in.icon));
     let near = state.blocking.near.iter();
     seen.blocks = near.filter_map(|entity| sources.block(*entity)).collect();

@@ -8,6 +8,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2};
 
 use crate::app::editor::camera::screen::Screen;
+use crate::scene::marker::MarkerSymbol;
 use crate::scene::{self, Emitter, EmitterKind, ShapeKind};
 
 /// The mark of a light or a camera, which no ray hits.
@@ -19,6 +20,36 @@ pub struct Icon {
     pub kind: IconKind,
     /// World from local.
     pub pose: Affine3A,
+    /// The colour of its own; None for that of all.
+    pub tint: Option<Color32>,
+}
+
+/// The line of a marker that is a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerPath {
+    /// The entity of the marker.
+    pub entity: Entity,
+    /// The line in the world.
+    pub line: Vec<Vec3>,
+    /// The colour of its type.
+    pub tint: Color32,
+}
+
+/// Draws the lines of paths.
+pub(super) fn paint_paths(
+    painter: &Painter,
+    screen: &Screen,
+    paths: &[MarkerPath],
+    color: impl Fn(Entity, Color32) -> Color32,
+) {
+    for path in paths {
+        let color = color(path.entity, path.tint);
+        let pieces = path.line.windows(2).filter_map(|ends| screen.segment(ends[0], ends[1]));
+        for ends in pieces {
+            painter.line_segment(ends, Stroke::new(3.0, SHADOW));
+            painter.line_segment(ends, Stroke::new(1.5, color));
+        }
+    }
 }
 
 /// The drawings.
@@ -42,6 +73,14 @@ pub enum IconKind {
     MeterGrid,
     /// A cube from -1 to 1 in place of a missing mesh.
     StandIn,
+    /// A marker whose direction is +z.
+    Marker(MarkerSymbol),
+    /// A marker that is a cube from -1 to 1.
+    MarkerBox(MarkerSymbol),
+    /// A marker that is a sphere of radius 1.
+    MarkerSphere(MarkerSymbol),
+    /// A point of a path.
+    PathPoint(MarkerSymbol),
 }
 
 impl IconKind {
@@ -57,6 +96,30 @@ impl IconKind {
             EmitterKind::IlluminanceMeter { .. } => Some(Self::Meter),
             EmitterKind::IlluminanceGrid { .. } => Some(Self::MeterGrid),
             EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_) => None,
+            EmitterKind::MarkerPoint => Some(Self::Marker(MarkerSymbol::default())),
+            EmitterKind::MarkerBox => Some(Self::MarkerBox(MarkerSymbol::default())),
+            EmitterKind::MarkerSphere => Some(Self::MarkerSphere(MarkerSymbol::default())),
+            EmitterKind::MarkerPath => Some(Self::PathPoint(MarkerSymbol::default())),
+        }
+    }
+
+    /// The icon with this symbol, if it is that of a marker.
+    pub(crate) fn with_symbol(self, symbol: MarkerSymbol) -> Self {
+        match self {
+            Self::Marker(_) => Self::Marker(symbol),
+            Self::MarkerBox(_) => Self::MarkerBox(symbol),
+            Self::MarkerSphere(_) => Self::MarkerSphere(symbol),
+            Self::PathPoint(_) => Self::PathPoint(symbol),
+            other => other,
+        }
+    }
+
+    fn symbol(self) -> Option<MarkerSymbol> {
+        match self {
+            Self::Marker(symbol) | Self::MarkerBox(symbol) | Self::MarkerSphere(symbol) | Self::PathPoint(symbol) => {
+                Some(symbol)
+            }
+            _ => None,
         }
     }
 }
@@ -83,6 +146,10 @@ const CAMERA: f32 = 20.0;
 const HEAD: f32 = 6.0;
 /// The most icons; more would hide the picture.
 const MOST_ICONS: usize = 1000;
+/// The distance from the middle of a symbol at which its arrow begins.
+const SYMBOL: f32 = 9.0;
+/// The pieces of a circle around a sphere.
+const PIECES: usize = 32;
 const SHADOW: Color32 = Color32::from_black_alpha(120);
 
 /// Draws the icons that are in front of the camera, at most a thousand of them.
@@ -94,6 +161,7 @@ pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(
             painter.extend(lines.iter().map(|ends| Shape::line_segment(*ends, stroke)));
             match icon.kind {
                 IconKind::Frustum | IconKind::Sheet => {}
+                kind if kind.symbol().is_some_and(|symbol| symbol != MarkerSymbol::Dot) => {}
                 _ => {
                     painter.circle_stroke(middle, RADIUS, stroke);
                 }
@@ -151,6 +219,19 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             .chain(arrow(RADIUS + 8.0, RADIUS + 8.0 + LENGTH))
             .collect(),
         IconKind::Meter => arrow(RADIUS, LENGTH),
+        IconKind::Marker(symbol) => symbol_lines(symbol, middle).chain(arrow(SYMBOL, LENGTH)).collect(),
+        IconKind::PathPoint(symbol) => symbol_lines(symbol, middle).collect(),
+        IconKind::MarkerSphere(symbol) => {
+            let at = |axis: usize, piece: usize| {
+                let (sin, cos) = (TAU * piece as f32 / PIECES as f32).sin_cos();
+                let mut point = [0.0; 3];
+                (point[(axis + 1) % 3], point[(axis + 2) % 3]) = (cos, sin);
+                icon.pose.transform_point3(Vec3::from_array(point))
+            };
+            let circles = (0..3).flat_map(|axis| (0..PIECES).map(move |piece| (axis, piece)));
+            let circles = circles.filter_map(|(axis, piece)| screen.segment(at(axis, piece), at(axis, piece + 1)));
+            circles.chain(symbol_lines(symbol, middle)).collect()
+        }
         IconKind::Sheet | IconKind::MeterGrid => {
             let corner = |a: f32, b: f32| icon.pose.transform_point3(Vec3::new(a, b, 0.0));
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
@@ -177,18 +258,45 @@ fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
             let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
             edges.chain(upright).flatten().collect()
         }
-        IconKind::Box | IconKind::StandIn => {
+        IconKind::Box | IconKind::StandIn | IconKind::MarkerBox(_) => {
             let corner = |at: usize| {
                 let sign = |axis: usize| if at >> axis & 1 == 0 { -1.0 } else { 1.0 };
                 icon.pose.transform_point3(Vec3::new(sign(0), sign(1), sign(2)))
             };
             let edges = (0..8).flat_map(|at| [1, 2, 4].map(|step| (at, at | step)));
             let edges = edges.filter(|(from, to)| from != to);
-            edges
-                .filter_map(|(from, to)| screen.segment(corner(from), corner(to)))
-                .collect()
+            let edges = edges.filter_map(|(from, to)| screen.segment(corner(from), corner(to)));
+            let symbol = icon.kind.symbol().unwrap_or_default();
+            edges.chain(symbol_lines(symbol, middle)).collect()
         }
     }
+}
+
+/// The strokes of a symbol around its middle, in points: x to the right, y downwards.
+fn symbol_lines(symbol: MarkerSymbol, middle: Pos2) -> impl Iterator<Item = [Pos2; 2]> {
+    type Stroke = &'static [(f32, f32)];
+    let strokes: &'static [Stroke] = match symbol {
+        MarkerSymbol::Dot => &[],
+        MarkerSymbol::Flag => &[&[(-3.0, 6.5), (-3.0, -7.0)], &[(-3.0, -7.0), (5.5, -4.3), (-3.0, -1.6)]],
+        MarkerSymbol::Bolt => &[&[(2.5, -7.0), (-3.0, 1.0), (2.0, 0.0), (-2.0, 7.0)]],
+        MarkerSymbol::Diamond => &[&[(0.0, -6.0), (5.0, 0.0), (0.0, 6.0), (-5.0, 0.0), (0.0, -6.0)]],
+        MarkerSymbol::Note => &[
+            &[(5.5, -3.0), (1.5, -7.0), (1.5, 4.0)],
+            &[(1.5, 4.0), (-1.0, 6.5), (-3.5, 4.0), (-1.0, 1.5), (1.5, 4.0)],
+        ],
+        MarkerSymbol::Star => &[&[
+            (0.0, -6.5),
+            (3.8, 5.3),
+            (-6.2, -2.0),
+            (6.2, -2.0),
+            (-3.8, 5.3),
+            (0.0, -6.5),
+        ]],
+        MarkerSymbol::Cross => &[&[(-5.0, -5.0), (5.0, 5.0)], &[(5.0, -5.0), (-5.0, 5.0)]],
+    };
+    let at = move |(x, y): (f32, f32)| middle + Vec2::new(x, y);
+    let pairs = strokes.iter().flat_map(|stroke| stroke.windows(2));
+    pairs.map(move |pair| [at(pair[0]), at(pair[1])])
 }
 
 #[cfg(test)]
@@ -206,6 +314,7 @@ mod tests {
             entity: world.spawn_empty().id(),
             kind: IconKind::Cone(3.0),
             pose: Affine3A::from_translation(Vec3::new(x, 0.0, z)),
+            tint: None,
         };
         let icons = [icon(0.0, 0.0), icon(0.3, 0.0), icon(0.0, -20.0)];
         let screen = perspective();

@@ -8,7 +8,7 @@ use super::blocking::grips::GripModel;
 use super::blocking::hand::{BlockTarget, BlockingModel};
 use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
-use super::icons::Icon;
+use super::icons::{Icon, MarkerPath};
 use super::lamp_solid::LampSolid;
 use super::side_model::SideModel;
 use super::stand_ins::StandIn;
@@ -74,6 +74,8 @@ pub struct ViewportModel<'a> {
     pub lamp_solid: Option<&'a LampSolid>,
     /// The icons of lights and cameras, and the boxes of missing meshes.
     pub icons: &'a [Icon],
+    /// The lines of markers that are paths.
+    pub marker_paths: &'a [MarkerPath],
     /// The boxes of missing meshes with their names.
     pub stand_ins: &'a [StandIn],
     /// The data that the gizmo acts on.

@@ -28,11 +28,17 @@ pub(super) fn paint_scene(
     let pointer = ui.input(|input| input.pointer.latest_pos()).filter(|_| has_pointer);
     let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
     path_lines::paint(painter, screen, &model.paths.paths, chosen, model.navigation.scene_size);
-    icons::paint(painter, screen, model.icons, |icon| {
-        match Level::of(icon.entity, model.keys.selection, state.pointer.hovered) {
-            Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
+    let level = |entity| Level::of(entity, model.keys.selection, state.pointer.hovered);
+    icons::paint_paths(painter, screen, model.marker_paths, |entity, tint| {
+        match level(entity) {
+            Level::None => tint,
             level => level.color(),
         }
+    });
+    icons::paint(painter, screen, model.icons, |icon| match level(icon.entity) {
+        Level::None if icon.kind == IconKind::StandIn => stand_ins::COLOR,
+        level @ Level::None => icon.tint.unwrap_or(level.color()),
+        level => level.color(),
     });
     let mut tags = Tags::default();
     stand_ins::paint_names(painter, screen, model.stand_ins, &mut tags);

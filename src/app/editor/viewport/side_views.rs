@@ -240,6 +240,7 @@ pub(super) fn paint(
             entity: Entity::PLACEHOLDER,
             kind: IconKind::Frustum,
             pose,
+            tint: None,
         });
         icons::paint(&painter, screen, eye.as_slice(), |_| EYE);
         paint_scene(ui, &painter, screen, model, state, is_active);

@@ -37,6 +37,7 @@ impl StandIn {
                 entity,
                 kind: IconKind::StandIn,
                 pose: *to_world * box_from_cube,
+                tint: None,
             },
             bounds: local.transformed(to_world),
         }

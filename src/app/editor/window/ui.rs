@@ -352,6 +352,7 @@ fn viewport_model<'a>(
         lamp_solid: seen.lamp_solid.as_ref(),
         icons: &seen.icons,
         stand_ins: &seen.stand_ins,
+        marker_paths: &seen.paths,
         gizmo: GizmoModel {
             settings: settings.gizmo,
             targets: &seen.targets,

@@ -72,6 +72,10 @@ pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Optio
         "spot",
         "constant",
         "directional",
+        "markerpoint",
+        "markerbox",
+        "markersphere",
+        "markerpath",
     ];
     let one = |line: String| Some(vec![line]);
     match random.below(48) {

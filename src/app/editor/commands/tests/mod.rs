@@ -12,6 +12,7 @@ mod grouping;
 mod kept_picture;
 mod light_paint;
 mod lights;
+mod markers;
 mod material_trees;
 mod materials;
 mod picking;

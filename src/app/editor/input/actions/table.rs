@@ -346,6 +346,18 @@ pub const ADD: &[Action] = &[
     action(Group::Add, "add-illuminancegrid", "Measuring grid", &[], |_| {
         Some(addition(AdditionKind::Emitter("illuminancegrid")))
     }),
+    action(Group::Add, "add-markerpoint", "Marker", &[], |_| {
+        Some(addition(AdditionKind::Emitter("markerpoint")))
+    }),
+    action(Group::Add, "add-markerbox", "Box marker", &[], |_| {
+        Some(addition(AdditionKind::Emitter("markerbox")))
+    }),
+    action(Group::Add, "add-markersphere", "Sphere marker", &[], |_| {
+        Some(addition(AdditionKind::Emitter("markersphere")))
+    }),
+    action(Group::Add, "add-markerpath", "Path", &[], |_| {
+        Some(addition(AdditionKind::Emitter("markerpath")))
+    }),
     action(Group::Add, "add-camera", "Camera at the view", &[], |_| {
         Some(addition(AdditionKind::Camera))
     }),

@@ -6,6 +6,7 @@ use std::collections::HashSet;
 use bevy::prelude::Entity;
 
 use crate::app::editor::model::{Item, Outline};
+use crate::scene::marker::TYPE;
 
 /// The words of a search, in lower case.
 pub struct Search {
@@ -15,7 +16,7 @@ pub struct Search {
 enum Term {
     /// A part of the name or the kind.
     Any(String),
-    /// A part of the kind or of the heading in the singular: `type:light` finds all lights.
+    /// A part of the kind, of the type of a marker, or the heading in the singular: `type:light` finds all lights.
     Type(String),
     /// The materials with this part in their names; finds them and the shapes that use them.
     Material(HashSet<Entity>),
@@ -54,7 +55,9 @@ impl Search {
             Term::Any(word) => item.name.to_lowercase().contains(word) || item.kind.contains(word.as_str()),
             Term::Type(word) => {
                 let singular = heading.trim_end_matches('s').to_lowercase();
-                item.kind.contains(word.as_str()) || singular == *word
+                let own = item.properties.as_ref().and_then(|properties| properties.get(TYPE));
+                let is_own = own.is_some_and(|value| value.text().to_lowercase().contains(word));
+                is_own || item.kind.contains(word.as_str()) || singular == *word
             }
             Term::Has(word) => item.properties.as_ref().is_some_and(|properties| {
                 let mut names = properties.iter().map(|(name, _)| name.to_lowercase());
