@@ -330,10 +330,20 @@ impl Sources<'_, '_> {
                 continue;
             }
             let place = |point: Vec3| to_world.0.transform_point3(point);
-            let points = marker::points_of(properties).into_iter();
-            icons.extend(points.map(|point| icon(Affine3A::from_translation(place(point)))));
+            let points = marker::points_of(properties);
+            icons.extend(
+                points
+                    .iter()
+                    .map(|&point| icon(Affine3A::from_translation(place(point)))),
+            );
             let line = marker::line_of(properties).into_iter().map(place).collect();
-            paths.push(MarkerPath { entity, line, tint });
+            paths.push(MarkerPath {
+                entity,
+                points,
+                pose: to_world.0,
+                line,
+                tint,
+            });
         }
         paths
     }

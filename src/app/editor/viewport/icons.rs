@@ -29,6 +29,10 @@ pub struct Icon {
 pub struct MarkerPath {
     /// The entity of the marker.
     pub entity: Entity,
+    /// The points in its own space.
+    pub points: Vec<Vec3>,
+    /// World from its own space.
+    pub pose: Affine3A,
     /// The line in the world.
     pub line: Vec<Vec3>,
     /// The colour of its type.

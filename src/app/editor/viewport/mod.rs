@@ -20,6 +20,7 @@ pub mod material_drop;
 pub mod model;
 pub(crate) mod outlining;
 mod over_picture;
+pub mod path_grips;
 pub mod path_lines;
 mod paused;
 mod pipette;
@@ -232,6 +233,11 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
         if rest.pointer && !state.gizmo.is_dragging() {
             let grips = &mut state.grips;
             rest = grips.follow_grips(ui, response, screen, &model.grips(), presses, commands);
+            if rest.pointer {
+                let model = model.path_grips();
+                let presses = std::mem::take(&mut rest.presses);
+                rest = (state.path_grips).follow(ui, response, screen, &model, &presses, commands);
+            }
         }
         if rest.pointer {
             let tool = state.tool_mut(model.keys.tool);
@@ -245,6 +251,7 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
             .follow(ui, response, screen, model, is_free, pose, commands);
     } else {
         state.grips.let_go();
+        state.path_grips.let_go();
         state.pointer.let_go(ui);
         state.pointer.hovered = None;
     }
@@ -252,7 +259,7 @@ fn act(ui: &Ui, panel: Rect, main: &Pane, sides: &[Pane], state: &mut ViewportSt
         let modifiers = input.modifiers;
         // Control with a letter is a shortcut, unless the user is flying already.
         let flies = modifiers.is_none() || modifiers.shift_only() || state.pointer.is_looking() || was_flying;
-        let is_dragging = state.gizmo.is_dragging() || state.grips.is_busy();
+        let is_dragging = state.gizmo.is_dragging() || state.grips.is_busy() || state.path_grips.is_busy();
         let keys_fly = has_keyboard && !is_dragging && !modifiers.alt && flies;
         FlyInput {
             direction: if keys_fly {

@@ -10,6 +10,7 @@ use super::captions::Caption;
 use super::gizmo::interaction::GizmoModel;
 use super::icons::{Icon, MarkerPath};
 use super::lamp_solid::LampSolid;
+use super::path_grips::PathGripModel;
 use super::side_model::SideModel;
 use super::stand_ins::StandIn;
 use super::texturing::{TextureTarget, TexturingModel};
@@ -161,6 +162,21 @@ impl<'a> ViewportModel<'a> {
             step: self.gizmo.length_step,
             up: self.gizmo.up,
             unit: self.gizmo.unit,
+        }
+    }
+
+    /// The data of the handles of the points of a path that alone is selected.
+    pub(super) fn path_grips(&self) -> PathGripModel<'a> {
+        let path = match self.keys.selection.entities() {
+            [only] if self.keys.tool == Tool::Select && !self.locked.contains(only) => {
+                self.marker_paths.iter().find(|path| path.entity == *only)
+            }
+            _ => None,
+        };
+        PathGripModel {
+            path,
+            step: self.gizmo.length_step,
+            up: self.gizmo.up,
         }
     }
 

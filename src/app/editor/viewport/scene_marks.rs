@@ -55,6 +55,7 @@ pub(super) fn paint_scene(
     let tool = state.tool(model.keys.tool);
     tool.paint(painter, screen, model, pointer);
     state.grips.paint_grips(painter, screen, &model.grips(), has_pointer);
+    state.path_grips.paint(painter, screen, &model.path_grips());
     state.pointer.paint(painter, pointer);
     if let Some(note) = state.gizmo.note(screen, &model.gizmo).filter(|_| has_pointer) {
         tag(

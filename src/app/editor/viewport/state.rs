@@ -11,6 +11,7 @@ use super::blocking::BlockingState;
 use super::blocking::grips::GripState;
 use super::gizmo::interaction::GizmoState;
 use super::light_brush::LightBrushState;
+use super::path_grips::PathGripState;
 use super::pointer::PointerState;
 use super::side_model::{COUNT, PaneState};
 use super::texturing::TexturingState;
@@ -27,6 +28,8 @@ pub struct ViewportState {
     pub blocking: BlockingState,
     /// The state of the handles of openings.
     pub grips: GripState,
+    /// The state of the handles of the points of a path.
+    pub path_grips: PathGripState,
     /// The state of the tool that places textures.
     pub texturing: TexturingState,
     /// The state of the brush for light.

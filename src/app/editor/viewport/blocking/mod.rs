@@ -12,7 +12,7 @@ pub mod grips;
 pub mod hand;
 pub(super) mod marks;
 pub mod push;
-mod spot;
+pub(super) mod spot;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{InputState, Key, Painter, PointerButton, Response, Ui};

@@ -91,7 +91,12 @@ pub(super) fn is_on(plane: &Plane, through: Vec3, place: Vec3, grid: f32) -> boo
 }
 
 /// The point of a plane under the pointer; None if the pointer is above the plane's horizon.
-pub(super) fn on_plane(screen: &Screen, pointer: Pos2, through: Vec3, normal: Vec3) -> Option<Vec3> {
+pub(in crate::app::editor::viewport) fn on_plane(
+    screen: &Screen,
+    pointer: Pos2,
+    through: Vec3,
+    normal: Vec3,
+) -> Option<Vec3> {
     let ray = screen.ray(pointer);
     let towards = ray.dir.dot(normal);
     let t = (through - ray.origin).dot(normal) / towards;
