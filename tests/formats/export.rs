@@ -5,12 +5,14 @@ use std::path::Path;
 
 use bevy::math::{Affine3A, Vec3};
 use sunroom::color::luminance;
+use sunroom::document::parse_str;
 use sunroom::files::Access;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::scene::assets::scene_asset::read_scene;
 use sunroom::scene::assets::triangle_mesh::load_mesh;
 use sunroom::scene::description::{EmitterDescription, MaterialDescription, ShapeDescription};
 use sunroom::scene::export::{Export, Hidden, export};
+use sunroom::scene::read::read;
 use sunroom::scene::*;
 
 use crate::workshop::Workshop;
@@ -1274,4 +1276,50 @@ fn turned_surfaces_with_normal_maps_keep_all_triangles() {
         let triangles = after.shapes.iter().map(|shape| mesh_of(shape).triangles.len());
         assert_eq!(triangles.sum::<usize>(), 2, "{name}: {said:?}");
     }
+}
+
+#[test]
+fn properties_are_extras_and_markers_are_empty_nodes() {
+    let text = r#"<scene version="3.0.0"><sensor type="perspective" id="eye"/>
+        <volume type="constvolume" id="room/"><float name="value" value="1"/><default name="dark: boolean" value="true"/></volume>
+        <shape type="sphere" id="room/coin">
+          <default name="value: integer" value="5"/><default name="tint: color list" value="1, 0.5, 0"/>
+          <default name="game::Spin: component" value='{"speed": 1.5}'/><default name="game::Shiny: component" value="{}"/>
+        </shape>
+        <volume type="constvolume" id="start"><float name="value" value="1"/><default name="marker: form" value="point"/>
+          <transform name="to_world"><translate value="0, 0, 4"/></transform><default name="type: text" value="spawn"/></volume>
+        <volume type="constvolume" id="pit"><float name="value" value="1"/><default name="marker: form" value="box"/>
+          <transform name="to_world"><scale value="2"/></transform></volume></scene>"#;
+    let mut document = parse_str(text, Path::new("/scene.xml"), &[]);
+    let scene = read(&mut document);
+    assert!(document.diagnostics.list.is_empty(), "{}", document.diagnostics);
+    let export = export(
+        &scene,
+        &Hidden::default(),
+        Path::new("/level.gltf"),
+        &Access::everywhere(),
+    )
+    .unwrap();
+    assert_eq!(export.messages, Vec::<String>::new());
+    let json: serde_json::Value = serde_json::from_slice(&export.files.last().unwrap().1).unwrap();
+    let nodes = json["nodes"].as_array().unwrap();
+    let node = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
+    assert_eq!(
+        node("coin")["extras"],
+        serde_json::json!({
+            "value": 5, "tint": [[1.0, 0.5, 0.0]],
+            "skein": [{ "game::Shiny": {} }, { "game::Spin": { "speed": 1.5 } }],
+        })
+    );
+    assert_eq!(node("room")["extras"], serde_json::json!({ "dark": true }));
+    assert_eq!(
+        node("start")["extras"],
+        serde_json::json!({ "marker": "point", "type": "spawn" })
+    );
+    assert!(node("start").get("mesh").is_none());
+    // Forward is -z in glTF: a half turn about y.
+    let rotation: Vec<f32> = serde_json::from_value(node("start")["rotation"].clone()).unwrap();
+    assert!((rotation[1].abs() - 1.0).abs() < 1e-5, "{rotation:?}");
+    assert_eq!(node("pit")["scale"], serde_json::json!([2.0, 2.0, 2.0]));
+    assert!(node("eye").get("extras").is_none());
 }

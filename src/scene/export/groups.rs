@@ -3,6 +3,7 @@
 use bevy::math::Affine3A;
 
 use super::error::ExportError;
+use super::extras::set_extras;
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::placing::{Placing, is_mirrored, pose_or_baked};
@@ -75,6 +76,7 @@ impl Shapes<'_> {
                 ..Node::default()
             };
             let node = writer.add_node(node, parent);
+            set_extras(writer, node, shape.identity.properties.as_ref());
             match keys {
                 Some(keys) if baked.is_none() => {
                     let local = |value: &crate::document::Value| Some(parent_from_world * placed(value)?);

@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::math::{Affine3A, Mat3, Quat, Vec3};
 
+use super::extras::set_extras;
 use super::messages::Messages;
 use super::motion::{Motion, placed};
 use super::poses::{Folders, pose_of, rigid};
@@ -86,7 +87,7 @@ impl Stage<'_> {
             EmitterKind::IlluminanceMeter { .. } => return self.leave_out(name, "a measuring point"),
             EmitterKind::IlluminanceGrid { .. } => return self.leave_out(name, "a measuring grid"),
             EmitterKind::MarkerPoint | EmitterKind::MarkerBox | EmitterKind::MarkerSphere | EmitterKind::MarkerPath => {
-                return self.leave_out(name, "a marker");
+                return self.marker(about);
             }
             EmitterKind::Constant { .. } => return self.leave_out(name, "light from all directions"),
             EmitterKind::Environment { .. } => return self.leave_out(name, "an environment map"),
@@ -199,6 +200,30 @@ impl Stage<'_> {
         );
     }
 
+    /// Adds a marker as a node without a mesh, with its form beside its properties.
+    fn marker(&mut self, about: &EmitterDescription) {
+        let is_point = about.emitter.kind == EmitterKind::MarkerPoint;
+        // What is sheared stands straight, since a node cannot be sheared.
+        let straight = |map: &Affine3A| pose_of(map).map(|_| *map).or_else(|| rigid(map));
+        // The direction of a point is -z, as that of lights and cameras of glTF. Other forms have an extent of their own.
+        let turned = |map: &Affine3A| match is_point {
+            true => Some(straight(map)? * Affine3A::from_rotation_y(PI)),
+            false => straight(map),
+        };
+        let form = about.emitter.form().unwrap_or_default();
+        self.stand(
+            "light",
+            &about.identity,
+            &about.to_world,
+            &turned,
+            |writer, node, _, parent| {
+                let node = writer.add_node(node, parent);
+                writer.add_extras(node, serde_json::json!({ "marker": form }));
+                node
+            },
+        );
+    }
+
     fn leave_out(&mut self, name: &str, what: &str) {
         self.messages
             .left_out("light", name, format!("glTF has no counterpart of {what}"));
@@ -297,6 +322,7 @@ impl Stage<'_> {
             ..Node::default()
         };
         let node = add(self.writer, node, &branch.leaf, branch.parent);
+        set_extras(self.writer, node, identity.properties.as_ref());
         if let Some(keys) = &identity.keys {
             let parent_from_world = branch.world_from_parent.inverse();
             let local = |value: &crate::document::Value| Some(parent_from_world * turned(&placed(value)?)?);

@@ -4,6 +4,7 @@
 //! glTF files are built in [`crate::gltf::write`], and the table of docs/scene-format.md lists the counterparts.
 
 mod error;
+mod extras;
 mod form;
 mod groups;
 mod in_use;
@@ -26,6 +27,7 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 pub use self::error::ExportError;
+use self::extras::extras_of;
 pub use self::in_use::first_in_use;
 use self::lights::Stage;
 use self::messages::Messages;
@@ -137,7 +139,13 @@ pub fn collect(
         // Things in an animated folder have keys of their own.
         Some((folder.to_owned(), frame.to_world))
     });
-    let mut folders = Folders::new(frames);
+    let extras = scene.shapes.iter().filter(|shape| shape.shape.is_frame());
+    let extras = extras.filter_map(|frame| {
+        let folder = frame.identity.id.as_deref()?.strip_suffix('/')?;
+        Some((folder.to_owned(), extras_of(frame.identity.properties.as_ref())?))
+    });
+    let extras = extras.collect();
+    let mut folders = Folders::new(frames, extras);
     report_media_around(scene, &mut messages);
     let mut stage = Stage {
         writer: &mut writer,

@@ -78,14 +78,17 @@ pub(super) struct Folders {
     frames: HashMap<String, Affine3A>,
     /// The nodes, with the transforms from their spaces to the world.
     nodes: HashMap<String, (usize, Affine3A)>,
+    /// The extras of folders that have properties.
+    extras: HashMap<String, serde_json::Value>,
 }
 
 impl Folders {
-    /// `frames`: the names of folders with their transforms.
-    pub fn new(frames: impl Iterator<Item = (String, Affine3A)>) -> Self {
+    /// `frames`: the names of folders with their transforms. `extras`: their properties.
+    pub fn new(frames: impl Iterator<Item = (String, Affine3A)>, extras: HashMap<String, serde_json::Value>) -> Self {
         Self {
             frames: frames.filter(|(_, map)| is_invertible(map)).collect(),
             nodes: HashMap::new(),
+            extras,
         }
     }
 
@@ -117,6 +120,7 @@ impl Folders {
         let node = Node {
             name: above.leaf,
             pose,
+            extras: self.extras.get(folder).cloned(),
             ..Node::default()
         };
         let made = (

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use super::error::ExportError;
+use super::extras::set_extras;
 use super::form::{Colors, Form, Forms, is_of_triangles, shown, vertex_colors};
 use super::materials::{Materials, Surface, Written, shows_its_back};
 use super::messages::Messages;
@@ -118,6 +119,7 @@ impl<'a> Shapes<'a> {
             ..Node::default()
         };
         let node = writer.add_node(node, branch.parent);
+        set_extras(writer, node, shape.identity.properties.as_ref());
         if let Some(keys) = &shape.identity.keys {
             if baked.is_some() {
                 messages.note("shape", name, "nothing moves, because the pose shears");

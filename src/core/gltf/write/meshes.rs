@@ -151,11 +151,19 @@ impl GltfWriter {
         attributes.insert(name.to_owned(), accessor);
     }
 
-    /// Replaces the mesh of a node, and sets `extras`, which other programs read.
+    /// Replaces the mesh of a node, and adds `extras`, which other programs read.
     pub fn replace_mesh(&mut self, node: usize, mesh: usize, extras: serde_json::Value) {
-        let node = &mut self.root.nodes[node];
-        node.mesh = Some(mesh);
-        node.extras = Some(extras);
+        self.root.nodes[node].mesh = Some(mesh);
+        self.add_extras(node, extras);
+    }
+
+    /// Adds the fields of an object to the `extras` of a node. A field of the same name is replaced.
+    pub fn add_extras(&mut self, node: usize, extras: serde_json::Value) {
+        let own = &mut self.root.nodes[node].extras;
+        match (own, extras) {
+            (Some(serde_json::Value::Object(own)), serde_json::Value::Object(new)) => own.extend(new),
+            (own, new) => *own = Some(new),
+        }
     }
 
     /// Adds `value` to the extras of the nodes of the thing at this position in the scene's file. Returns the nodes.
