@@ -5,6 +5,7 @@ pub mod assets;
 pub mod baking;
 pub mod difference;
 pub mod freedom;
+pub mod game_types;
 pub(crate) mod gather;
 pub(crate) mod gather_bake;
 pub(crate) mod gather_light;
@@ -32,6 +33,7 @@ use bevy::prelude::{Entity, *};
 
 use self::assets::AssetsModel;
 use self::baking::BakeModel;
+use self::game_types::GameTypes;
 use crate::app::editor::command::material_tree::can_wrap;
 use crate::app::editor::command::media::MediumSide;
 use crate::app::editor::command::presets::Preset;
@@ -420,6 +422,10 @@ pub struct Model {
     pub light_units: LightUnits,
     /// The properties of the scene itself.
     pub properties: Properties,
+    /// The types of the game's components, as far as they are known.
+    pub game_types: Arc<GameTypes>,
+    /// Why the file with these types cannot be read, if it cannot.
+    pub game_types_problem: Option<String>,
     /// The upward direction of the scene.
     pub up: Vec3,
     /// The timeline.

@@ -11,6 +11,7 @@ pub mod caption;
 pub mod color_field;
 mod color_picker;
 pub mod comparison;
+mod component;
 pub mod diagnostics;
 pub mod dimensions;
 pub(crate) mod drag_start;

@@ -4,11 +4,12 @@ use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
 use super::section::section_with;
-use super::{color_field, fields};
+use super::{color_field, component, fields};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::properties::{PropertyChange, PropertyEdit, PropertyOwner};
 use crate::app::editor::model::Model;
 use crate::app::editor::model::difference::property_caption;
+use crate::app::editor::model::game_types::GameTypes;
 use crate::scene::{ItemType, Properties, PropertyItem, PropertyType, PropertyValue};
 
 /// The width of the menu at the end of a row, in points.
@@ -64,7 +65,11 @@ pub(super) fn properties_section(
                 }
             });
         }
-        if let Some(value) = new_row(ui, properties, state) {
+        if let (PropertyOwner::Scene, Some(problem)) = (&owner, &model.game_types_problem) {
+            let text = format!("The component types cannot be read: {problem}");
+            ui.colored_label(ui.visuals().warn_fg_color, text);
+        }
+        if let Some(value) = new_row(ui, properties, model, state) {
             edit(state.name.trim(), PropertyChange::Set(value));
             state.name.clear();
         }
@@ -76,7 +81,7 @@ fn property_row(ui: &mut Ui, name: &str, value: &PropertyValue, model: &Model) -
     let mut change = None;
     ui.horizontal(|ui| {
         let room = egui::vec2(ui.available_width() - MENU, ui.spacing().interact_size.y);
-        ui.allocate_ui(room, |ui| {
+        ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Min), |ui| {
             ui.set_width(room.x);
             change = edited(ui, name, value, model).map(PropertyChange::Set);
         });
@@ -134,8 +139,18 @@ fn edited(ui: &mut Ui, name: &str, value: &PropertyValue, model: &Model) -> Opti
             fields::vector(ui, caption, vector, speed, "") && vector.is_finite()
         }
         PropertyItem::Color(color) => color_field::color(ui, caption, color),
-        PropertyItem::Text(_) | PropertyItem::File(_) | PropertyItem::Component(_) => {
-            return edited_text(ui, caption, value);
+        PropertyItem::Text(_) | PropertyItem::File(_) => return edited_text(ui, caption, value),
+        PropertyItem::Component(json) => {
+            let types = &*model.game_types;
+            let known = serde_json::from_str(json).ok().filter(|_| types.knows(name));
+            let Some(mut parts) = known else {
+                return edited_text(ui, caption, value);
+            };
+            let short = name.rsplit("::").next().unwrap_or(name);
+            let caption = caption.titled(short).explained(types.about(name).unwrap_or(name));
+            let changed = component::rows(ui, types, name, caption, &mut parts);
+            *json = parts.to_string();
+            changed
         }
         PropertyItem::Reference(thing) => {
             let edited = edited_text(ui, caption, value);
@@ -163,12 +178,22 @@ fn is_there(model: &Model, name: &str) -> bool {
 }
 
 /// The row in which a new property gets its name and its type; Some once it is to be added.
-fn new_row(ui: &mut Ui, known: &Properties, state: &mut PropertiesState) -> Option<PropertyValue> {
+fn new_row(ui: &mut Ui, known: &Properties, model: &Model, state: &mut PropertiesState) -> Option<PropertyValue> {
     fields::row(ui, "New property", |ui| {
         let width = ui.available_width() - 8.0;
         let field = egui::TextEdit::singleline(&mut state.name).hint_text("name");
         ui.add(field.desired_width(width))
     });
+    let types = &*model.game_types;
+    let mut components = types.components().peekable();
+    if components.peek().is_some() {
+        let mut chosen = "";
+        let options: Vec<(&str, &str)> = components.map(|path| (path, path)).collect();
+        if fields::choice(ui, "Component", &mut chosen, &options) && known.get(chosen).is_none() {
+            state.name = chosen.to_owned();
+            return Some(component_value(types, chosen));
+        }
+    }
     let name = Properties::checked_name(&state.name);
     if state.name.is_empty() {
         return None;
@@ -183,4 +208,66 @@ fn new_row(ui: &mut Ui, known: &Properties, state: &mut PropertiesState) -> Opti
     };
     let is_asked = add.on_disabled_hover_text(why).clicked();
     is_asked.then(|| state.kind.new_value())
+}
+
+/// A new component of this type.
+fn component_value(types: &GameTypes, path: &str) -> PropertyValue {
+    let json = types.new_value(path).map(|value| value.to_string());
+    PropertyValue::One(match json {
+        Some(json) => PropertyItem::Component(json),
+        None => ItemType::Component.new_item(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use bevy::prelude::World;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+    use crate::app::editor::model::Inspected;
+
+    const SCHEMA: &str = r##"{"game::Door": {"typePath": "game::Door", "kind": "Struct", "reflectTypes": ["Component"],
+        "properties": {"locked": {"type": {"$ref": "#/$defs/bool"}}}}}"##;
+
+    #[test]
+    fn fields_of_a_component_are_edited_as_rows() {
+        let entity = World::new().spawn_empty().id();
+        let types = GameTypes::read(SCHEMA).expect("a schema");
+        let door = component_value(&types, "game::Door");
+        let properties = Properties::default().with("game::Door", Some(door));
+        let properties = properties.with("health", Some(PropertyValue::One(PropertyItem::Integer(3))));
+        let model = Model {
+            inspected: Some(Inspected {
+                properties: Some(properties),
+                ..Inspected::new(entity, "door")
+            }),
+            game_types: Arc::new(types),
+            ..Model::default()
+        };
+        let mut harness = Harness::new_ui_state(
+            move |ui, commands: &mut Vec<Command>| {
+                let mut state = PropertiesState::default();
+                properties_section(ui, PropertyOwner::Things(vec![entity]), &model, &mut state, commands);
+            },
+            Vec::new(),
+        );
+        harness.run_steps(4);
+        assert_eq!(harness.state(), &Vec::<Command>::new());
+        harness.get_by_label("health");
+        harness
+            .get_by_role_and_label(egui::accesskit::Role::CheckBox, "locked")
+            .click();
+        harness.run_steps(4);
+        let json = PropertyItem::Component("{\"locked\":true}".to_owned());
+        let expected = PropertyEdit {
+            owner: PropertyOwner::Things(vec![entity]),
+            name: "game::Door".to_owned(),
+            change: PropertyChange::Set(PropertyValue::One(json)),
+        };
+        assert_eq!(harness.state().first(), Some(&Command::from(expected)));
+    }
 }
