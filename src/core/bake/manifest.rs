@@ -25,8 +25,8 @@ pub struct Manifest {
     pub quantity: &'static str,
     /// The light that the lightmaps hold: all of it, or indirect light alone.
     pub light: BakedLight,
-    /// The units of the level's punctual lights: candela and lux, of which 683 are one W/sr or W/m^2. Older manifests do
-    /// not have the field, nor their lights these units.
+    /// The units of the level's punctual lights: candela and lux, of which 683 are one W/sr or W/m^2. Older manifests
+    /// do not have the field, nor their lights these units.
     pub light_units: &'static str,
     /// Texels per unit of length.
     pub texels_per_unit: f32,

@@ -10,8 +10,9 @@ use glam::{Mat4, Vec3};
 use super::GltfError;
 use super::motion::Placement;
 use super::objects::*;
+use super::profiles::{KnownProfile, node_from_lamp};
 use super::scene::Builder;
-use super::schema::{Light, Node};
+use super::schema::{Light, Node, NodeProfile};
 use crate::document::{Category, Object, Value};
 use crate::photometry::LUMENS_PER_WATT;
 
@@ -75,6 +76,44 @@ impl Builder<'_> {
             .filter(|name| !name.trim().is_empty())
             .map(|name| self.unique_in_folder(name).into());
         self.emitters.push(emitter);
+    }
+
+    /// Adds the lamp of a node. False (reported) if its profile cannot be read.
+    fn lamp(&mut self, lamp: &NodeProfile, name: Option<&str>, placement: &Placement) -> bool {
+        let title = format!("light `{}`", name.unwrap_or("unnamed"));
+        let Some(KnownProfile { name: file, geometry }) = self.known_profile(lamp.light, &title) else {
+            return false;
+        };
+        let color = Vec3::from(lamp.color).clamp(Vec3::ZERO, Vec3::ONE);
+        let scale = self.possible_light(color * lamp.multiplier, &title);
+        let emitter = with(object(Category::Emitter, "ies"), "filename", Value::String(file));
+        let emitter = match scale == Vec3::ONE {
+            true => emitter,
+            false => with_color(emitter, "scale", scale),
+        };
+        let mut emitter = with_world(emitter, placement, node_from_lamp(geometry));
+        emitter.id = name
+            .filter(|name| !name.trim().is_empty())
+            .map(|name| self.unique_in_folder(name).into());
+        self.lighting.has_lights |= scale.max_element() > 0.0;
+        self.emitters.push(emitter);
+        true
+    }
+
+    /// The stored file of a profile; None (reported) if it cannot be read.
+    fn known_profile(&mut self, index: usize, title: &str) -> Option<KnownProfile> {
+        if let Some(known) = self.profiles.get(&index) {
+            return known.clone();
+        }
+        let found = match self.references.profile(index) {
+            Ok(profile) => Some(profile),
+            Err(error) => {
+                self.warn(format!("{title}: {error}: the profile is left out"));
+                None
+            }
+        };
+        self.profiles.insert(index, found.clone());
+        found
     }
 
     /// Adds the stand-in light if nothing lights the scene. Returns its id.

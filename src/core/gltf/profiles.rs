@@ -5,15 +5,10 @@
 
 use std::borrow::Cow;
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec4};
 
 use super::error::{GltfError, ReadFile};
-use super::motion::Placement;
-use super::objects::*;
-use super::scene::Builder;
-use super::schema::NodeProfile;
 use super::{Gltf, uri};
-use crate::document::{Category, Value};
 use crate::photometry::{Geometry, read_profile};
 
 /// The most bytes of all profiles of a file together: many of them may be made of the same bytes.
@@ -49,45 +44,5 @@ impl Gltf {
         };
         let distribution = read_profile(&bytes).map_err(|error| bad(error.to_string()))?;
         Ok((bytes, distribution.geometry()))
-    }
-}
-
-impl Builder<'_> {
-    /// Adds the lamp of a node. False (reported) if its profile cannot be read.
-    pub(super) fn lamp(&mut self, lamp: &NodeProfile, name: Option<&str>, placement: &Placement) -> bool {
-        let title = format!("light `{}`", name.unwrap_or("unnamed"));
-        let Some(KnownProfile { name: file, geometry }) = self.known_profile(lamp.light, &title) else {
-            return false;
-        };
-        let color = Vec3::from(lamp.color).clamp(Vec3::ZERO, Vec3::ONE);
-        let scale = self.possible_light(color * lamp.multiplier, &title);
-        let emitter = with(object(Category::Emitter, "ies"), "filename", Value::String(file));
-        let emitter = match scale == Vec3::ONE {
-            true => emitter,
-            false => with_color(emitter, "scale", scale),
-        };
-        let mut emitter = with_world(emitter, placement, node_from_lamp(geometry));
-        emitter.id = name
-            .filter(|name| !name.trim().is_empty())
-            .map(|name| self.unique_in_folder(name).into());
-        self.lighting.has_lights |= scale.max_element() > 0.0;
-        self.emitters.push(emitter);
-        true
-    }
-
-    /// The stored file of a profile; None (reported) if it cannot be read.
-    fn known_profile(&mut self, index: usize, title: &str) -> Option<KnownProfile> {
-        if let Some(known) = self.profiles.get(&index) {
-            return known.clone();
-        }
-        let found = match self.references.profile(index) {
-            Ok(profile) => Some(profile),
-            Err(error) => {
-                self.warn(format!("{title}: {error}: the profile is left out"));
-                None
-            }
-        };
-        self.profiles.insert(index, found.clone());
-        found
     }
 }
