@@ -78,6 +78,7 @@ impl ViewportContent {
             pose: Some(pose),
             camera: Some(camera),
             boxes: &self.boxes,
+            marker_paths: &[],
             outline: &self.outline,
             wireframe: &self.wireframe,
             volume_boxes: &[],

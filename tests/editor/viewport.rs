@@ -92,6 +92,7 @@ pub fn window() -> Harness<'static, Window> {
         entity: entity(7),
         kind: IconKind::Bulb,
         pose: Affine3A::from_translation(lamp()),
+        tint: None,
     };
     let content = ViewportContent {
         selection: Selection::of([entity(1)]),

@@ -112,6 +112,27 @@ fn an_edited_property_changes_its_line_alone() {
 }
 
 #[test]
+fn a_file_that_is_named_stays_as_it_is_in_another_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let (main, other) = (folder.path().join("main.xml"), folder.path().join("other/main.xml"));
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    std::fs::write(&main, SCENE).unwrap();
+    save_description(&described(&main), &other).unwrap();
+    let scene = described(&other);
+    assert_eq!(all(&scene), all(&described(&main)));
+    save_description(&scene, &other).unwrap();
+    assert_eq!(all(&described(&other)), all(&scene));
+}
+
+#[test]
+fn a_plugin_of_this_program_alone_is_no_light_of_a_file() {
+    let text = "<scene version='3.0.0'><sensor type='perspective'/>\n <emitter type='markerpoint'/></scene>";
+    let mut document = parse_str(text.to_owned(), Path::new("/scene.xml"), &[]);
+    let scene = read(&mut document);
+    assert!(scene.emitters.is_empty(), "{:?}", scene.emitters);
+}
+
+#[test]
 fn wrong_values_are_errors_with_their_places() {
     let messages = |tag: &str| {
         let text =

@@ -138,8 +138,17 @@ impl ObjectState {
     /// Three-way merge: changes from `base` to `theirs` are applied, otherwise `ours` stays. Our side began as `start`,
     /// which may be spelled otherwise than `base` and mean the same. The numbers of a shape are merged one by one: its
     /// centre may be edited on one side and its radius on the other. If both sides have moved it, by whatever numbers,
-    /// it gets the position of `theirs`.
+    /// it gets the position of `theirs`. Properties are merged by their names.
     pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
+        let mut merged = Self::merged_shapes(base, theirs, start, ours);
+        let [before, new, own] = [base, theirs, ours].map(|state| state.properties.clone().unwrap_or_default());
+        let properties = Properties::merged(&before, &new, &own);
+        merged.kept |= properties != new;
+        merged.state.properties = properties.some();
+        merged
+    }
+
+    fn merged_shapes(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
         let shapes = [base, theirs, start, ours].map(|state| state.shape.as_ref());
         let [Some(base_shape), Some(their_shape), Some(start_shape), Some(our_shape)] = shapes else {
             return Self::merged_parts(base, theirs, start, ours);

@@ -104,7 +104,7 @@ fn any_text(text: &str) -> Result<String, &'static str> {
 
 /// A text in JSON, unchanged.
 fn any_json(text: &str) -> Result<String, String> {
-    match serde_json::from_str::<serde::de::IgnoredAny>(text) {
+    match serde_json::from_str::<serde_json::Value>(text) {
         Ok(_) => Ok(text.trim().to_owned()),
         Err(error) => Err(format!(
             "expected JSON such as {{\"speed\": 1.5}}, found {}: {error}",
@@ -227,7 +227,7 @@ impl PropertyValue {
         match self {
             Self::One(item) => item.text(),
             // A list of one empty text is not an empty list.
-            Self::List(_, items) if items.len() == 1 && items[0].text().is_empty() => ";".to_owned(),
+            Self::List(_, items) if items.len() == 1 && items[0].text().is_empty() => "\\".to_owned(),
             Self::List(_, items) => items.iter().map(escaped).collect::<Vec<_>>().join("; "),
         }
     }
@@ -297,10 +297,26 @@ impl Properties {
         is_changed.then(|| Self(Arc::new(all)))
     }
 
+    /// Three-way merge by names: what differs between `base` and `theirs` is taken from `theirs`, and the rest from
+    /// `ours`.
+    pub(in crate::scene) fn merged(base: &Self, theirs: &Self, ours: &Self) -> Self {
+        let names = [base, theirs, ours].into_iter().flat_map(|it| it.0.keys());
+        let mut all = BTreeMap::new();
+        for name in names {
+            let [before, new, own] = [base, theirs, ours].map(|it| it.0.get(name));
+            if let Some(value) = if new == before { own } else { new } {
+                all.insert(name.clone(), value.clone());
+            }
+        }
+        Self(Arc::new(all))
+    }
+
     /// The name without blanks around it. An error if a file cannot hold it.
     pub fn checked_name(name: &str) -> Result<&str, String> {
         let name = name.trim();
-        if name.is_empty() || name.len() > Self::LONGEST_NAME || name.contains(char::is_control) {
+        // XML has neither control characters nor these two.
+        let is_strange = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
+        if name.is_empty() || name.len() > Self::LONGEST_NAME || name.contains(is_strange) {
             return Err(format!(
                 "A property needs a name of at most {} characters.",
                 Self::LONGEST_NAME
@@ -316,7 +332,9 @@ impl Properties {
 
     /// An estimate of the allocated memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let one = |(name, value): (&str, &PropertyValue)| name.len() + 64 + 32 * value.items().len();
+        let of_item = |item: &PropertyItem| size_of::<PropertyItem>() + item.text().len();
+        let one =
+            |(name, value): (&str, &PropertyValue)| name.len() + 64 + value.items().iter().map(of_item).sum::<usize>();
         self.iter().map(one).sum()
     }
 

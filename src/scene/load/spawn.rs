@@ -19,8 +19,8 @@ use crate::scene::file::entities::Entities;
 use crate::scene::file::file_base::{FileBase, Recognised, Thing, set_authored};
 use crate::scene::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorKeys, IntegratorSettings, Keys, Material, MaterialUsers, Medium, ObjectState, ReloadSummary, SceneId,
-    SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
+    IntegratorKeys, IntegratorSettings, Keys, Material, MaterialUsers, Medium, ObjectState, Properties, ReloadSummary,
+    SceneId, SceneProperties, SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
 };
 
 /// Spawns the scene in place of the open one.
@@ -215,7 +215,9 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         world.insert_resource(scene.light_units);
     }
     if base.scene.properties != scene.properties {
-        world.insert_resource(scene.properties.clone());
+        let ours = world.get_resource_or_init::<SceneProperties>().0.clone();
+        let [before, theirs] = [&base.scene.properties.0, &scene.properties.0];
+        world.insert_resource(SceneProperties(Properties::merged(before, theirs, &ours)));
     }
     summary
 }

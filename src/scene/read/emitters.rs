@@ -113,8 +113,10 @@ fn read_parameters<'a>(
         reader.finish();
         return Some((marker, to_world, Media::new()));
     }
-    let Some(mut emitter) = Emitter::of_plugin(plugin) else {
-        let help = reader.diagnostics().did_you_mean(plugin, Emitter::PLUGINS);
+    // Markers have plugins in this program alone.
+    let Some(mut emitter) = Emitter::of_plugin(plugin).filter(|emitter| !emitter.is_marker()) else {
+        let lights = Emitter::PLUGINS.into_iter().filter(|name| !name.starts_with("marker"));
+        let help = reader.diagnostics().did_you_mean(plugin, lights);
         report_left_out(&mut reader, FOREIGN_EMITTERS.contains(&plugin), help);
         return None;
     };

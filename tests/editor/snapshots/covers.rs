@@ -247,6 +247,7 @@ pub fn icons() -> RgbImage {
     let icon = |(kind, number): (IconKind, u16)| Icon {
         entity: entity(1 + u32::from(number)),
         kind,
+        tint: None,
         pose: Affine3A::from_scale_rotation_translation(
             Vec3::splat(0.3),
             Quat::from_rotation_x(1.2),

@@ -92,7 +92,7 @@ impl Taken<'_> {
 
 fn is_meant(lights: bool, shape: Option<&Shape>, shines: bool, emitter: Option<&Emitter>) -> bool {
     match lights {
-        true => shines || emitter.is_some_and(Emitter::has_place),
+        true => shines || emitter.is_some_and(|emitter| emitter.has_place() && emitter.shines()),
         false => shape.is_some() && !shines,
     }
 }

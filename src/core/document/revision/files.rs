@@ -54,7 +54,7 @@ impl<'d> FileNames<'d> {
     /// written, not read, and is left alone.
     pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
         let is_file = property.name == "filename" && owner != Category::Film;
-        if !is_file && !property.name.ends_with(": file") {
+        if !is_file {
             return Cow::Borrowed(property);
         }
         let from = self.folder(property.span.source);
