@@ -59,7 +59,8 @@ fn sun_and_sky(sun_scale: f32) -> LightSource {
             sun_direction: Vec3::new(0.2, -0.7, 0.6).normalize(),
             sky_scale: 1.0,
             sun_scale,
-            sun_aperture: 2f32.to_radians(),
+            // So large that the integral of the density does not miss it.
+            sun_aperture: 40f32.to_radians(),
             limb_darkening: false,
         },
         world_from_local: Mat3::IDENTITY,

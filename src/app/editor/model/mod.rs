@@ -280,7 +280,10 @@ impl Inspected {
     pub(crate) fn has_side(&self, side: MediumSide) -> bool {
         match side {
             MediumSide::Interior | MediumSide::Exterior => self.shape.as_ref().is_some_and(|shape| !shape.is_frame()),
-            MediumSide::Around => self.sensor.is_some() || self.emitter.is_some(),
+            MediumSide::Around => {
+                let is_in_space = |emitter: &Emitter| !emitter.is_marker();
+                self.sensor.is_some() || self.emitter.as_ref().is_some_and(is_in_space)
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::caption::Caption;
-use super::section::section_with;
+use super::section::section;
 use super::{color_field, component, fields};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::properties::{PropertyChange, PropertyEdit, PropertyOwner};
@@ -57,7 +57,7 @@ pub(super) fn properties_section(
             .into(),
         );
     };
-    section_with(ui, title, !properties.is_empty(), |ui| {
+    section(ui, title, |ui| {
         for (name, value) in properties.iter() {
             ui.push_id(name, |ui| {
                 if let Some(change) = property_row(ui, name, value, model) {
