@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use bevy::prelude::*;
 
@@ -11,6 +11,7 @@ use super::search::Search;
 use crate::color::Rgb;
 use crate::engine::placing::{FoundLamps, LampSearch, NoPlace};
 use crate::engine::{Lamps, LightGroup, PackedScene, RenderControl, WakeUp};
+use crate::render::breakdown::Progress;
 use crate::render::lamps_alone::{Quantity, light_of_pixels};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
@@ -118,7 +119,7 @@ impl StrokeLux {
     }
 }
 
-fn measure(question: LuxQuestion, cancel: &AtomicBool) -> Option<LuxLight> {
+fn measure(question: LuxQuestion, progress: &Progress) -> Result<LuxLight, String> {
     let of_group = |group: &LightGroup| {
         let lights: Vec<_> = group
             .entities
@@ -132,13 +133,13 @@ fn measure(question: LuxQuestion, cancel: &AtomicBool) -> Option<LuxLight> {
             Quantity::Irradiance,
             &question.pixels,
             LUX_SAMPLES,
-            cancel,
+            progress.flag(),
         )
     };
-    let groups = question.groups.iter().map(of_group).collect::<Option<_>>()?;
-    Some(LuxLight {
+    let groups = question.groups.iter().map(of_group).collect::<Option<_>>();
+    Ok(LuxLight {
         number: question.pixels.iter().copied().zip(0..).collect(),
-        groups,
+        groups: groups.ok_or("the search was given up")?,
         question,
     })
 }
@@ -162,7 +163,7 @@ impl LampPlacing {
     pub fn start(&mut self, search: LampSearch, revision: u64, control: &RenderControl, wake_up: &WakeUp) {
         self.done = Arc::default();
         let (done, wake) = (self.done.clone(), wake_up.clone());
-        let find = move |_: u64, cancel: &AtomicBool| {
+        let find = move |_: u64, progress: &Progress| {
             let mut watch = |share: f64, _: f64| {
                 let share = (1000.0 * share) as u32;
                 // A repaint for every percent.
@@ -172,7 +173,7 @@ impl LampPlacing {
                     wake();
                 }
             };
-            Some(search.run(cancel, &mut watch))
+            Ok(search.run(progress.flag(), &mut watch))
         };
         self.search.start(revision, control.threads.get(), wake_up, find);
     }

@@ -30,6 +30,11 @@ impl Progress {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
+    /// The flag that ends the search when it is set.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.cancel
+    }
+
     /// Whether the search is given up.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
