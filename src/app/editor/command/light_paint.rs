@@ -61,7 +61,7 @@ pub struct Proposal {
     /// Sentences about what would change, what is not met, and what limits it.
     pub notes: Vec<String>,
     /// The state of the painting that it is for.
-    pub(crate) revision: u64,
+    pub revision: u64,
 }
 
 /// Where a lamp would be.
