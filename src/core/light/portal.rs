@@ -2,9 +2,9 @@
 //! the solid angles under which they are seen; a share stays with the density of the sky itself, so that what comes in
 //! elsewhere is found as well.
 //!
-//! A portal counts at the places that it may light ([`learn`]). With the weights `w`, solid angles `s` and shares `a` of
-//! those that count at a place, portal `k` is chosen with the probability `a_k w_k s_k / sum(w s)`, so that a direction
-//! through some of them has the density `sum(a w) / sum(w s)`, whichever was chosen.
+//! A portal counts at the places that it may light ([`learn`]). With the weights `w`, solid angles `s` and shares `a`
+//! of those that count at a place, portal `k` is chosen with the probability `a_k w_k s_k / sum(w s)`, so that a
+//! direction through some of them has the density `sum(a w) / sum(w s)`, whichever was chosen.
 
 mod learn;
 
