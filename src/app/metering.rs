@@ -33,6 +33,8 @@ pub fn meters_among<'a>(emitters: impl Iterator<Item = MeterParts<'a>>) -> Vec<(
         .into_iter()
         .map(|((entity, _, emitter, to_world, name), (kind, limits))| {
             let label = emitter.info().label;
+            // The name of a thing without an id is its plugin.
+            let name = name.filter(|name| name.as_str() != emitter.plugin());
             let name = name.map(|name| name.as_str().to_owned()).unwrap_or_else(|| {
                 let number = nameless.entry(label).or_default();
                 *number += 1;

@@ -90,7 +90,8 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     true
 }
 
-/// The numbers of errors and warnings, including those of the engine, of probes and of meters, such as "2 errors, 1 warning".
+/// The numbers of errors and warnings, including those of the engine, of probes and of meters, such as "2 errors, 1
+/// warning".
 fn summary(status: &SceneStatus, engine: &RenderStatus, faults: usize) -> String {
     let all = status.all_diagnostics();
     let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));

@@ -131,8 +131,9 @@ fn the_upward_axis_is_said_and_can_be_chosen() {
     assert_eq!(output.status.code(), Some(0), "{told}");
     let json: serde_json::Value = serde_json::from_str(&said).expect("JSON");
     assert_eq!(json["up"], serde_json::json!([0.0, -1.0, 0.0]));
-    // The sky is below the floor.
-    assert_eq!(json["meters"][0]["points"][0]["illuminance"]["lux"], 0.0);
+    // The sky is below the floor but for what pictures smooth at the horizon.
+    let lux = json["meters"][0]["points"][0]["illuminance"]["lux"].as_f64();
+    assert!(lux.is_some_and(|lux| lux < 1.0), "{lux:?}");
     let (output, _, told) = measure(&scene, &["--daylight-factor", "--up", "w"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(told.contains("expected x, y, z, -x, -y or -z"), "{told}");

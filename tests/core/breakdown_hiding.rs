@@ -193,7 +193,7 @@ fn variance_of_scores(values: &[[f64; 2]]) -> f64 {
 const SEEDS: u32 = 200;
 
 /// Enough for sums of rare bright samples to be nearly normal.
-const SAMPLES: u32 = 256;
+const SAMPLES: u32 = 2048;
 
 /// Errors of 32 batches have 31 degrees of freedom, with which the variance of scores is 31 / 29. That of 200 seeds
 /// deviates by 0.1 from it, and by four times that once in ten thousand cases.

@@ -129,7 +129,7 @@ fn order_frame(app: &mut App) {
                 (
                     model::inspection::gather_selection,
                     model::gather_light::gather_light_figures,
-                    model::game_types::gather_game_types,
+                    model::gather_game_types::gather_game_types,
                 )
                     .chain(),
                 model::thumbnails::update_thumbnails,

@@ -299,7 +299,8 @@ impl Blueprint {
         }
     }
 
-    /// Reads a blueprint written by [`Self::write`], without its division, which headers of files have. All numbers are finite, and all texels lie inside their pages.
+    /// Reads a blueprint written by [`Self::write`], without its division, which headers of files have. All numbers are
+    /// finite, and all texels lie inside their pages.
     pub(super) fn read(bytes: &mut Reader) -> Result<Self, Damaged> {
         let level = take_blob(bytes)?.to_vec();
         let light = match bytes.flag()? {

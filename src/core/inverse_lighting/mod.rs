@@ -3,8 +3,8 @@
 //! Light is linear in the lamps, so that with the light of each lamp in a layer of its own this is a linear
 //! least-squares problem with limits (Schoeneman, Dorsey, Smits, Arvo and Greenberg, "Painting with Light", SIGGRAPH
 //! 1993). [`Observations`] hold the light of the lamps at places of the picture, and the light that is wanted there;
-//! [`solve`] finds the gains; [`Painting`] makes observations of brush strokes and a picture; [`place`] looks for numbers
-//! that light is not linear in, such as places of lamps and the hour of the sun.
+//! [`solve`] finds the gains; [`Painting`] makes observations of brush strokes and a picture; [`place`] looks for
+//! numbers that light is not linear in, such as places of lamps and the hour of the sun.
 
 mod coverage;
 mod observations;

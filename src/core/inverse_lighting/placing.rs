@@ -79,8 +79,8 @@ struct Point<T> {
 /// of, and an error to end the search. `watch` gets the share of the work that is done at least, from 0 to 1, and the
 /// error so far. Ok(None) if the present place has no light to speak of.
 ///
-/// The search ends when steps may be no longer than a thousandth of what is allowed, when a step lowers the error by less than
-/// a thousandth, or after 40 steps.
+/// The search ends when steps may be no longer than a thousandth of what is allowed, when a step lowers the error by
+/// less than a thousandth, or after 40 steps.
 pub fn place<T, Stop>(
     ranges: &[Range],
     light: &mut dyn FnMut(&[f64]) -> Result<Option<Tried<T>>, Stop>,

@@ -148,7 +148,8 @@ impl TextureTable {
         self.projects
     }
 
-    /// The number of pictures, and the bytes of memory that they take. A picture that several textures share counts once.
+    /// The number of pictures, and the bytes of memory that they take. A picture that several textures share counts
+    /// once.
     pub fn pictures(&self) -> (usize, u64) {
         let mut pictures: HashMap<*const Image, u64> = HashMap::new();
         for texture in &self.textures {

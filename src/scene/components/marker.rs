@@ -13,8 +13,6 @@ use crate::scene::{Emitter, ItemType};
 
 /// The `default` with the form of a marker.
 pub(crate) const FORM: &str = "marker: form";
-/// The type of [`FORM`], which no property has.
-pub(in crate::scene) const FORM_TYPE: &str = "form";
 /// The prefix of the plugins of markers; what follows is the form in the file.
 const PREFIX: &str = "marker";
 
@@ -146,8 +144,8 @@ fn is_set(properties: Option<&Properties>, name: &str) -> bool {
     value == Some(&PropertyValue::One(PropertyItem::Boolean(true)))
 }
 
-/// The line of a path through its points in its own space. A smooth one is a Catmull-Rom spline (Catmull and Rom, 1974),
-/// with the end points doubled unless it is closed.
+/// The line of a path through its points in its own space. A smooth one is a Catmull-Rom spline (Catmull and Rom,
+/// 1974), with the end points doubled unless it is closed.
 pub fn line_of(properties: Option<&Properties>) -> Vec<Vec3> {
     let points = points_of(properties);
     let is_closed = is_set(properties, CLOSED) && points.len() > 2;

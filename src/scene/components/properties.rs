@@ -10,11 +10,13 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use smol_str::SmolStr;
 
-use super::marker::FORM_TYPE;
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::{format_float, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3, quote};
 use crate::document::{Diagnostics, Object, Property, Severity, Span, Value, property_name};
+
+/// The type of [`FORM`], which no property has.
+pub(in crate::scene) const FORM_TYPE: &str = "form";
 
 /// The properties of a thing by their names. A thing without properties has none of these.
 #[derive(Component, Clone, Debug, Default, PartialEq)]

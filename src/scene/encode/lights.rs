@@ -5,8 +5,8 @@ use std::path::Path;
 use bevy::math::Affine3A;
 use glam::Vec3;
 
+use super::FRAME;
 use super::into_object::{declared, with, with_float, with_string, with_to_world, with_view};
-use super::objects::FRAME;
 use crate::document::{Category, Object, Value};
 use crate::scene::components::emitter::frame_along;
 use crate::scene::components::marker::FORM;

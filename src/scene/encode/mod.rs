@@ -9,6 +9,9 @@ pub mod poses;
 use crate::document::Object;
 use crate::scene::Properties;
 
+/// The plugin as which a folder's transform is written.
+pub const FRAME: &str = "constvolume";
+
 /// The plugin with the properties of the thing.
 pub fn with_properties(mut object: Object, properties: Option<&Properties>) -> Object {
     object

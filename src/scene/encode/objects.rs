@@ -5,6 +5,7 @@ use std::path::Path;
 
 use bevy::math::Affine3A;
 
+use super::FRAME;
 use super::into_object::{
     declared, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string, with_to_world,
     with_view,
@@ -34,9 +35,6 @@ fn phase(function: &PhaseFunction, folder: &Path) -> Object {
     let inside = function.inside().iter().map(|part| phase(part, folder));
     inside.fold(object, with_child)
 }
-
-/// The plugin as which a folder's transform is written.
-pub const FRAME: &str = "constvolume";
 
 /// `angles`: the rotation angles, if known. `folder`: the folder of the written file, to which the mesh's name is
 /// relative.

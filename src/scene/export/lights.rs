@@ -205,7 +205,7 @@ impl Stage<'_> {
         let is_point = about.emitter.kind == EmitterKind::MarkerPoint;
         // What is sheared stands straight, since a node cannot be sheared.
         let straight = |map: &Affine3A| pose_of(map).map(|_| *map).or_else(|| rigid(map));
-        // The direction of a point is -z, as that of lights and cameras of glTF. Other forms have an extent of their own.
+        // The direction of a point is -z, as of lights and cameras of glTF. Other forms have an extent of their own.
         let turned = |map: &Affine3A| match is_point {
             true => Some(straight(map)? * Affine3A::from_rotation_y(PI)),
             false => straight(map),

@@ -37,7 +37,7 @@ use crate::scene::components::description::{DeclarationPlace, SceneDescription};
 use crate::scene::components::keys::{MOST_TRACKS, is_part, track_count};
 use crate::scene::components::marker::FORM;
 use crate::scene::components::missing;
-use crate::scene::encode::objects::FRAME;
+use crate::scene::encode::FRAME;
 use crate::scene::{AuthoredScene, LengthUnit, LightUnits, Properties, SceneProperties};
 
 /// Reads the whole document; problems are added to its diagnostics.

@@ -14,7 +14,7 @@ use super::scene_reader::{SceneReader, angles_of};
 use crate::document::{Category, Object, Reader};
 use crate::scene::components::description::{DeclarationPlace, SceneDescription, ShapeDescription};
 use crate::scene::components::medium::{EXTERIOR, INTERIOR};
-use crate::scene::encode::objects::{self, FRAME};
+use crate::scene::encode::{FRAME, objects};
 use crate::scene::{FileKind, MeshFile, MeshFormat, Shape, ShapeKind, Solid};
 
 /// The shapes of Mitsuba, also of old versions, that this program lacks.

@@ -8,6 +8,7 @@ pub mod freedom;
 pub mod game_types;
 pub(crate) mod gather;
 pub(crate) mod gather_bake;
+pub(crate) mod gather_game_types;
 pub(crate) mod gather_light;
 pub(crate) mod gather_meters;
 pub(crate) mod inspected_media;

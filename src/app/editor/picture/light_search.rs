@@ -93,7 +93,8 @@ impl StrokeLux {
         }
     }
 
-    /// The irradiance at these pixels of a picture of the packed scene. None if it is being measured, which begins here.
+    /// The irradiance at these pixels of a picture of the packed scene. None if it is being measured, which begins
+    /// here.
     pub fn at(
         &mut self,
         pixels: Vec<UVec2>,

@@ -194,8 +194,8 @@ impl Held {
         }
     }
 
-    /// The place of the point with the pointer here: in the level plane through it, or above it. None where the plane is
-    /// seen from its edge.
+    /// The place of the point with the pointer here: in the level plane through it, or above it. None where the plane
+    /// is seen from its edge.
     fn place(&self, screen: &Screen, up: Vec3, pointer: Pos2, step: f32, is_upwards: bool) -> Option<Vec3> {
         let start = self.points[self.number];
         let normal = match is_upwards {
