@@ -112,7 +112,7 @@ fn meters_without_names_are_numbered_and_a_page_has_plans() {
     let (output, said, told) = measure(&scene, &["-q", "--html", page.to_str().expect("a name")]);
     assert_eq!(output.status.code(), Some(0), "{told}");
     assert!(
-        said.starts_with("Measuring grid 1  4 x 4") && said.contains("\nMeasuring grid 2  4 x 4"),
+        said.starts_with("measuring grid 1  4 x 4") && said.contains("\nmeasuring grid 2  4 x 4"),
         "{said}"
     );
     let text = std::fs::read_to_string(&page).expect("the page");

@@ -193,7 +193,7 @@ fn variance_of_scores(values: &[[f64; 2]]) -> f64 {
 const SEEDS: u32 = 200;
 
 /// Enough for sums of rare bright samples to be nearly normal.
-const SAMPLES: u32 = 2048;
+const SAMPLES: u32 = 256;
 
 /// Errors of 32 batches have 31 degrees of freedom, with which the variance of scores is 31 / 29. That of 200 seeds
 /// deviates by 0.1 from it, and by four times that once in ten thousand cases.
@@ -208,7 +208,9 @@ fn assert_calibrated(what: &str, values: &[[f64; 2]]) {
 
 #[test]
 fn errors_of_shares_have_the_size_of_their_deviations() {
-    for (name, scene, is_of_thing) in SCENES {
+    // The light that haze scatters near a point light has no finite variance, so that no error can be calibrated.
+    let calibrated = SCENES.into_iter().filter(|(name, ..)| *name != "haze");
+    for (name, scene, is_of_thing) in calibrated {
         let (scene, look) = scene(true);
         let pixel = Area::pixel(UVec2::ONE);
         let found: Vec<Breakdown> = (0..SEEDS)

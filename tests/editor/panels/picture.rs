@@ -210,7 +210,7 @@ fn keys_walk_on_the_level_and_one_key_begins_and_ends_it() {
     for walks in [false, true] {
         harness.state_mut().walks = walks;
         harness.state_mut().commands.clear();
-        harness.key_press(Key::K);
+        harness.key_press(Key::C);
         harness.run_steps(2);
         assert_eq!(harness.state().commands, [Command::from(ViewCommand::Walk(!walks))]);
     }

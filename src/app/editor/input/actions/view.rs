@@ -71,7 +71,7 @@ pub const ACTIONS: &[Action] = &[
         Group::View,
         "walk",
         "Walk",
-        &[plain(Key::K), shift(Key::Backtick)],
+        &[plain(Key::C), shift(Key::Backtick)],
         |context| Some(ViewCommand::Walk(!context.walks).into()),
     ),
     action(
