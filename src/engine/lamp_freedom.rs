@@ -223,7 +223,7 @@ impl FreeLamp {
                 }
                 LampChange::Sun(Box::new(SunSky {
                     sun: SunPosition::PlaceAndTime(at),
-                    ..(**sky).clone()
+                    ..**sky
                 }))
             }
         }
@@ -286,7 +286,7 @@ fn sun(world: &World, entity: Entity, hours: Option<[f32; 2]>, day: bool) -> Res
     };
     match sky.sun {
         SunPosition::PlaceAndTime(at) => Ok(Kind::Sun {
-            sky: Box::new(sky.clone()),
+            sky: Box::new(*sky),
             at,
             hours,
             day,

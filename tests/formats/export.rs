@@ -459,7 +459,7 @@ fn lamps_keep_the_files_of_their_intensities() {
     // glTF has no EULUMDAT: the closest standard light takes its place, as a message says.
     shop.put(
         "scene.xml",
-        &scene(&[CAMERA, &lamp("even", "without_symmetry.ldt", "")].concat()),
+        scene(&[CAMERA, &lamp("even", "without_symmetry.ldt", "")].concat()),
     );
     let said = shop.convert("scene.xml", "other.glb");
     assert!(

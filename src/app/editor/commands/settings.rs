@@ -79,7 +79,7 @@ fn accept_lamps(edit: &mut Edit) -> Result<(), CommandError> {
             (Placement::Pose(pose), _) => set_pose(edit, *lamp, *pose),
             (Placement::Sun(sky), Some(emitter)) => {
                 let emitter = Emitter {
-                    kind: EmitterKind::SunSky((**sky).clone()),
+                    kind: EmitterKind::SunSky(**sky),
                     ..emitter.clone()
                 };
                 edit.set(*lamp, emitter);

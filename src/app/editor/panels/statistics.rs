@@ -103,11 +103,9 @@ pub fn statistics(
     let figures = state.figures(scene, &packed.entity_of_instance);
     fields::note(ui, "Shapes", grouped(figures.shapes as u64));
     fields::note(ui, "Triangles", grouped(scene.geometry.triangles()));
-    let kept = format!(
-        "{} in {} meshes",
-        grouped(figures.kept_triangles),
-        grouped(figures.meshes as u64)
-    );
+    let noun = if figures.meshes == 1 { "mesh" } else { "meshes" };
+    let [kept, meshes] = [figures.kept_triangles, figures.meshes as u64].map(grouped);
+    let kept = format!("{kept} in {meshes} {noun}");
     fields::note(ui, "In memory", kept);
     fields::note(ui, "Hierarchies", size_text(scene.geometry.bytes() as u64));
     fields::note(ui, "Materials", grouped(things.materials.len() as u64));

@@ -125,7 +125,7 @@ fn lamp(words: &[&str]) -> Result<LampChoice, ScriptError> {
             }
             [word, ..] => {
                 let known = ["colour", "move", "turn", "hours", "any-day"];
-                return Err(unknown("freedom of lamps, or its numbers,", word, known.into_iter()));
+                return Err(unknown("freedom of lamps, or its numbers,", word, known));
             }
         };
     }
