@@ -68,7 +68,8 @@ pub struct SurfaceTable {
 
 impl RenderScene {
     /// The scene with these lights in place of all of its own, and of the light of media, and with its portals.
-    /// Surfaces do not shine when paths come upon them: the emitting shapes among `sources` light by being sampled alone.
+    /// Surfaces do not shine when paths come upon them: the emitting shapes among `sources` light by being sampled
+    /// alone.
     pub fn lit_by(&self, sources: &[WeightedSource]) -> Self {
         let dark = |slot: &SurfaceSlot| SurfaceSlot { light: None, ..*slot };
         let portals = self.lights.all_portals();

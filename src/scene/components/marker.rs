@@ -1,5 +1,5 @@
-//! Markers: places of a level that are not seen, for the code of a game. A marker is an [`Emitter`] that gives no light,
-//! with the form as its kind; its type, and the points of a path, are properties.
+//! Markers: places of a level that are not seen, for the code of a game. A marker is an [`Emitter`] that gives no
+//! light, with the form as its kind; its type, and the points of a path, are properties.
 //!
 //! In the file a marker is a volume that nothing refers to, which Mitsuba reads and ignores, with
 //! `<default name="marker: form" value="box"/>` inside.
