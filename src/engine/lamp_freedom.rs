@@ -17,7 +17,7 @@ const MINUTE: f64 = 1.0 / 60.0;
 /// The days over which the sun's path changes enough to measure.
 const DAYS: f64 = 4.0;
 
-/// What of a lamp may change besides its strength and colour.
+/// The quantities of a lamp that may change besides its strength and colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LampFreedom {
     /// How far it may move from its place, in units of the world; at least 0.

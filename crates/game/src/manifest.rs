@@ -114,9 +114,9 @@ pub struct LightmapLayer {
 pub struct ReflectionLayer {
     /// The index of the probe.
     pub probe: usize,
-    /// As [`ReflectionFiles::specular`].
+    /// The layer's part of [`ReflectionFiles::specular`].
     pub specular: String,
-    /// As [`ReflectionFiles::diffuse`].
+    /// The layer's part of [`ReflectionFiles::diffuse`].
     pub diffuse: String,
 }
 
@@ -125,7 +125,7 @@ pub struct ReflectionLayer {
 pub struct VolumeLayer {
     /// The index of the volume.
     pub volume: usize,
-    /// As [`VolumeFiles::ktx2`].
+    /// The layer's part of [`VolumeFiles::ktx2`].
     pub ktx2: String,
 }
 

@@ -73,7 +73,7 @@ impl Places {
         }
     }
 
-    /// As [`LampLight::at`]; None for other pixels.
+    /// The same light as [`LampLight::at`] gives; None for other pixels.
     pub fn at(&self, x: u32, y: u32, light: &mut [Rgb]) -> Option<Seen> {
         let number = *self.number.get(&UVec2::new(x, y))?;
         let seen = self.seen[number]?;

@@ -1,4 +1,4 @@
-//! Which places portals light, and how much sampling through them is worth there.
+//! Finds the places that portals light, and the share of samples that should go through the portals there.
 //!
 //! Rays from a portal find the surfaces that see it. From some of these, samples of the sky and through the portals
 //! tell the second moment of either and of their mixtures, and with it the best share of each. It is 0 where there is

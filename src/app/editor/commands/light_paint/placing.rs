@@ -80,7 +80,7 @@ pub(super) fn begin(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Ends a search that nobody waits for any more.
+/// Ends a search whose result is no longer wanted.
 pub(super) fn forget(world: &mut World) {
     let placing = world.get_resource_mut::<LampPlacing>();
     if let Some(mut placing) = placing.filter(|placing| placing.progress().is_some()) {
